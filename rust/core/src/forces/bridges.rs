@@ -1,0 +1,100 @@
+//! Bridges: stiff links of zero length that hold two nodes of neighbouring petals together.
+//!
+//!     U = k/2 |x_j - x_i|^2   [J],      F_i = k (x_j - x_i)   [N]
+//!
+//! Linear, and without the direction that a spring of no length would lack.
+
+use super::Law;
+use crate::lanes::{Lanes, dot, negate, scale, sub};
+use crate::layout::Elements;
+use crate::model::Assembly;
+use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::width::{Sweep, Width};
+
+/// The law: all links, of one stiffness, eight to a group.
+pub(super) struct Bridges {
+    elements: Elements<2>,
+    /// k [N/m].
+    stiffness: Vec<Lanes>,
+    width: Width,
+}
+
+impl Bridges {
+    pub(super) fn new(assembly: &Assembly) -> Self {
+        let pairs = assembly.layout.inward_pairs(assembly.model.bridges.iter().copied());
+        let elements = Elements::new(&pairs, assembly.masses.len());
+        let stiffness = elements.pack(0.0, |_| assembly.model.bridge_stiffness);
+        Self { elements, stiffness, width: assembly.width }
+    }
+
+    fn pull(&self, positions: &Vectors, out: &mut Vectors, sign: f64) {
+        self.width.run(Pull { bridges: self, positions: columns(positions), out: columns_mut(out), sign });
+    }
+}
+
+/// Adds sign k (x_j - x_i) to the first end of each link, and its opposite to the second.
+struct Pull<'a> {
+    bridges: &'a Bridges,
+    positions: [&'a [f64]; 3],
+    out: [&'a mut [f64]; 3],
+    sign: f64,
+}
+
+impl Pull<'_> {
+    #[inline(always)]
+    fn part<const LOOSE: bool>(&mut self) {
+        let Bridges { elements, stiffness, .. } = self.bridges;
+        for group in elements.groups::<LOOSE>() {
+            let [a, b] = elements.read::<LOOSE>(self.positions, group);
+            let pull = scale(Lanes::all(self.sign) * stiffness[group], sub(b, a));
+            elements.add::<LOOSE>(&mut self.out, group, [pull, negate(pull)]);
+        }
+    }
+}
+
+impl Sweep for Pull<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(mut self) {
+        self.part::<false>();
+        self.part::<true>();
+    }
+}
+
+impl Law for Bridges {
+    fn name(&self) -> &'static str {
+        "bridges"
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.pull(at.positions, forces, 1.0);
+        0.0
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let x = columns(at.positions);
+        let energies = (0..self.elements.group_count()).map(|group| {
+            let [a, b] = self.elements.read_any(x, group);
+            let d = sub(b, a);
+            (self.stiffness[group] * dot(d, d)).sum()
+        });
+        0.5 * energies.sum::<f64>()
+    }
+
+    fn add_stiffness_product(&self, _at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
+        self.pull(p, out, -1.0);
+    }
+
+    fn share_in_runs(&self) -> Option<f64> {
+        Some(self.elements.share_in_runs())
+    }
+
+    fn cure(&self) -> &'static str {
+        "use a smaller dt or softer bridges"
+    }
+}

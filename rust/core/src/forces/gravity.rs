@@ -1,0 +1,72 @@
+//! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
+//!
+//! In the frame that has turned by phi = integral of Omega, g's components turn by -phi; unless g lies along the axis, U
+//! then depends on time, and its partial derivative sum m (Omega x g) . x counts as work done on the system.
+
+use super::{Law, Spin};
+use crate::error::Result;
+use crate::model::{Assembly, finite};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+
+/// The law.
+pub(super) struct Gravity {
+    /// g in inertial space [m/s2].
+    acceleration: [f64; 3],
+    spin: Spin,
+    masses: Vec<f64>,
+}
+
+impl Gravity {
+    pub(super) fn new(acceleration: [f64; 3], spin: Spin, assembly: &Assembly) -> Result<Self> {
+        for component in acceleration {
+            finite("acceleration of gravity [m/s2]", component)?;
+        }
+        Ok(Self { acceleration, spin, masses: assembly.masses.clone() })
+    }
+
+    /// g in the turning frame [m/s2].
+    fn turned(&self, time: f64) -> [f64; 3] {
+        let (sine, cosine) = self.spin.angle_at(time).sin_cos();
+        let [x, y, z] = self.acceleration;
+        [cosine * x + sine * y, cosine * y - sine * x, z]
+    }
+
+    /// sum m x [kg m].
+    fn moment(&self, positions: &Vectors) -> [f64; 3] {
+        columns(positions).map(|column| column.iter().zip(&self.masses).map(|(x, m)| m * x).sum())
+    }
+}
+
+impl Law for Gravity {
+    fn name(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let g = self.turned(at.time);
+        for (column, g) in columns_mut(forces).into_iter().zip(g) {
+            for (force, mass) in column.iter_mut().zip(&self.masses) {
+                *force += mass * g;
+            }
+        }
+        let rate = self.spin.rate_at(at.time);
+        if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
+            return 0.0;
+        }
+        let [x, y, _] = self.moment(at.positions);
+        rate * (g[0] * y - g[1] * x)
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let (g, moment) = (self.turned(at.time), self.moment(at.positions));
+        -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
+    }
+
+    fn cure(&self) -> &'static str {
+        "check gravity, and that what should hang is held"
+    }
+}

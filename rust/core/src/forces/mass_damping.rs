@@ -1,0 +1,53 @@
+//! Damping of all motion relative to the turning frame, F = -rate m v \[N\]: a numerical means to bring a stowed sail
+//! to rest, not a property of film or air.
+
+use super::Law;
+use crate::error::Result;
+use crate::model::{Assembly, non_negative};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+
+/// The law.
+pub(super) struct MassDamping {
+    /// rate * m of each node [kg/s].
+    coefficients: Vec<f64>,
+}
+
+impl MassDamping {
+    pub(super) fn new(rate: f64, assembly: &Assembly) -> Result<Self> {
+        non_negative("rate of mass damping [1/s]", rate)?;
+        Ok(Self { coefficients: assembly.masses.iter().map(|mass| rate * mass).collect() })
+    }
+}
+
+impl Law for MassDamping {
+    fn name(&self) -> &'static str {
+        "mass_damping"
+    }
+
+    fn is_conservative(&self) -> bool {
+        false
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let mut power = 0.0;
+        for (force, velocity) in columns_mut(forces).into_iter().zip(columns(at.velocities)) {
+            for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients) {
+                *f -= c * v;
+                power -= c * v * v;
+            }
+        }
+        power
+    }
+
+    fn add_damping_product(&self, _at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
+        for (out, p) in columns_mut(out).into_iter().zip(columns(p)) {
+            for ((out, p), c) in out.iter_mut().zip(p).zip(&self.coefficients) {
+                *out += c * p;
+            }
+        }
+    }
+
+    fn cure(&self) -> &'static str {
+        "use a smaller dt or a smaller rate of mass damping"
+    }
+}

@@ -1,0 +1,148 @@
+//! The laws of force, one per file, and the one list of them.
+
+mod air_drag;
+mod bridges;
+mod creases;
+mod gravity;
+mod mass_damping;
+mod rotating_frame;
+mod spool_contact;
+mod spring_damping;
+mod springs;
+
+use crate::error::Result;
+use crate::model::Assembly;
+use crate::state::{Instant, Vectors};
+
+pub use air_drag::{AirDragParameters, AirMotion};
+pub use creases::CreaseParameters;
+pub use rotating_frame::Spin;
+pub use spool_contact::SpoolContactParameters;
+pub use springs::SpringParameters;
+
+/// A law: what it does to nodes that are where they are and move as they move.
+///
+/// All arrays are in the core's numbering.
+pub trait Law: Send + Sync {
+    /// The name that scenes, errors and energies use.
+    fn name(&self) -> &'static str;
+
+    /// Adds the forces \[N\], and returns the rate at which the law changes the mechanical energy \[W\]: the power
+    /// of forces without a potential, plus the partial time derivative of a potential that depends on time.
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64;
+
+    /// Whether the law's forces derive from a potential (which may depend on time).
+    fn is_conservative(&self) -> bool;
+
+    /// The potential energy \[J\]; 0 for a law that has none.
+    fn energy(&self, _at: Instant<'_>) -> f64 {
+        0.0
+    }
+
+    /// Adds K p, with K the stiffest linearisation that the law can show at these positions \[N\].
+    fn add_stiffness_product(&self, _at: Instant<'_>, _p: &Vectors, _out: &mut Vectors) {}
+
+    /// Adds C p, with C the damping matrix \[N\] for velocities p \[m/s\].
+    fn add_damping_product(&self, _at: Instant<'_>, _p: &Vectors, _out: &mut Vectors) {}
+
+    /// The first element that is beyond the bound its user set.
+    fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
+        None
+    }
+
+    /// What there is to read off each element, in the caller's order.
+    fn readings(&self, _at: Instant<'_>) -> Readings {
+        Readings::None
+    }
+
+    /// Share of the law's elements that kernels reach in straight runs; `None` for a law without elements.
+    fn share_in_runs(&self) -> Option<f64> {
+        None
+    }
+
+    /// What a user can do when this law lets a run fail.
+    fn cure(&self) -> &'static str;
+}
+
+/// An element beyond its bound: nodes in the core's numbering, and what happened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excess {
+    /// The ends of the element.
+    pub nodes: [u32; 2],
+    /// In words and numbers.
+    pub what: String,
+}
+
+/// One number (or two) per element, in the caller's order.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Readings {
+    /// Nothing to read.
+    None,
+    /// Springs: engineering strain, and whether the spring is buckled (shorter than its critical length).
+    Springs {
+        /// Engineering strain.
+        strain: Vec<f64>,
+        /// Shorter than the critical length.
+        buckled: Vec<bool>,
+    },
+    /// Creases: the crease angle, pi flat, 0 shut \[rad\].
+    Creases {
+        /// Crease angle \[rad\].
+        angle: Vec<f64>,
+    },
+}
+
+/// A law with its parameters, before it meets a mesh. This is the one list of laws that a scene chooses from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LawSpec {
+    /// In-plane elasticity with buckling, eqs. (1) and (2).
+    Springs(SpringParameters),
+    /// Dashpots along all springs; the damping ratio.
+    SpringDamping(f64),
+    /// Crease stiffness and contact of the wings, eqs. (3) and (4).
+    Creases(CreaseParameters),
+    /// Drag of the residual air, eq. (5).
+    AirDrag(AirDragParameters),
+    /// The frame that turns with the hub.
+    Spin(Spin),
+    /// Weight, as an acceleration fixed in inertial space \[m/s2\].
+    Gravity([f64; 3]),
+    /// Nodes kept outside the spool.
+    SpoolContact(SpoolContactParameters),
+    /// Damping of all motion relative to the turning frame; the rate \[1/s\].
+    MassDamping(f64),
+}
+
+/// How the hub of a scene turns: at rest without that law.
+pub fn spin_of(specs: &[LawSpec]) -> Spin {
+    let mut spins = specs.iter().filter_map(|spec| if let LawSpec::Spin(spin) = spec { Some(*spin) } else { None });
+    spins.next_back().unwrap_or_default()
+}
+
+/// Builds the laws of a scene; tethers and bridges follow from the model's own parts.
+///
+/// # Errors
+/// `OutOfRange` for a parameter, `DampingOnNegativeSpring`, `DegenerateTriangle`.
+pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
+    let spin = spin_of(specs);
+    let mut laws: Vec<Box<dyn Law>> = Vec::new();
+    for spec in specs {
+        laws.push(match *spec {
+            LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly)?),
+            LawSpec::SpringDamping(ratio) => Box::new(spring_damping::SpringDamping::new(ratio, assembly)?),
+            LawSpec::Creases(parameters) => Box::new(creases::Creases::new(parameters, assembly)?),
+            LawSpec::AirDrag(parameters) => Box::new(air_drag::AirDrag::new(parameters, spin, assembly)?),
+            LawSpec::Spin(spin) => Box::new(rotating_frame::RotatingFrame::new(spin, assembly)?),
+            LawSpec::Gravity(acceleration) => Box::new(gravity::Gravity::new(acceleration, spin, assembly)?),
+            LawSpec::SpoolContact(parameters) => Box::new(spool_contact::SpoolContact::new(parameters, assembly)?),
+            LawSpec::MassDamping(rate) => Box::new(mass_damping::MassDamping::new(rate, assembly)?),
+        });
+    }
+    if !assembly.model.cords.is_empty() {
+        laws.push(Box::new(springs::Springs::tethers(assembly)));
+    }
+    if !assembly.model.bridges.is_empty() {
+        laws.push(Box::new(bridges::Bridges::new(assembly)));
+    }
+    Ok(laws)
+}

@@ -1,0 +1,115 @@
+//! The frame that turns with the hub, Omega(t) about z, in Cartesian components:
+//!
+//!     F_x = m (Omega^2 x + 2 Omega y' + Omega' y)
+//!     F_y = m (Omega^2 y - 2 Omega x' - Omega' x)   [N]
+//!
+//! The centrifugal force has the potential U = -Omega^2/2 sum m (x^2 + y^2); the Coriolis force does no work; the Euler
+//! force and the change of U with Omega are counted as work done on the system. The same law as the cylindrical one of
+//! Okuizumi et al. (2012), section 3.5, without its singularity on the axis.
+
+use super::Law;
+use crate::error::Result;
+use crate::model::{Assembly, finite};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::width::{Sweep, Width};
+
+/// How fast the hub turns about z.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spin {
+    /// Omega at t = 0 \[rad/s\].
+    pub rate: f64,
+    /// Omega' \[rad/s2\].
+    pub acceleration: f64,
+}
+
+impl Spin {
+    /// Omega at `time` \[rad/s\].
+    pub fn rate_at(&self, time: f64) -> f64 {
+        self.rate + self.acceleration * time
+    }
+
+    /// The angle that the hub has turned since t = 0 \[rad\].
+    pub fn angle_at(&self, time: f64) -> f64 {
+        (self.rate + 0.5 * self.acceleration * time) * time
+    }
+}
+
+/// The law.
+pub(super) struct RotatingFrame {
+    spin: Spin,
+    masses: Vec<f64>,
+    width: Width,
+}
+
+impl RotatingFrame {
+    pub(super) fn new(spin: Spin, assembly: &Assembly) -> Result<Self> {
+        finite("rate of spin [rad/s]", spin.rate)?;
+        finite("acceleration of spin [rad/s2]", spin.acceleration)?;
+        Ok(Self { spin, masses: assembly.masses.clone(), width: assembly.width })
+    }
+}
+
+/// Adds the forces of the frame, node by node.
+struct Swing<'a> {
+    masses: &'a [f64],
+    x: &'a [f64],
+    y: &'a [f64],
+    u: &'a [f64],
+    v: &'a [f64],
+    fx: &'a mut [f64],
+    fy: &'a mut [f64],
+    rate: f64,
+    acceleration: f64,
+}
+
+impl Sweep for Swing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(self) {
+        let Swing { masses, x, y, u, v, fx, fy, rate, acceleration } = self;
+        let n = masses.len();
+        // Equal lengths, said once, so that the loop needs no check.
+        let (x, y, u, v, fx, fy) = (&x[..n], &y[..n], &u[..n], &v[..n], &mut fx[..n], &mut fy[..n]);
+        let (square, twice) = (rate * rate, 2.0 * rate);
+        for i in 0..n {
+            fx[i] += masses[i] * (square * x[i] + twice * v[i] + acceleration * y[i]);
+            fy[i] += masses[i] * (square * y[i] - twice * u[i] - acceleration * x[i]);
+        }
+    }
+}
+
+impl Law for RotatingFrame {
+    fn name(&self) -> &'static str {
+        "spin"
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
+        let [x, y, _] = columns(at.positions);
+        let [u, v, _] = columns(at.velocities);
+        let [fx, fy, _] = columns_mut(forces);
+        self.width.run(Swing { masses: &self.masses, x, y, u, v, fx, fy, rate, acceleration });
+        if acceleration == 0.0 {
+            return 0.0;
+        }
+        let powers = (0..self.masses.len())
+            .map(|i| self.masses[i] * (y[i] * u[i] - x[i] * v[i] - rate * (x[i] * x[i] + y[i] * y[i])));
+        acceleration * powers.sum::<f64>()
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let rate = self.spin.rate_at(at.time);
+        let [x, y, _] = columns(at.positions);
+        let inertia: f64 = (0..self.masses.len()).map(|i| self.masses[i] * (x[i] * x[i] + y[i] * y[i])).sum();
+        -0.5 * rate * rate * inertia
+    }
+
+    fn cure(&self) -> &'static str {
+        "check the spin frequency, and that what should be held to the hub is held"
+    }
+}

@@ -1,0 +1,118 @@
+//! Structural damping: a dashpot along each spring, tethers included.
+//!
+//!     c = 2 zeta sqrt(k m),  m = (m_i + m_j)/2   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
+//!
+//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing.
+//! Source: Okuizumi et al. (2012), section 3.4.
+
+use super::Law;
+use crate::error::{Error, Result};
+use crate::lanes::{Lanes, dot, negate, scale, sub};
+use crate::layout::{BATCH, Elements};
+use crate::model::{Assembly, non_negative};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::width::{Sweep, Width};
+
+/// The law: one dashpot per spring, eight to a group.
+pub(super) struct SpringDamping {
+    elements: Elements<2>,
+    /// c [N s/m].
+    coefficient: Vec<Lanes>,
+    width: Width,
+}
+
+impl SpringDamping {
+    pub(super) fn new(ratio: f64, assembly: &Assembly) -> Result<Self> {
+        non_negative("damping ratio", ratio)?;
+        let film = assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied());
+        let springs: Vec<_> =
+            film.chain(assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness))).collect();
+        if let Some(&(edge, stiffness)) = springs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
+            return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
+        }
+        let pairs = assembly.layout.inward_pairs(springs.iter().map(|(nodes, _)| *nodes));
+        let elements = Elements::new(&pairs, assembly.masses.len());
+        let coefficient = elements.pack(0.0, |row| {
+            let [i, j] = pairs[row].map(|node| assembly.masses[node as usize]);
+            2.0 * ratio * (springs[row].1 * 0.5 * (i + j)).sqrt()
+        });
+        Ok(Self { elements, coefficient, width: assembly.width })
+    }
+
+    fn resist(&self, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
+        self.width.run(Resist {
+            damping: self,
+            positions: columns(x),
+            velocities: columns(v),
+            out: columns_mut(out),
+            sign,
+        })
+    }
+}
+
+/// Adds -sign C v to `out`, and gives the power of -C v on v.
+struct Resist<'a> {
+    damping: &'a SpringDamping,
+    positions: [&'a [f64]; 3],
+    velocities: [&'a [f64]; 3],
+    out: [&'a mut [f64]; 3],
+    sign: f64,
+}
+
+impl Resist<'_> {
+    #[inline(always)]
+    fn part<const LOOSE: bool>(&mut self) -> Lanes {
+        let SpringDamping { elements, coefficient, .. } = self.damping;
+        let mut power = Lanes::ZERO;
+        for batch in elements.batches::<LOOSE>() {
+            let mut powers = [Lanes::ZERO; BATCH];
+            for (group, power) in batch.zip(&mut powers) {
+                let [a, b] = elements.read::<LOOSE>(self.positions, group);
+                let [u, v] = elements.read::<LOOSE>(self.velocities, group);
+                let d = sub(b, a);
+                let closing = dot(d, sub(v, u));
+                let pull = coefficient[group] * closing / dot(d, d).max(Lanes::all(f64::MIN_POSITIVE));
+                *power = -(pull * closing);
+                let force = scale(Lanes::all(self.sign) * pull, d);
+                elements.add::<LOOSE>(&mut self.out, group, [force, negate(force)]);
+            }
+            powers.iter().for_each(|&of_group| power += of_group);
+        }
+        power
+    }
+}
+
+impl Sweep for Resist<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn sweep(mut self) -> f64 {
+        (self.part::<false>() + self.part::<true>()).sum()
+    }
+}
+
+impl Law for SpringDamping {
+    fn name(&self) -> &'static str {
+        "spring_damping"
+    }
+
+    fn is_conservative(&self) -> bool {
+        false
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.resist(at.positions, at.velocities, forces, 1.0)
+    }
+
+    fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
+        self.resist(at.positions, p, out, -1.0);
+    }
+
+    fn share_in_runs(&self) -> Option<f64> {
+        Some(self.elements.share_in_runs())
+    }
+
+    fn cure(&self) -> &'static str {
+        "use a smaller dt or a smaller damping ratio"
+    }
+}

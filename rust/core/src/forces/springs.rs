@@ -1,0 +1,299 @@
+//! In-plane elasticity: springs along the sides of triangles, which buckle; and tethers, which go slack.
+//!
+//! Spring constants, eq. (1): the energy of a triangle's three springs equals the strain energy of the film in
+//! each of the three uniaxial stress states parallel to a side,
+//!
+//!     A_ij = [1 - (1 - delta_ij) 4 (1 + nu) S^2 / (L_i^2 L_j^2)]^2,   k_i = (E h S / L_i^2) sum_j (A^-1)_ij   [N/m]
+//!
+//! and triangles that share a side add their springs. Buckling, eq. (2): the force stays constant below a critical
+//! length, Euler's strain of a slender column,
+//!
+//!     l_cr = L - alpha pi^2 h^2 / (12 L)   [m],     N(l) = k (max(l, l_cr) - L)   [N], tension positive
+//!
+//! A tether is the same law with l_cr = L: it bears no compression.
+//! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Excess, Law, Readings};
+use crate::error::{Error, Result};
+use crate::lanes::{Lanes, Point, dot, negate, scale, sub};
+use crate::layout::Elements;
+use crate::mesh::{self, Mesh};
+use crate::model::{Assembly, non_negative, positive};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::width::{Sweep, Width};
+
+/// Parameters of the membrane's springs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpringParameters {
+    /// Buckling parameter alpha of eq. (2).
+    pub buckling: f64,
+    /// alpha on edges that are creases.
+    pub buckling_on_creases: f64,
+    /// Tensile strain at which a run stops.
+    pub strain_limit: f64,
+}
+
+/// One spring, before it is arranged.
+#[derive(Debug, Clone, Copy)]
+struct Spring {
+    nodes: [u32; 2],
+    stiffness: f64,
+    rest_length: f64,
+    critical_length: f64,
+    strain_limit: f64,
+}
+
+/// The law: a set of springs and what they are called. One entry per group of eight.
+pub(super) struct Springs {
+    name: &'static str,
+    elements: Elements<2>,
+    stiffness: Vec<Lanes>,
+    rest_length: Vec<Lanes>,
+    critical_length: Vec<Lanes>,
+    strain_limit: Vec<Lanes>,
+    width: Width,
+}
+
+impl Mesh {
+    /// Spring constant of each edge by eq. (1), summed over its triangles \[N/m\].
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`, `SingularTriangle`.
+    pub fn spring_constants(&self, youngs_modulus: f64, poisson_ratio: f64, thickness: f64) -> Result<Vec<f64>> {
+        let mut constants = vec![0.0; self.edges.len()];
+        for (triangle, edges) in self.triangle_edges.iter().enumerate() {
+            let area = self.area(triangle)?;
+            let squares = self.side_lengths(triangle).map(|side| side * side);
+            let a = Matrix3::from_fn(|i, j| {
+                let off_diagonal = if i == j { 0.0 } else { 1.0 };
+                let root = 1.0 - off_diagonal * 4.0 * (1.0 + poisson_ratio) * area * area / (squares[i] * squares[j]);
+                root * root
+            });
+            let sums = a.lu().solve(&Vector3::repeat(1.0)).filter(|sums| sums.iter().all(|sum| sum.is_finite()));
+            let nodes = self.triangles[triangle];
+            let sums = sums.ok_or(Error::SingularTriangle { triangle, nodes, poisson_ratio })?;
+            for side in 0..3 {
+                constants[edges[side] as usize] += youngs_modulus * thickness * area / squares[side] * sums[side];
+            }
+        }
+        Ok(constants)
+    }
+}
+
+impl Springs {
+    /// The springs of the film.
+    pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly) -> Result<Self> {
+        non_negative("buckling of the springs", parameters.buckling)?;
+        non_negative("buckling of the springs on creases", parameters.buckling_on_creases)?;
+        positive("strain limit of the springs", parameters.strain_limit)?;
+        let mut alpha = vec![parameters.buckling; assembly.mesh.edges.len()];
+        for hinge in &assembly.hinges {
+            alpha[hinge.edge as usize] = parameters.buckling_on_creases;
+        }
+        let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
+        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(alpha);
+        let springs = springs.map(|((&nodes, &stiffness), alpha)| {
+            let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+            let span = mesh::sub(b, a);
+            let rest_length = mesh::dot(span, span).sqrt();
+            let critical_length = rest_length - alpha * PI * PI * thickness * thickness / (12.0 * rest_length);
+            Spring { nodes, stiffness, rest_length, critical_length, strain_limit: parameters.strain_limit }
+        });
+        Ok(Self::arranged("springs", &springs.collect::<Vec<_>>(), assembly))
+    }
+
+    /// The tethers.
+    pub(super) fn tethers(assembly: &Assembly) -> Self {
+        let cords = assembly.model.cords.iter().map(|cord| Spring {
+            nodes: cord.nodes,
+            stiffness: cord.stiffness,
+            rest_length: cord.rest_length,
+            critical_length: cord.rest_length,
+            strain_limit: cord.strain_limit,
+        });
+        Self::arranged("tethers", &cords.collect::<Vec<_>>(), assembly)
+    }
+
+    fn arranged(name: &'static str, springs: &[Spring], assembly: &Assembly) -> Self {
+        let elements = Elements::new(
+            &assembly.layout.inward_pairs(springs.iter().map(|spring| spring.nodes)),
+            assembly.masses.len(),
+        );
+        Self {
+            name,
+            stiffness: elements.pack(0.0, |row| springs[row].stiffness),
+            rest_length: elements.pack(1.0, |row| springs[row].rest_length),
+            critical_length: elements.pack(1.0, |row| springs[row].critical_length),
+            strain_limit: elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
+            elements,
+            width: assembly.width,
+        }
+    }
+
+    /// The vector from the first to the second end of each spring of a group, and its length [m].
+    fn span(&self, x: [&[f64]; 3], group: usize) -> (Point, Lanes) {
+        let [a, b] = self.elements.read_any(x, group);
+        let d = sub(b, a);
+        (d, dot(d, d).sqrt())
+    }
+
+    fn groups<T>(&self, at: Instant<'_>, take: impl Fn(usize, Lanes) -> T) -> impl Iterator<Item = T> {
+        let x = columns(at.positions);
+        (0..self.elements.group_count()).map(move |group| take(group, self.span(x, group).1))
+    }
+}
+
+/// Adds the springs' tensions to the forces.
+struct Pull<'a> {
+    springs: &'a Springs,
+    positions: [&'a [f64]; 3],
+    forces: [&'a mut [f64]; 3],
+}
+
+impl Pull<'_> {
+    #[inline(always)]
+    fn part<const LOOSE: bool>(&mut self) {
+        let Springs { elements, stiffness, rest_length, critical_length, .. } = self.springs;
+        for group in elements.groups::<LOOSE>() {
+            let [a, b] = elements.read::<LOOSE>(self.positions, group);
+            let d = sub(b, a);
+            let l = dot(d, d).sqrt();
+            let rest = rest_length[group];
+            let tension = stiffness[group] * (l.max(critical_length[group]) - rest);
+            // A spring of no length has no direction: its force fades out over the last 1e-12 of its rest length.
+            let pull = scale(tension / l.max(Lanes::all(1e-12) * rest), d);
+            elements.add::<LOOSE>(&mut self.forces, group, [pull, negate(pull)]);
+        }
+    }
+}
+
+impl Sweep for Pull<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(mut self) {
+        self.part::<false>();
+        self.part::<true>();
+    }
+}
+
+impl Law for Springs {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.width.run(Pull { springs: self, positions: columns(at.positions), forces: columns_mut(forces) });
+        0.0
+    }
+
+    /// The integral of the tension from the rest length.
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let energies = self.groups(at, |group, l| {
+            let held = l.max(self.critical_length[group]);
+            let stretch = held - self.rest_length[group];
+            (self.stiffness[group] * stretch * (Lanes::all(0.5) * stretch + (l - held))).sum()
+        });
+        energies.sum()
+    }
+
+    fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
+        let (x, p) = (columns(at.positions), columns(p));
+        let mut out = columns_mut(out);
+        for group in 0..self.elements.group_count() {
+            let (d, l) = self.span(x, group);
+            let [a, b] = self.elements.read_any(p, group);
+            let stretch = dot(d, sub(b, a)) / (l * l).max(Lanes::all(f64::MIN_POSITIVE));
+            let pull = scale(self.stiffness[group] * stretch, d);
+            self.elements.add_any(&mut out, group, [negate(pull), pull]);
+        }
+    }
+
+    fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
+        let mut excesses = self.groups(at, |group, l| {
+            let [rest, limit] = [self.rest_length[group], self.strain_limit[group]];
+            let lane = (0..l.0.len()).find(|&lane| l.0[lane] > rest.0[lane] * (1.0 + limit.0[lane]))?;
+            let (percent, bound) = (100.0 * (l.0[lane] / rest.0[lane] - 1.0), 100.0 * limit.0[lane]);
+            let length = rest.0[lane];
+            let what =
+                format!("a spring of {length:.4e} m is stretched by {percent:.3} %, over its bound of {bound:.3} %");
+            Some(Excess { nodes: self.elements.nodes(group, lane), what })
+        });
+        excesses.find_map(|excess| excess)
+    }
+
+    fn readings(&self, at: Instant<'_>) -> Readings {
+        let strain = self.groups(at, |group, l| l / self.rest_length[group] - Lanes::all(1.0));
+        let buckled = self.groups(at, |group, l| l.below(self.critical_length[group], Lanes::all(1.0), Lanes::ZERO));
+        let buckled = self.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
+        Readings::Springs { strain: self.elements.unpack(strain), buckled }
+    }
+
+    fn share_in_runs(&self) -> Option<f64> {
+        Some(self.elements.share_in_runs())
+    }
+
+    fn cure(&self) -> &'static str {
+        "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One triangle with a base of 1 m and its apex at (x, y).
+    fn triangle(x: f64, y: f64) -> Mesh {
+        Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [x, y, 0.0]], vec![[0, 1, 2]]).unwrap()
+    }
+
+    #[test]
+    fn equilateral_springs_are_those_of_the_isotropic_lattice() {
+        let constants = triangle(0.5, 0.75_f64.sqrt()).spring_constants(2.0, 1.0 / 3.0, 3.0).unwrap();
+        let expected = 2.0 * 3.0 * 0.75_f64.sqrt() / 2.0;
+        assert!(constants.iter().all(|k| (k / expected - 1.0).abs() < 1e-14), "{constants:?}");
+    }
+
+    #[test]
+    fn springs_store_the_films_energy_in_uniaxial_stress_along_each_side() {
+        let (e, nu, h) = (3.2e9, 0.34, 7.5e-6);
+        let mesh = triangle(0.4, 0.8);
+        let constants = mesh.spring_constants(e, nu, h).unwrap();
+        let area = mesh.area(0).unwrap();
+        let points: Vec<_> = mesh.reference.iter().map(|p| [p[0], p[1]]).collect();
+        let direction = |i: u32, j: u32| {
+            let d = [points[j as usize][0] - points[i as usize][0], points[j as usize][1] - points[i as usize][1]];
+            (d, (d[0] * d[0] + d[1] * d[1]).sqrt())
+        };
+        for &[i, j] in &mesh.edges {
+            let (along, length) = direction(i, j);
+            let strain = 1e-3;
+            let springs: f64 = mesh
+                .edges
+                .iter()
+                .zip(&constants)
+                .map(|(&[i, j], k)| {
+                    let (d, l) = direction(i, j);
+                    let cosine = (d[0] * along[0] + d[1] * along[1]) / (l * length);
+                    let stretch = l * strain * (cosine * cosine - nu * (1.0 - cosine * cosine));
+                    0.5 * k * stretch * stretch
+                })
+                .sum();
+            let film = 0.5 * e * h * area * strain * strain;
+            assert!((springs / film - 1.0).abs() < 1e-12, "{springs} {film}");
+        }
+    }
+
+    #[test]
+    fn an_obtuse_corner_turns_a_spring_negative() {
+        assert!(triangle(0.5, 0.12).spring_constants(1.0, 0.34, 1.0).unwrap().iter().any(|&k| k < 0.0));
+    }
+}

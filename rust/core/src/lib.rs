@@ -1,0 +1,19 @@
+//! Spring-mass ("multi-particle") dynamics of thin membranes that are folded, stowed and deployed by spinning.
+//!
+//! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units.
+//! Imports go one way: `mesh`, `layout`, `state` <- `model` <- `forces`, `integrators` <- `stability`, `ledger` <- `simulation`.
+
+pub mod error;
+pub mod forces;
+pub mod integrators;
+pub mod lanes;
+pub mod layout;
+pub mod ledger;
+pub mod mesh;
+pub mod model;
+pub mod simulation;
+pub mod stability;
+pub mod state;
+pub mod width;
+
+pub use error::{Error, Result};

@@ -1,0 +1,221 @@
+//! The largest frequency of a scene, the stable step that follows from it, and the part that sets it.
+//!
+//! The stiffness matrix K is the sum of what every law can show at its stiffest at the current positions: all springs
+//! taut, all creases in contact, all contacts closed. The largest eigenvalues of M^-1/2 K M^-1/2 and M^-1/2 C M^-1/2 come
+//! from Lanczos's method (1950) with a fixed start; the mode is formed in a second pass, so that memory stays small.
+
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+
+use crate::error::{Error, Result};
+use crate::forces::Law;
+use crate::integrators::Integrator;
+use crate::state::{Instant, Vectors};
+
+/// Lanczos steps: enough for 1e-3 of the largest eigenvalue on meshes of a million nodes.
+const MOST_ITERATIONS: usize = 120;
+/// Relative change of the eigenvalue over eight iterations at which it counts as found.
+const TOLERANCE: f64 = 1e-6;
+
+/// What limits the step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// The largest stable step of the integrator that was asked for \[s\]; infinite where nothing is stiff.
+    pub dt: f64,
+    /// Largest frequency \[rad/s\].
+    pub largest_frequency: f64,
+    /// The law that is stiffest in the limiting mode.
+    pub law: &'static str,
+    /// The node that moves most in it, in the core's numbering.
+    pub node: usize,
+}
+
+/// An oscillator's numbers: x'' = -omega^2 x - c x'.
+#[derive(Debug, Clone, Copy)]
+struct Mode {
+    omega: f64,
+    damping: f64,
+}
+
+/// The limit of `integrator` for these laws at this instant.
+///
+/// # Errors
+/// `NotFinite` where an eigenvalue is not, which takes coordinates that are not.
+pub fn limit(
+    integrator: &dyn Integrator,
+    laws: &[Box<dyn Law>],
+    at: Instant<'_>,
+    inverse_masses: &[f64],
+) -> Result<Limit> {
+    let stiffness = |p: &Vectors, out: &mut Vectors| laws.iter().for_each(|law| law.add_stiffness_product(at, p, out));
+    let damping = |p: &Vectors, out: &mut Vectors| laws.iter().for_each(|law| law.add_damping_product(at, p, out));
+    let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
+    let (square, stiffest) = largest(&stiffness, &roots)?;
+    let (rate, most_damped) = largest(&damping, &roots)?;
+    let mode =
+        |omega_square: f64, damping: f64| Mode { omega: omega_square.max(0.0).sqrt(), damping: damping.max(0.0) };
+    let modes = [
+        (mode(square, quotient(&damping, &roots, &stiffest)), &stiffest, true),
+        (mode(quotient(&stiffness, &roots, &most_damped), rate), &most_damped, false),
+    ];
+    let steps = modes.map(|(mode, ..)| largest_step(integrator, mode));
+    let worst = usize::from(steps[1] < steps[0]);
+    let (_, shape, elastic) = modes[worst];
+    // The law with the largest share of the mode's stiffness (or damping).
+    let share = |law: &dyn Law| {
+        quotient(
+            &|p: &Vectors, out: &mut Vectors| {
+                if elastic { law.add_stiffness_product(at, p, out) } else { law.add_damping_product(at, p, out) }
+            },
+            &roots,
+            shape,
+        )
+    };
+    let law =
+        laws.iter().max_by(|a, b| share(a.as_ref()).total_cmp(&share(b.as_ref()))).map_or("nothing", |law| law.name());
+    let node = (0..shape.nrows())
+        .max_by(|&i, &j| shape.row(i).norm_squared().total_cmp(&shape.row(j).norm_squared()))
+        .unwrap_or(0);
+    Ok(Limit { dt: steps[worst], largest_frequency: square.max(0.0).sqrt(), law, node })
+}
+
+/// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
+fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
+    let Mode { omega, damping } = mode;
+    let root = Complex::new(0.25 * damping * damping - omega * omega, 0.0).sqrt();
+    let roots = [root - 0.5 * damping, -root - 0.5 * damping];
+    let size = roots[0].norm().max(roots[1].norm());
+    if size == 0.0 {
+        return f64::INFINITY;
+    }
+    let stable = |z: f64| roots.iter().all(|root| integrator.amplification(root * (z / size)) <= 1.0 + 1e-12);
+    // Out from zero to the first unstable point, then bisect: beyond it may lie stable islands that no one should use.
+    let mut high = 0.01;
+    while stable(high) && high < 1e3 {
+        high += 0.01;
+    }
+    let mut low = high - 0.01;
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if stable(middle) { low = middle } else { high = middle }
+    }
+    low / size
+}
+
+/// out = M^-1/2 A M^-1/2 q
+fn apply(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], q: &Vectors) -> Vectors {
+    let scaled = |mut v: Vectors| {
+        for mut column in v.column_iter_mut() {
+            column.iter_mut().zip(roots).for_each(|(value, root)| *value *= root);
+        }
+        v
+    };
+    let mut out = Vectors::zeros(q.nrows());
+    product(&scaled(q.clone()), &mut out);
+    scaled(out)
+}
+
+/// q . (M^-1/2 A M^-1/2) q for a unit vector q.
+fn quotient(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], q: &Vectors) -> f64 {
+    q.dot(&apply(product, roots, q))
+}
+
+/// The largest eigenvalue of M^-1/2 A M^-1/2 and its unit eigenvector.
+fn largest(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64]) -> Result<(f64, Vectors)> {
+    let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
+    let mut found: f64 = 0.0;
+    let mut weights = DVector::from_element(1, 1.0);
+    let mut before = f64::NAN;
+    walk(product, roots, |_, alpha, beta| {
+        diagonal.push(alpha);
+        let k = diagonal.len();
+        if k % 8 == 0 || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
+            let matrix = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
+                0 => diagonal[i],
+                1 => beside[i.min(j)],
+                _ => 0.0,
+            });
+            let eigen = SymmetricEigen::new(matrix);
+            let top = eigen.eigenvalues.imax();
+            (found, weights) = (eigen.eigenvalues[top], eigen.eigenvectors.column(top).into_owned());
+            if (found - before).abs() <= TOLERANCE * found.abs() {
+                return false;
+            }
+            before = found;
+        }
+        beside.push(beta);
+        beta > 1e-12 * found.abs() && k < MOST_ITERATIONS
+    });
+    if !found.is_finite() {
+        return Err(Error::NotFinite { what: "the stiffness", node: 0, value: found });
+    }
+    let mut mode = Vectors::zeros(roots.len());
+    let mut k = 0;
+    walk(product, roots, |q, _, _| {
+        mode += q * weights[k];
+        k += 1;
+        k < weights.len()
+    });
+    let norm = mode.norm();
+    Ok((found, if norm > 0.0 { mode / norm } else { mode }))
+}
+
+/// Lanczos's three-term recurrence; `visit` gets each basis vector, its diagonal entry and the next off-diagonal one.
+fn walk(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], mut visit: impl FnMut(&Vectors, f64, f64) -> bool) {
+    // A fixed start with a part along every mode: the fractional parts of multiples of the golden ratio.
+    let mut q =
+        Vectors::from_fn(roots.len(), |i, axis| ((3 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
+    for mut column in q.column_iter_mut() {
+        column.iter_mut().zip(roots).filter(|(_, root)| **root == 0.0).for_each(|(value, _)| *value = 0.0);
+    }
+    let norm = q.norm();
+    if norm == 0.0 {
+        visit(&q, 0.0, 0.0);
+        return;
+    }
+    q /= norm;
+    let (mut previous, mut beta) = (Vectors::zeros(roots.len()), 0.0);
+    loop {
+        let mut next = apply(product, roots, &q) - previous * beta;
+        let alpha = q.dot(&next);
+        next -= &q * alpha;
+        beta = next.norm();
+        let go_on = visit(&q, alpha, beta);
+        if !go_on || beta.is_nan() || beta == 0.0 {
+            return;
+        }
+        previous = q;
+        q = next / beta;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::by_name;
+
+    #[test]
+    fn limits_on_the_axes_are_those_of_the_textbook() {
+        let rk4 = by_name("rk4", 1, 0, crate::width::Width::Baseline).unwrap();
+        let imaginary = largest_step(rk4.as_ref(), Mode { omega: 1.0, damping: 0.0 });
+        assert!((imaginary - 8.0_f64.sqrt()).abs() < 1e-6, "{imaginary}");
+        let real = largest_step(rk4.as_ref(), Mode { omega: 0.0, damping: 1.0 });
+        assert!((real - 2.785_293_563_405_28).abs() < 1e-6, "{real}");
+    }
+
+    #[test]
+    fn the_largest_eigenvalue_of_a_chain_is_four() {
+        // Springs 0-1, 1-2, ... of unit stiffness along x between unit masses: 4 sin^2(pi (n-1) / (2 n)).
+        let n = 30;
+        let chain = |p: &Vectors, out: &mut Vectors| {
+            for i in 0..n - 1 {
+                let stretch = p[(i + 1, 0)] - p[(i, 0)];
+                out[(i, 0)] -= stretch;
+                out[(i + 1, 0)] += stretch;
+            }
+        };
+        let exact = 4.0 * (std::f64::consts::FRAC_PI_2 * (n - 1) as f64 / n as f64).sin().powi(2);
+        let (value, mode) = largest(&chain, &vec![1.0; n]).unwrap();
+        assert!((value / exact - 1.0).abs() < 1e-5, "{value} {exact}");
+        assert!((quotient(&chain, &vec![1.0; n], &mode) / exact - 1.0).abs() < 1e-4);
+    }
+}

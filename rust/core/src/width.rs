@@ -1,0 +1,87 @@
+//! The instruction set that kernels run with, chosen once per process from what the machine has.
+//!
+//! A kernel is written once, as a `Sweep`; `run` compiles it for each width and calls the one that was chosen. Results
+//! have the same bits at every width (see `lanes`).
+
+use std::sync::OnceLock;
+
+/// A set of vector instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Width {
+    /// What every machine of this architecture has: SSE2 on x86-64, Neon on 64-bit Arm.
+    Baseline,
+    /// 256-bit vectors of x86-64.
+    Avx2,
+    /// 512-bit vectors of x86-64.
+    Avx512,
+}
+
+/// A pass over elements, to be compiled for every width. `sweep` and all that it calls must be `#[inline(always)]`.
+pub trait Sweep {
+    /// What the pass gives back.
+    type Output;
+    /// The pass.
+    fn sweep(self) -> Self::Output;
+}
+
+impl Width {
+    /// Every width.
+    pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
+
+    /// The name that users and benchmarks use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baseline",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Baseline => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                std::arch::is_x86_feature_detected!("avx512dq") && std::arch::is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The widest that this machine has.
+    pub fn widest() -> Self {
+        static WIDEST: OnceLock<Width> = OnceLock::new();
+        *WIDEST.get_or_init(|| Self::ALL.into_iter().rev().find(|width| width.is_available()).unwrap_or(Self::Baseline))
+    }
+
+    /// Runs `sweep` with this width, or with the widest below it that the machine has.
+    #[inline]
+    #[allow(unsafe_code)]
+    pub fn run<S: Sweep>(self, sweep: S) -> S::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the one requirement of `avx512` is that the machine has its features, which is checked here.
+            Self::Avx512 if self.is_available() => unsafe { avx512(sweep) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the one requirement of `avx2` is that the machine has that feature, which is checked here.
+            Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe { avx2(sweep) },
+            _ => sweep.sweep(),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<S: Sweep>(sweep: S) -> S::Output {
+    sweep.sweep()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+fn avx512<S: Sweep>(sweep: S) -> S::Output {
+    sweep.sweep()
+}

@@ -1,0 +1,37 @@
+//! Errors of the core as Python exceptions: the package's own, each also of the nearest built-in kind.
+
+use membrane_core::Error;
+use pyo3::PyErr;
+
+mod python {
+    pyo3::import_exception!(membrane_rs.errors, InputError);
+    pyo3::import_exception!(membrane_rs.errors, InputTypeError);
+    pyo3::import_exception!(membrane_rs.errors, MeshError);
+    pyo3::import_exception!(membrane_rs.errors, UnstableError);
+}
+
+/// The exception for `error`.
+pub(crate) fn raise(error: Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        Error::Unstable { time, step, place, law, .. } => {
+            python::UnstableError::new_err((text, time, step, place, law))
+        }
+        Error::IndexOutOfRange { .. }
+        | Error::DegenerateTriangle { .. }
+        | Error::SingularTriangle { .. }
+        | Error::NegativeSprings { .. }
+        | Error::NotAHinge { .. } => python::MeshError::new_err(text),
+        _ => python::InputError::new_err(text),
+    }
+}
+
+/// An array of the wrong kind.
+pub(crate) fn wrong_type(text: String) -> PyErr {
+    python::InputTypeError::new_err(text)
+}
+
+/// A value out of its range.
+pub(crate) fn wrong_value(text: String) -> PyErr {
+    python::InputError::new_err(text)
+}

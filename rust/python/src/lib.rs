@@ -1,0 +1,17 @@
+//! The Python module `membrane_rs._core`: registration only.
+
+mod arrays;
+mod errors;
+mod mesh;
+mod simulation;
+
+use pyo3::prelude::*;
+
+/// The compiled core of membrane_rs; use it through the package's own classes.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
+    #[pymodule_export]
+    use super::simulation::{Simulation, integrators};
+}

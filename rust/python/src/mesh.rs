@@ -1,0 +1,59 @@
+//! What the core works out from triangles alone, for the package's `Mesh`.
+
+use membrane_core::mesh::{Mesh, check_indices, unique_edges};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{checked, index_rows, pairs, rows};
+
+fn mesh_of(reference: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Mesh> {
+    checked(Mesh::new(rows("reference", reference)?, index_rows("triangles", triangles)?))
+}
+
+/// Unique edges of (m, 3) int64 triangles: (e, 2) int64, lower node first, sorted.
+#[pyfunction]
+pub(crate) fn edges<'py>(
+    py: Python<'py>,
+    triangles: &Bound<'py, PyAny>,
+    node_count: usize,
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let triangles = index_rows("triangles", triangles)?;
+    checked(check_indices("triangle", &triangles, node_count))?;
+    pairs(py, &unique_edges(&triangles).0)
+}
+
+/// Spring constant of each edge by eq. (1) [N/m], in the order of `edges`.
+#[pyfunction]
+pub(crate) fn spring_constants<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+    thickness: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let constants = mesh_of(reference, triangles)?.spring_constants(youngs_modulus, poisson_ratio, thickness);
+    Ok(PyArray1::from_vec(py, checked(constants)?))
+}
+
+/// A third of each triangle's mass on each of its nodes [kg], for an areal density rho h [kg/m2].
+#[pyfunction]
+pub(crate) fn lumped_masses<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    areal_density: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    Ok(PyArray1::from_vec(py, checked(mesh_of(reference, triangles)?.lumped_masses(areal_density))?))
+}
+
+/// Checks that each crease is an edge with two triangles of one winding, and counts them.
+#[pyfunction]
+pub(crate) fn hinge_count(
+    reference: &Bound<'_, PyAny>,
+    triangles: &Bound<'_, PyAny>,
+    creases: &Bound<'_, PyAny>,
+) -> PyResult<usize> {
+    let hinges = mesh_of(reference, triangles)?.hinges(&index_rows("creases", creases)?);
+    Ok(checked(hinges)?.len())
+}

@@ -1,0 +1,345 @@
+//! The class that Python's `Simulation` drives: the core's, with the interpreter lock released while it steps.
+
+use std::time::{Duration, Instant};
+
+use membrane_core::forces::{
+    AirDragParameters, AirMotion, CreaseParameters, LawSpec, Readings, Spin, SpoolContactParameters, SpringParameters,
+};
+use membrane_core::ledger::{Accounts, Ledger};
+use membrane_core::model::{Cord, Film, Model, NegativeSprings};
+use membrane_core::simulation::{Progress, Settings, Simulation as Core};
+use membrane_core::width::Width;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{checked, index_rows, indices, numbers, rows, vectors};
+use crate::errors::{wrong_type, wrong_value};
+
+/// One number for each law that has one.
+type ByLaw = Vec<(&'static str, f64)>;
+/// Strain and whether buckled, per spring.
+type SpringArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+
+/// How long the core steps between two looks for Ctrl-C.
+const BREATH: Duration = Duration::from_millis(20);
+
+/// The names of the integrators.
+#[pyfunction]
+pub(crate) fn integrators() -> Vec<&'static str> {
+    membrane_core::integrators::names().collect()
+}
+
+/// A scene in the core's hands. Arrays go in and come out in the caller's numbering.
+#[pyclass(module = "membrane_rs._core")]
+pub(crate) struct Simulation {
+    core: Core,
+}
+
+fn get<'py, T>(parameters: &Bound<'py, PyDict>, law: &str, key: &str) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    let value = parameters.get_item(key)?.ok_or_else(|| wrong_value(format!("law {law}: {key} is missing")))?;
+    value.extract().map_err(|_| wrong_type(format!("law {law}: {key} = {value} is of the wrong type")))
+}
+
+fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
+    Ok(match kind {
+        "springs" => LawSpec::Springs(SpringParameters {
+            buckling: get(p, kind, "buckling")?,
+            buckling_on_creases: get(p, kind, "buckling_on_creases")?,
+            strain_limit: get(p, kind, "strain_limit")?,
+        }),
+        "spring_damping" => LawSpec::SpringDamping(get(p, kind, "ratio")?),
+        "creases" => LawSpec::Creases(CreaseParameters {
+            stiffness: get(p, kind, "stiffness")?,
+            contact_penalty: get(p, kind, "contact_penalty")?,
+            natural_angle: get(p, kind, "natural_angle")?,
+            length_scale: get(p, kind, "length_scale")?,
+            collapse: get(p, kind, "collapse")?,
+        }),
+        "air_drag" => LawSpec::AirDrag(AirDragParameters {
+            pressure: get(p, kind, "pressure")?,
+            temperature: get(p, kind, "temperature")?,
+            air: match get::<String>(p, kind, "air")?.as_str() {
+                "still" => AirMotion::Still,
+                "turning" => AirMotion::Turning,
+                other => {
+                    return Err(wrong_value(format!(
+                        "law air_drag: air = {other:?} is not known; choose still or turning"
+                    )));
+                }
+            },
+        }),
+        "spin" => LawSpec::Spin(Spin {
+            rate: std::f64::consts::TAU * get::<f64>(p, kind, "frequency")?,
+            acceleration: std::f64::consts::TAU * get::<f64>(p, kind, "acceleration")?,
+        }),
+        "gravity" => LawSpec::Gravity(get(p, kind, "acceleration")?),
+        "spool_contact" => LawSpec::SpoolContact(SpoolContactParameters {
+            radius: get(p, kind, "radius")?,
+            stiffness: get(p, kind, "stiffness")?,
+            half_height: get(p, kind, "half_height")?,
+            membrane: get(p, kind, "membrane")?,
+        }),
+        "mass_damping" => LawSpec::MassDamping(get(p, kind, "rate")?),
+        other => return Err(wrong_value(format!("there is no law named {other:?}"))),
+    })
+}
+
+impl Simulation {
+    fn reading<T>(&self, law: &str, take: impl Fn(Readings) -> Option<T>) -> Option<T> {
+        self.core.readings().filter(|(name, _)| *name == law).find_map(|(_, readings)| take(readings))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
+        extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
+        laws, integrator, dt, margin, watch_interval, energy_tolerance, width=None))]
+    #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
+    fn new(
+        positions: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+        reference: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        film: Option<(f64, f64, f64, f64)>,
+        negative_springs: &str,
+        creases: &Bound<'_, PyAny>,
+        fold_signs: &Bound<'_, PyAny>,
+        extra_masses: &Bound<'_, PyAny>,
+        fixed: &Bound<'_, PyAny>,
+        cord_pairs: &Bound<'_, PyAny>,
+        cord_stiffness: &Bound<'_, PyAny>,
+        cord_rest_length: &Bound<'_, PyAny>,
+        cord_strain_limit: &Bound<'_, PyAny>,
+        bridges: &Bound<'_, PyAny>,
+        bridge_stiffness: f64,
+        contact_nodes: &Bound<'_, PyAny>,
+        laws: Vec<(String, Bound<'_, PyDict>)>,
+        integrator: &str,
+        dt: Option<f64>,
+        margin: f64,
+        watch_interval: u64,
+        energy_tolerance: f64,
+        width: Option<&str>,
+    ) -> PyResult<Self> {
+        let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
+        let [stiffness, rest_length, strain_limit] = [
+            numbers("cord_stiffness", cord_stiffness)?,
+            numbers("cord_rest_length", cord_rest_length)?,
+            numbers("cord_strain_limit", cord_strain_limit)?,
+        ];
+        if [&stiffness, &rest_length, &strain_limit].iter().any(|column| column.len() != cord_nodes.len()) {
+            return Err(wrong_value("the arrays of the cords must have equally many rows".to_owned()));
+        }
+        let cord = |(row, nodes)| Cord {
+            nodes,
+            stiffness: stiffness[row],
+            rest_length: rest_length[row],
+            strain_limit: strain_limit[row],
+        };
+        let model = Model {
+            positions: rows("positions", positions)?,
+            velocities: rows("velocities", velocities)?,
+            reference: rows("reference", reference)?,
+            triangles: index_rows("triangles", triangles)?,
+            film: film.map(|(youngs_modulus, poisson_ratio, density, thickness)| Film {
+                youngs_modulus,
+                poisson_ratio,
+                density,
+                thickness,
+            }),
+            negative_springs: match negative_springs {
+                "refuse" => NegativeSprings::Refuse,
+                "clip" => NegativeSprings::Clip,
+                "keep" => NegativeSprings::Keep,
+                other => {
+                    return Err(wrong_value(format!("negative = {other:?} is not known; choose refuse, clip or keep")));
+                }
+            },
+            creases: index_rows("creases", creases)?,
+            fold_signs: numbers("fold_signs", fold_signs)?,
+            extra_masses: numbers("extra_masses", extra_masses)?,
+            fixed: indices("fixed", fixed)?,
+            cords: cord_nodes.into_iter().enumerate().map(cord).collect(),
+            bridges: index_rows("bridges", bridges)?,
+            bridge_stiffness,
+            contact_nodes: indices("contact_nodes", contact_nodes)?,
+        };
+        let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
+        let width = match width {
+            None => Width::widest(),
+            Some(name) => Width::ALL.into_iter().find(|width| width.name() == name).ok_or_else(|| {
+                let known = Width::ALL.map(Width::name).join(", ");
+                wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
+            })?,
+        };
+        let settings = Settings { margin, watch_interval, energy_tolerance, width };
+        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        self.core.time()
+    }
+
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.core.dt()
+    }
+
+    fn set_dt(&mut self, dt: f64) -> PyResult<()> {
+        checked(self.core.set_dt(dt))
+    }
+
+    #[getter]
+    fn step_count(&self) -> u64 {
+        self.core.step_count()
+    }
+
+    #[getter]
+    fn evaluation_count(&self) -> u64 {
+        self.core.evaluation_count()
+    }
+
+    #[getter]
+    fn integrator(&self) -> &'static str {
+        self.core.integrator().name()
+    }
+
+    #[getter]
+    fn hub_angle(&self) -> f64 {
+        self.core.hub_angle()
+    }
+
+    /// The vector instructions that the kernels run with.
+    #[getter]
+    fn width(&self) -> &'static str {
+        self.core.width().name()
+    }
+
+    /// [(law, share of its elements that kernels reach in straight runs)].
+    fn shares_in_runs(&self) -> ByLaw {
+        self.core.laws().iter().filter_map(|law| Some((law.name(), law.share_in_runs()?))).collect()
+    }
+
+    #[getter]
+    fn law_names(&self) -> Vec<&'static str> {
+        self.core.laws().iter().map(|law| law.name()).collect()
+    }
+
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.core.positions())
+    }
+
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.core.velocities())
+    }
+
+    fn set_motion(&mut self, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+        checked(self.core.set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
+    }
+
+    fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.core.masses())
+    }
+
+    #[pyo3(signature = (law=None))]
+    fn forces<'py>(&self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &checked(self.core.forces(law))?)
+    }
+
+    /// (kinetic, [(law, potential energy)]) in joules, for the laws that have one.
+    fn energies(&self) -> (f64, ByLaw) {
+        let accounts = self.core.accounts();
+        let conservative = self.core.laws().iter().zip(accounts.stored).filter(|(law, _)| law.is_conservative());
+        (accounts.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
+    }
+
+    /// (kinetic, stored, [(law, work)], turned over, surplus, error).
+    fn ledger(&self) -> (f64, f64, ByLaw, f64, f64, f64) {
+        let (ledger, now) = (self.core.ledger(), self.core.accounts());
+        let work = self.core.laws().iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
+        let work = work.map(|(law, work)| (law.name(), *work)).collect();
+        (now.kinetic, now.stored.iter().sum(), work, ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now))
+    }
+
+    /// (strain, buckled) of the springs of one law, or None without it.
+    fn spring_readings<'py>(&self, py: Python<'py>, law: &str) -> Option<SpringArrays<'py>> {
+        let found = self.reading(law, |readings| {
+            if let Readings::Springs { strain, buckled } = readings { Some((strain, buckled)) } else { None }
+        });
+        found.map(|(strain, buckled)| (PyArray1::from_vec(py, strain), PyArray1::from_vec(py, buckled)))
+    }
+
+    /// Crease angles [rad], or None without the law.
+    fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let found = self
+            .reading("creases", |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None });
+        found.map(|angle| PyArray1::from_vec(py, angle))
+    }
+
+    /// (largest stable step [s], largest frequency [rad/s], law, node, both in words).
+    fn limit(&self, py: Python<'_>) -> PyResult<(f64, f64, &'static str, usize, String)> {
+        let limit = checked(py.detach(|| self.core.limit()))?;
+        Ok((limit.dt, limit.largest_frequency, limit.law, self.core.outward(limit.node), self.core.part(&limit)))
+    }
+
+    /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
+    fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
+        let (mut left, mut batch) = (count, 1);
+        while left > 0 {
+            let now = batch.min(left);
+            let start = Instant::now();
+            checked(py.detach(|| self.core.step(now)))?;
+            left -= now;
+            batch = if start.elapsed() < BREATH / 2 { now.saturating_mul(2) } else { now };
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// Looks for a fault now, beside the regular checks.
+    fn check(&mut self) -> PyResult<()> {
+        checked(self.core.check())
+    }
+
+    /// What `resume` needs to continue with the same bits.
+    fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let progress = self.core.progress();
+        let saved = PyDict::new(py);
+        saved.set_item("step_count", progress.step_count)?;
+        saved.set_item("evaluation_count", progress.evaluation_count)?;
+        saved.set_item("origin", progress.origin)?;
+        saved.set_item("positions", vectors(py, &progress.positions)?)?;
+        saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
+        saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
+        saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
+        saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
+        saved.set_item("swing", progress.ledger.swing)?;
+        Ok(saved)
+    }
+
+    /// Continues from what `progress` gave.
+    fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
+        const WHAT: &str = "saved state";
+        let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
+        let start = Accounts {
+            kinetic: get(saved, WHAT, "start_kinetic")?,
+            stored: numbers("start_stored", &array("start_stored")?)?,
+        };
+        let progress = Progress {
+            step_count: get(saved, WHAT, "step_count")?,
+            evaluation_count: get(saved, WHAT, "evaluation_count")?,
+            origin: get(saved, WHAT, "origin")?,
+            positions: rows("positions", &array("positions")?)?,
+            velocities: rows("velocities", &array("velocities")?)?,
+            ledger: Ledger { start, work: numbers("work", &array("work")?)?, swing: get(saved, WHAT, "swing")? },
+        };
+        checked(self.core.resume(&progress))
+    }
+}
