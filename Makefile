@@ -1,0 +1,64 @@
+# `make demo` and `make test` need python3 (3.10 or later), a Rust toolchain and a network for their first call, nothing
+# else: they make their own environment in .venv. Stamp files make a second call quick.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+# maturin looks for the environment here, whatever else is active.
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+# pyo3 looks for the interpreter here.
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
+
+RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
+
+.PHONY: demo test check lint bench readme clean
+
+# Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
+demo: $(VENV)/built
+	$(BIN)/python examples/demo.py --out out
+
+test: $(VENV)/built
+	cargo test --workspace
+	$(BIN)/python -m pytest
+
+check: test lint
+
+lint: $(VENV)/built
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets -- -D warnings
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+# Times of laws and steps, into benchmarks/README.md.
+bench: $(VENV)/built
+	cargo bench --package membrane-core --bench kernels
+	$(BIN)/python benchmarks/model_1.py --write
+
+# Every number and picture of README.md, made anew.
+readme: demo
+	$(BIN)/python examples/accuracy.py
+	$(BIN)/python examples/readme_numbers.py --write
+
+clean:
+	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -f python/membrane_rs/_core*.so
+	find python tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} +
+
+# pip learned dependency groups with version 25.1.
+$(VENV)/tools: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+		{ echo "membrane_rs needs Python 3.10 or later; name one: make PYTHON=python3.12"; exit 1; }
+	@command -v cargo > /dev/null || \
+		{ echo "membrane_rs needs a Rust toolchain (cargo); see https://rustup.rs"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
+	$(BIN)/python -m pip install --quiet --group dev
+	@touch $@
+
+$(VENV)/built: $(VENV)/tools $(RUST)
+	$(BIN)/maturin develop --release
+	@touch $@

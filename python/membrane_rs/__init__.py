@@ -1,0 +1,74 @@
+"""Thin membranes, folded, stowed and deployed by spinning: a spring-mass simulator with a Rust core.
+
+>>> from membrane_rs import Simulation, scenes
+>>> sim = Simulation(scenes.load("spinning-tether"))
+>>> sim.step(10)
+>>> sim.step_count
+10
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+from membrane_rs import folding, scenes
+from membrane_rs.errors import (
+    InputError,
+    InputTypeError,
+    MembraneError,
+    MeshError,
+    MissingFileError,
+    OutputError,
+    SceneError,
+    UnstableError,
+)
+from membrane_rs.laws import (
+    AirDrag,
+    Creases,
+    Gravity,
+    MassDamping,
+    Spin,
+    SpoolContact,
+    SpringDamping,
+    Springs,
+)
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
+from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
+from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene import Scene
+from membrane_rs.simulation import Simulation
+
+__version__ = version("membrane_rs")
+
+__all__ = [
+    "AirDrag",
+    "Bridges",
+    "Creases",
+    "Fixed",
+    "Gravity",
+    "InputError",
+    "InputTypeError",
+    "MassDamping",
+    "Material",
+    "MembraneError",
+    "Mesh",
+    "MeshError",
+    "MissingFileError",
+    "OutputError",
+    "RunSettings",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "Spin",
+    "SpoolContact",
+    "SpringDamping",
+    "Springs",
+    "Tether",
+    "Tethers",
+    "TipMasses",
+    "UnstableError",
+    "__version__",
+    "folding",
+    "scenes",
+]

@@ -1,0 +1,263 @@
+"""Checked, frozen dataclasses, and the number types that they are made of.
+
+A class made with `validated` checks its fields when it is built. What is wrong is told in one line that
+names the field, the value and the allowed range:
+
+    Material.thickness = -1e-06: must be greater than 0 (m)
+
+NaN, infinities, booleans and strings are no numbers; numpy scalars are. pydantic does the work.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass as plain_dataclass
+from dataclasses import field
+from numbers import Integral, Real
+from typing import Annotated, Any, TypeVar, get_args
+
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic.dataclasses import dataclass
+from pydantic_core import ErrorDetails, PydanticCustomError
+from typing_extensions import dataclass_transform
+
+from membrane_rs.errors import InputError, InputTypeError
+
+T = TypeVar("T")
+
+_TYPE_ERRORS = {"wrong_type", "unexpected_keyword_argument", "unexpected_positional_argument"}
+_TYPE_ERRORS |= {"missing_argument", "missing", "multiple_argument_values"}
+_BOUNDS = ((Gt, "gt", "greater than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))
+
+
+@plain_dataclass(frozen=True)
+class Unit:
+    """The unit of a field, for messages and for scene files."""
+
+    symbol: str
+
+
+def _wrong_type(wanted: str) -> PydanticCustomError:
+    return PydanticCustomError("wrong_type", "must be {wanted}", {"wanted": wanted})
+
+
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise _wrong_type("a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise PydanticCustomError("not_finite", "must be finite")
+    return number
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise _wrong_type("a whole number")
+    return int(value)
+
+
+def _listed(value: object) -> object:
+    """Lists and numpy arrays as tuples; anything else as it is."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _vector(value: object) -> object:
+    value = _listed(value)
+    if not isinstance(value, tuple) or len(value) != 3:
+        raise _wrong_type("three numbers (x, y, z)")
+    return value
+
+
+def _numbers(value: object) -> object:
+    value = _listed(value)
+    if not isinstance(value, tuple):
+        raise _wrong_type("a list of numbers")
+    return value
+
+
+def _nodes(value: object) -> object:
+    value = _listed(value)
+    if isinstance(value, str):
+        if not value:
+            raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
+        return value
+    if not isinstance(value, tuple) or not all(isinstance(i, Integral) and not isinstance(i, bool) for i in value):
+        raise _wrong_type("the name of a node set or a list of node indices")
+    nodes = tuple(int(i) for i in value)
+    if not nodes or min(nodes) < 0:
+        raise PydanticCustomError("bad_nodes", "must hold at least one node, none below 0")
+    if len(set(nodes)) < len(nodes):
+        raise PydanticCustomError("bad_nodes", "must not name a node twice")
+    return nodes
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise _wrong_type("true or false")
+    return value
+
+
+Finite = Annotated[float, BeforeValidator(_number)]
+"""A finite number."""
+Positive = Annotated[float, BeforeValidator(_number), Gt(0)]
+"""A finite number above 0."""
+NonNegative = Annotated[float, BeforeValidator(_number), Ge(0)]
+"""A finite number, 0 or above."""
+Fraction = Annotated[float, BeforeValidator(_number), Ge(0), Le(1)]
+"""A number between 0 and 1, both included."""
+Count = Annotated[int, BeforeValidator(_whole), Ge(1)]
+"""A whole number, 1 or above."""
+Whole = Annotated[int, BeforeValidator(_whole), Ge(0)]
+"""A whole number, 0 or above."""
+Flag = Annotated[bool, BeforeValidator(_flag)]
+"""True or False, and nothing that merely looks like it."""
+Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(_vector)]
+"""Three finite numbers, from a tuple, list or array."""
+Times = Annotated[Sequence[NonNegative], BeforeValidator(_numbers)]
+"""Any number of times, none negative, from a tuple, list or array."""
+Nodes = Annotated[str | Sequence[int], BeforeValidator(_nodes)]
+"""The name of a node set, or node indices (tuple, list or array), none twice."""
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field, Field))
+def validated(cls: type[T]) -> type[T]:
+    """Make a frozen dataclass that checks its fields, given by position or by name.
+
+    A `__post_init__` may check fields against each other and raise `InputError`.
+
+    Raises (the class, when built)
+    ------------------------------
+    InputTypeError
+        A field of the wrong type, a missing or an unknown one.
+    InputError
+        A value outside its range.
+    """
+    config = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+    made: Any = dataclass(cls, frozen=True, config=config)
+    plain: Callable[..., None] = made.__init__
+
+    def checked(self: Any, /, *args: Any, **values: Any) -> None:
+        try:
+            plain(self, *args, **values)
+        except ValidationError as error:
+            raise _as_input_error(error, made, made.__name__) from None
+
+    checked.__name__ = "__init__"
+    checked.__wrapped__ = plain  # type: ignore[attr-defined]
+    made.__init__ = checked
+    made.__plain_init__ = plain
+    result: type[T] = made
+    return result
+
+
+def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
+    """Build a validated class from a table, calling it `name` in errors (for instance "laws.creases").
+
+    Raises
+    ------
+    InputError, InputTypeError
+        As the class does.
+    """
+    made: Any = cls
+    instance: T = made.__new__(made)
+    try:
+        made.__plain_init__(instance, **values)
+    except ValidationError as error:
+        raise _as_input_error(error, made, name) from None
+    return instance
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown word: the known word nearest to it, or all of them."""
+    words = sorted(known)
+    close = difflib.get_close_matches(word, words, n=1)
+    return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
+
+
+def unit_of(cls: type, name: str) -> str:
+    """The unit of a field of a validated class, or an empty text."""
+    for item in _metadata(cls, name):
+        if isinstance(item, Unit):
+            return item.symbol
+    return ""
+
+
+def show(value: object) -> str:
+    """A value as messages show it: short, and in one line."""
+    if isinstance(value, float):
+        return repr(float(value))
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def range_of(cls: type, name: str) -> str:
+    """The bounds of a field in words, or an empty text."""
+    found = {
+        word: getattr(item, key)  # a bound given later is the narrower one
+        for item in _metadata(cls, name)
+        for kind, key, word in _BOUNDS
+        if isinstance(item, kind)
+    }
+    return " and ".join(f"{word} {bound:g}" for word, bound in found.items())
+
+
+def _metadata(cls: type, name: str) -> list[object]:
+    """What is annotated to a field, at any depth (an optional field keeps it inside its union)."""
+    info = getattr(cls, "__pydantic_fields__", {}).get(name)
+    if info is None:
+        return []
+    found: list[object] = list(info.metadata)
+    waiting: list[Any] = [info.annotation]
+    while waiting:
+        kind = waiting.pop()
+        found.extend(getattr(kind, "__metadata__", ()))
+        waiting.extend(get_args(kind))
+    return found
+
+
+def _as_input_error(error: ValidationError, cls: type, prefix: str) -> InputError:
+    details = error.errors(include_url=False)
+    for detail in details:
+        inner = detail.get("ctx", {}).get("error")
+        if isinstance(inner, InputError):
+            own = f"{cls.__name__}."
+            text = str(inner)
+            return type(inner)(f"{prefix}.{text.removeprefix(own)}" if text.startswith(own) else text)
+    text = "; ".join(_explain(detail, cls, prefix) for detail in details)
+    if all(detail["type"] in _TYPE_ERRORS for detail in details):
+        return InputTypeError(text)
+    return InputError(text)
+
+
+def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
+    """One thing that is wrong, in words."""
+    place = detail["loc"]
+    kind = detail["type"]
+    if not place:
+        return f"{prefix}: {detail['msg'].removeprefix('Value error, ')}"
+    known = list(getattr(cls, "__pydantic_fields__", {}))
+    name = known[place[0]] if isinstance(place[0], int) and place[0] < len(known) else str(place[0])
+    if kind == "unexpected_keyword_argument":
+        return f"{prefix}.{name}: no such key; {nearest(name, known)}"
+    if kind == "unexpected_positional_argument":
+        return f"{prefix}: too many values ({show(detail['input'])}); it takes {', '.join(known)}"
+    where = f"{prefix}.{name}" + "".join(f"[{i}]" for i in place[1:] if isinstance(i, int))
+    unit = unit_of(cls, name)
+    suffix = f" ({unit})" if unit else ""
+    allowed = range_of(cls, name)
+    if kind in ("missing", "missing_argument"):
+        return f"{where}: is missing" + (f"; must be {allowed}" if allowed else "") + suffix
+    text = detail["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
+        text = f"must be {allowed}" if allowed else text
+    elif allowed:
+        text = f"{text}, {allowed}"
+    return f"{where} = {show(detail['input'])}: {text}{suffix}"

@@ -1,0 +1,279 @@
+"""The command line: words to calls, nothing else.
+
+Exit codes: 0 fine; 1 the run failed, or `check` found errors; 2 wrong usage or a wrong scene file;
+130 interrupted.
+Heavy imports wait inside the commands, so that `--help` is quick.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from membrane_rs.scene import Scene
+    from membrane_rs.simulation import Simulation
+
+app = typer.Typer(
+    name="membrane-rs",
+    help="Simulate the folding, spinning and deployment of thin membranes.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+FAILED, USAGE, INTERRUPTED = 1, 2, 130
+
+SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
+Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]. Default: the scene's.")]
+Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
+Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit.")]
+Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
+Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
+NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    *,
+    until: Until = None,
+    integrator: Integrator = None,
+    dt: Dt = None,
+    out: Out = None,
+    frames: Frames = None,
+    overwrite: Overwrite = False,
+    no_pictures: NoPictures = False,
+) -> None:
+    """Run a scene and write its results into a folder."""
+    with _told_errors():
+        from membrane_rs.simulation import Simulation
+
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "frames": frames}
+        chosen = _with_settings(_load(scene), wanted)
+        folder = out or Path("runs") / chosen.name
+        _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)
+
+
+@app.command()
+def resume(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A saved state, such as state.npz in a run's folder.")],
+    *,
+    until: Until = None,
+    out: Out = None,
+    frames: Frames = None,
+    overwrite: Overwrite = False,
+    no_pictures: NoPictures = False,
+) -> None:
+    """Continue a saved state to the end, into a folder of its own."""
+    with _told_errors():
+        from membrane_rs.errors import InputError
+        from membrane_rs.simulation import Simulation
+
+        sim = Simulation.restore(file)
+        settings = sim.scene.run
+        end = settings.until if until is None else until
+        if end <= sim.time:
+            raise InputError(f"--until = {end}: the state is at {sim.time:.6g} s already; give a later time (s)")
+        folder = out or file.parent.with_name(f"{file.parent.resolve().name}-continued")
+        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames)
+
+
+@app.command()
+def scenes() -> None:
+    """List the built-in scenes."""
+    with _told_errors():
+        from membrane_rs import scenes as built_in
+
+        names = built_in.names()
+        width = max(map(len, names))
+        for name in names:
+            typer.echo(f"{name:<{width}}  {built_in.describe(name)}")
+
+
+@app.command()
+def check(
+    scene: SceneArgument,
+    *,
+    integrator: Integrator = None,
+    dt: Dt = None,
+    until: Until = None,
+) -> None:
+    """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
+    with _told_errors():
+        from membrane_rs.simulation import Simulation
+
+        chosen = _with_settings(_load(scene), {"until": until, "integrator": integrator, "dt": dt})
+        typer.echo(f"Scene    {chosen.name}")
+        for name, count in chosen.counts().items():
+            typer.echo(f"  {name:<10} {count:>9,}")
+        sound = True
+        if chosen.mesh is not None:
+            audit = chosen.mesh.audit(chosen.material)
+            sound = audit.ok
+            typer.echo(f"\nMesh\n{_indented(str(audit))}")
+        sim = Simulation(chosen)
+        steps, seconds = _expected_cost(sim)
+        typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
+        typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
+        typer.echo(f"  step         {sim.dt:.4g} s")
+        typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
+        if not sound:
+            raise typer.Exit(FAILED)
+
+
+def main() -> None:
+    """Entry point of the command `membrane-rs`."""
+    app()
+
+
+def _load(scene: str) -> Scene:
+    """A built-in scene by name; a path by its ending or its slash."""
+    from membrane_rs import scenes as built_in
+    from membrane_rs.scene import Scene
+
+    if scene.endswith(".toml") or "/" in scene or Path(scene).is_file():
+        return Scene.from_toml(scene)
+    return built_in.load(scene)
+
+
+def _with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
+    """The scene with the run settings that were given on the command line."""
+    from dataclasses import asdict, replace
+
+    from membrane_rs._validation import build
+    from membrane_rs.run_settings import RunSettings
+
+    given = {name: value for name, value in wanted.items() if value is not None}
+    return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
+
+
+def _run(
+    sim: Simulation,
+    folder: Path,
+    overwrite: bool,
+    *,
+    pictures: bool,
+    until: float | None = None,
+    frames: int | None = None,
+) -> None:
+    """Run with a progress bar, and tell where the results are or how to go on."""
+    from membrane_rs.output import RunFolder
+
+    console = _console()
+    settings = sim.scene.run
+    with _progress_bar(console, sim.time, settings.until if until is None else until) as show:
+        results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
+        if settings.settle > 0 and sim.step_count == 0:
+            show.settling()
+            sim.settle()
+        try:
+            sim.run(until=until, frames=frames, progress=show.steps, observers=(results,))
+        except KeyboardInterrupt:
+            show.stop()
+            state = folder / "state.npz"
+            typer.echo(f"Stopped at {sim.time:.6g} s. What was written so far is in {folder}", err=True)
+            if state.is_file():
+                typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+    typer.echo(f"Results are in {folder}")
+
+
+class _Bar:
+    """What the progress bar shows: simulated time, steps per second, time left; then the pictures."""
+
+    def __init__(self, progress: Any, start: float, end: float) -> None:
+        self._progress = progress
+        self._start, self._end = start, end
+        self._began = self._shown = time.perf_counter()
+        self._first_step: int | None = None
+        self._task = progress.add_task("", total=end - start, detail="")
+        self._pictures_task: Any = None
+
+    def steps(self, sim: Simulation) -> None:
+        """Called by the run now and then."""
+        now = time.perf_counter()
+        if self._first_step is None:
+            self._first_step, self._began = sim.step_count, now
+        rate = (sim.step_count - self._first_step) / max(now - self._began, 1e-9)
+        detail = f"{sim.time:.4f} of {self._end:g} s  {rate:,.0f} steps/s"
+        self._progress.update(self._task, completed=sim.time - self._start, detail=detail)
+
+    def pictures(self, what: str, done: int, total: int) -> None:
+        """Called by the run's folder for each picture."""
+        if self._pictures_task is None:
+            self._pictures_task = self._progress.add_task("", total=total, detail=what)
+        self._progress.update(self._pictures_task, completed=done, detail=f"{done} of {total} {what}")
+
+    def settling(self) -> None:
+        """Say what comes before the run."""
+        self._progress.update(self._task, detail="settling")
+
+    def stop(self) -> None:
+        """Leave the screen to other words."""
+        self._progress.stop()
+
+
+@contextmanager
+def _progress_bar(console: Console, start: float, end: float) -> Iterator[_Bar]:
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    detail = TextColumn("{task.fields[detail]}")
+    columns = (BarColumn(bar_width=24), detail, TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+        yield _Bar(progress, start, end)
+
+
+def _expected_cost(sim: Simulation) -> tuple[int, float]:
+    """Steps to the end, and the seconds they take, from a few hundred real ones."""
+    steps = max(1, round(sim.scene.run.until / sim.dt))
+    taken, began, spent = 0, time.perf_counter(), 0.0
+    while taken < min(steps, 300) and spent < 2.0:
+        batch = min(20, steps - taken)
+        sim.step(batch)
+        taken += batch
+        spent = time.perf_counter() - began
+    return steps, steps * spent / taken
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 60:.3g} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"  {line}" for line in text.splitlines())
+
+
+def _console() -> Console:
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
+@contextmanager
+def _told_errors() -> Iterator[None]:
+    """One red line for what a user can mend; a traceback is for our own mistakes."""
+    from membrane_rs.errors import InputError, MembraneError, MissingFileError
+
+    try:
+        yield
+    except MembraneError as error:
+        typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
+        raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
+    except KeyboardInterrupt:
+        typer.echo("Stopped before the run; nothing was written.", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+if __name__ == "__main__":
+    main()

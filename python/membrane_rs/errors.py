@@ -1,0 +1,58 @@
+"""Every error that membrane_rs raises on purpose.
+
+All share the base `MembraneError`, and each also derives from the nearest built-in, so that
+`except ValueError` works as a user expects. Every message names the value, where it is, and the cure.
+"""
+
+from __future__ import annotations
+
+
+class MembraneError(Exception):
+    """Base of all errors of membrane_rs."""
+
+
+class InputError(MembraneError, ValueError):
+    """A value that was given is outside what the model allows."""
+
+
+class InputTypeError(InputError, TypeError):
+    """A value that was given has the wrong type, shape or dtype."""
+
+
+class MeshError(InputError):
+    """A mesh that cannot be built or simulated as it stands."""
+
+
+class SceneError(InputError):
+    """A scene file or scene that contradicts itself or holds an unknown key or value."""
+
+
+class MissingFileError(MembraneError, FileNotFoundError):
+    """A file that was named is not there."""
+
+
+class OutputError(MembraneError, OSError):
+    """A result that cannot be written."""
+
+
+class UnstableError(MembraneError, ArithmeticError):
+    """A run that stopped itself: energy from nowhere, a value not finite, or a spring over its bound.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time of the check that failed [s].
+    step : int
+        Steps taken by then.
+    place : str
+        Node or element where it was seen.
+    law : str
+        The law that is to blame.
+    """
+
+    def __init__(self, message: str, time: float = 0.0, step: int = 0, place: str = "", law: str = "") -> None:
+        super().__init__(message)
+        self.time = time
+        self.step = step
+        self.place = place
+        self.law = law

@@ -1,0 +1,44 @@
+"""A flat patch of equilateral triangles: the mesh on which springs model a film exactly, at nu = 1/3."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+
+from membrane_rs._validation import Count, Positive, Unit, validated
+from membrane_rs.folding._rows import cells
+from membrane_rs.mesh import Mesh
+
+
+@validated
+class EquilateralLattice:
+    """Rows of equilateral triangles at z = 0, every other row half a side further along y.
+
+    Parameters
+    ----------
+    side : float
+        Side of the triangles [m].
+    columns : int
+        Triangle sides along y in each row of nodes.
+    rows : int
+        Rows of triangles along x, each side * sqrt(3)/2 wide.
+
+    Node sets: "start" and "end" (first and last row), "inside" (nodes with six neighbours).
+    """
+
+    side: Annotated[Positive, Unit("m")]
+    columns: Count
+    rows: Count
+
+    def mesh(self) -> Mesh:
+        """The flat patch."""
+        index = np.arange((self.rows + 1) * (self.columns + 1)).reshape(self.rows + 1, -1)
+        row, column = np.divmod(index.ravel(), self.columns + 1)
+        x = self.side * math.sqrt(0.75) * row
+        y = self.side * (column + 0.5 * (row % 2))
+        lean = [np.full(self.columns, i % 2 == 0) for i in range(self.rows)]
+        triangles = np.concatenate([cells(index[i], index[i + 1], lean[i]) for i in range(self.rows)])
+        sets = {"start": index[0], "end": index[-1], "inside": index[1:-1, 1:-1].ravel()}
+        return Mesh(np.stack([x, y, np.zeros_like(x)], axis=1), triangles, node_sets=sets, source=self)

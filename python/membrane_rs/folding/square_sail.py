@@ -1,0 +1,197 @@
+"""A square sail of four petals, folded into a cross round a spool.
+
+Each petal is a trapezoid with parallel fold lines, alternately mountain and valley; its strips run round the
+spool from the petal's middle and turn outward along the diagonals. Flat, the sail lies at z = 0 about the
+origin, its petals at 0, 90, 180 and 270 degrees, its diagonals between them. Stowed, the inner edge is at z =
+0 and fold lines are at z = 0 and z = the strip's height in turn.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
+from membrane_rs.errors import MeshError
+from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal
+from membrane_rs.folding._rows import MOST_NODES
+from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
+from membrane_rs.mesh import Mesh
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@validated
+class SquareSail:
+    """A square sail and its folds.
+
+    Parameters
+    ----------
+    outer_width, inner_width : float
+        Side of the square, and of the square hole in its middle [m].
+    fold_lines : int
+        Fold lines in each petal; it has one strip more.
+    rows : int, optional
+        Rows of cells from the inner to the outer edge, a multiple of the number of strips. Default: the
+        smallest such number from 16 on (8 on, in the layouts "fan" and "even").
+    columns : int, optional
+        Cells along the inner edge. Default: so that cells are a little narrower than high (a quarter as wide
+        in the other layouts).
+    spool_radius : float
+        Radius at which the innermost layer goes round the spool [m].
+    fillet_radius : float, optional
+        Radius of the turn from the spool to the diagonal [m]. Default: 3 mm; in the layouts "fan" and "even",
+        whose edges are cut short by a sharp turn, 10 mm.
+    layer_gap : float
+        Distance of layers, from one fold line to the next [m]; the strain of the stowed sail grows with it.
+        Default: the thickness of the film that the default dimensions belong to, so that layers touch.
+    diagonal_gap : float
+        Distance of the innermost layer from the diagonal plane [m]. Default: half the layers' distance.
+    layout : "ruled", "fan" or "even"
+        How nodes lie in the flat petal, see `_flat_petal`. Only "ruled" is sound: the two others have the
+        same counts as each other, but springs with negative constants, and are kept to show what comes of it.
+    join : "merge" or "bridge"
+        Petals share the nodes on the diagonals, or have their own, joined by stiff bridges.
+
+    Raises
+    ------
+    MeshError
+        Dimensions that do not go together.
+    """
+
+    outer_width: Annotated[Positive, Unit("m")] = 0.455
+    inner_width: Annotated[Positive, Unit("m")] = 0.103
+    fold_lines: Whole = 7
+    rows: Count | None = None
+    columns: Count | None = None
+    spool_radius: Annotated[Positive, Unit("m")] = 0.025
+    fillet_radius: Annotated[Positive, Unit("m")] | None = None
+    layer_gap: Annotated[NonNegative, Unit("m")] = 7.5e-6
+    diagonal_gap: Annotated[NonNegative, Unit("m")] = 3.75e-6
+    layout: Literal["ruled", "fan", "even"] = "ruled"
+    join: Literal["merge", "bridge"] = "merge"
+
+    def __post_init__(self) -> None:
+        """Check dimensions and counts against each other."""
+        if self.outer_width <= self.inner_width:
+            raise MeshError(
+                f"SquareSail.outer_width = {self.outer_width:g}: must be greater than inner_width = "
+                f"{self.inner_width:g} (m)"
+            )
+        if self.rows is not None and self.rows % self.strips:
+            raise MeshError(
+                f"SquareSail.rows = {self.rows}: must be a multiple of {self.strips} (strips that "
+                f"{self.fold_lines} fold lines make); take {math.ceil(self.rows / self.strips) * self.strips}"
+            )
+        rows = self.strips * self.rows_per_strip
+        nodes = 4 * rows * (rows + (self.columns or 1))
+        if nodes > MOST_NODES:
+            raise MeshError(
+                f"SquareSail: {rows} rows and {self.columns or 'default'} columns make about {nodes:.1e} "
+                f"nodes; more than {MOST_NODES:.0e} do not fit, make the mesh coarser"
+            )
+        self._path()
+
+    @property
+    def strips(self) -> int:
+        """Strips of each petal."""
+        return self.fold_lines + 1
+
+    @property
+    def strip_height(self) -> float:
+        """Distance of fold lines in the flat sail [m]."""
+        return 0.5 * (self.outer_width - self.inner_width) / self.strips
+
+    @property
+    def flat_corner_radius(self) -> float:
+        """Distance of the outer corners from the centre of the flat sail [m]."""
+        return self.outer_width / math.sqrt(2.0)
+
+    @property
+    def rows_per_strip(self) -> int:
+        """Rows of cells in each strip."""
+        if self.rows is not None:
+            return self.rows // self.strips
+        return math.ceil((16 if self.layout == "ruled" else 8) / self.strips)
+
+    def counts(self) -> dict[str, int]:
+        """Masses, springs and elements of the four petals, each petal counted by itself."""
+        petal = self._petal()
+        nodes, elements = sum(map(len, petal.along)), len(petal.triangles)
+        springs = nodes + elements - 1  # Euler's formula for a disc
+        return {"masses": 4 * nodes, "springs": 4 * springs, "elements": 4 * elements}
+
+    def mesh(self) -> Mesh:
+        """The flat mesh with its creases, and the stowed sail as its positions.
+
+        Node sets: "corners" and "inner_corners" (at 45, 135, 225, 315 degrees), "petal-0" to "petal-3" (at 0,
+        90, 180, 270 degrees), "diagonals", and "guide_bars": what lies round the spool and in the fillets.
+        """
+        petal = self._petal()
+        level = np.arange(self.strips * self.rows_per_strip + 1) % (2 * self.rows_per_strip)
+        height = self.strip_height * (1.0 - np.abs(level / self.rows_per_strip - 1.0))
+        stowed, held = stowed_petal(petal, self._path(), height, by_chord=self.layout == "ruled")
+        lines = [petal.index[k * self.rows_per_strip] for k in range(1, self.strips)]
+        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
+        creases = np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)])
+        # Between strips 0 and 1 the lower sides meet: a mountain. Then valley and mountain in turn.
+        angles = np.repeat([math.pi if k % 2 == 0 else -math.pi for k in range(1, self.strips)], list(map(len, pairs)))
+
+        size = len(stowed)
+        low = np.array([row[0] for row in petal.index])
+        high = np.array([row[-1] for row in petal.index])
+        copies = size * np.arange(4)[:, None]
+        here, there = copies + high, np.roll(copies, -1, axis=0) + low
+        reference, positions = _four(petal.points), _four(stowed)
+        apart = max(float(np.abs(points[here] - points[there]).max()) for points in (reference, positions))
+        if apart > 1e-12 * self.outer_width:
+            raise MeshError(f"the petals' slanted sides lie {apart:g} m apart; they cannot be joined")
+        number = np.arange(4 * size)
+        if self.join == "merge":
+            number[there] = number[here]
+            kept = np.unique(number)
+            number = np.searchsorted(kept, number)
+        else:
+            kept = number
+        sets = {f"petal-{p}": np.unique(number[copies[p] + np.arange(size)]) for p in range(4)}
+        sets["corners"], sets["inner_corners"] = number[here[:, -1]], number[here[:, 0]]
+        sets["diagonals"] = np.unique(number[np.concatenate([here, there], axis=1)])
+        sets["guide_bars"] = np.unique(number[(copies + np.flatnonzero(held)).ravel()])
+        return Mesh(
+            reference[kept],
+            number[(copies[:, :, None] + petal.triangles).reshape(-1, 3)],
+            positions=positions[kept],
+            creases=number[(copies[:, :, None] + creases).reshape(-1, 2)],
+            fold_angles=np.tile(angles, 4),
+            node_sets=sets,
+            bridges=None if self.join == "merge" else np.stack([here.ravel(), there.ravel()], axis=1),
+            source=self,
+        )
+
+    def _petal(self) -> FlatPetal:
+        rows = self.strips * self.rows_per_strip
+        row_height = self.strip_height / self.rows_per_strip
+        columns = self.columns or default_columns(self.layout, self.inner_width, row_height, rows)
+        return flat_petal(self.layout, self.inner_width / 2, self.outer_width / 2, rows, columns)
+
+    def _path(self) -> StowedPath:
+        rows = self.strips * self.rows_per_strip
+        return StowedPath(
+            spool_radius=self.spool_radius,
+            fillet_radius=self.fillet_radius or (0.003 if self.layout == "ruled" else 0.010),
+            diagonal_gap=self.diagonal_gap,
+            offset=self.layer_gap * np.arange(rows + 1) / self.rows_per_strip,
+            half=np.linspace(self.inner_width / 2, self.outer_width / 2, rows + 1),
+            taper=self.inner_width / 2,
+        )
+
+
+def _four(points: Floats) -> Floats:
+    """(4 n, 3) points turned by 0, 90, 180 and 270 degrees about z, without rounding."""
+    x, y, z = points.T
+    turned = [(x, y, z), (-y, x, z), (-x, -y, z), (y, -x, z)]
+    return np.concatenate([np.stack(columns, axis=1) for columns in turned])

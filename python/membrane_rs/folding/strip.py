@@ -1,0 +1,100 @@
+"""A flat rectangular strip, with or without creases across it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
+from numpy.typing import NDArray
+from pydantic import BeforeValidator
+
+from membrane_rs._validation import Count, Finite, Positive, Unit, _numbers, validated
+from membrane_rs.errors import MeshError
+from membrane_rs.folding._rows import cells
+from membrane_rs.mesh import Mesh
+
+Floats = NDArray[np.float64]
+Inside = Annotated[Finite, Gt(0), Lt(1)]
+
+
+@validated
+class Strip:
+    """A strip along x from the origin, its width along y from -width/2 to width/2, flat at z = 0.
+
+    Parameters
+    ----------
+    length, width : float
+        Size [m].
+    columns, rows : int
+        Cells along the length and across the width; two triangles each, diagonals alternating.
+    creases : sequence of float
+        Where creases lie, as fractions of the length; each must fall on a line between columns.
+    fold_angle : float
+        Fold angle of the first crease in the folded strip [rad], between -pi and pi, valley positive; the
+        next ones have it in turn with the opposite sign. Faces stay flat.
+
+    Node sets: "start" (x = 0), "end" (x = length), and "crease-0", "crease-1" ...
+
+    Raises
+    ------
+    MeshError
+        A crease that falls inside a column, or twice in one place.
+    """
+
+    length: Annotated[Positive, Unit("m")]
+    width: Annotated[Positive, Unit("m")]
+    columns: Count
+    rows: Count = 1
+    creases: Annotated[tuple[Inside, ...], BeforeValidator(_numbers)] = ()
+    fold_angle: Annotated[Finite, Ge(-math.pi), Le(math.pi), Unit("rad")] = 0.0
+
+    def __post_init__(self) -> None:
+        """Check that creases lie between columns."""
+        for fraction in self.creases:
+            line = round(fraction * self.columns)
+            if not 0 < line < self.columns or abs(line - fraction * self.columns) > 1e-6:
+                raise MeshError(
+                    f"Strip.creases: {fraction:g} falls inside one of {self.columns} columns; "
+                    f"take a multiple of 1/{self.columns}, or other columns"
+                )
+        if len(set(self._lines())) < len(self.creases):
+            raise MeshError(f"Strip.creases = {self.creases}: two lie in one place; give each once")
+
+    def mesh(self) -> Mesh:
+        """The flat strip; its positions are folded about the creases."""
+        lines = np.array(self._lines(), dtype=np.int64)
+        x = np.linspace(0.0, self.length, self.columns + 1)
+        y = self.width * (np.arange(self.rows + 1) / self.rows - 0.5)
+        index = np.arange((self.columns + 1) * (self.rows + 1)).reshape(self.columns + 1, -1)
+        row = np.arange(self.rows)
+        triangles = [cells(index[i], index[i + 1], (row + i) % 2 == 1) for i in range(self.columns)]
+
+        angles = self.fold_angle * (-1.0) ** np.arange(len(lines))
+        turn = np.zeros(self.columns)
+        turn[lines] = angles
+        heading = np.cumsum(turn)
+        step = self.length / self.columns
+        folded_x = np.concatenate([[0.0], np.cumsum(step * np.cos(heading))])
+        folded_z = np.concatenate([[0.0], np.cumsum(step * np.sin(heading))])
+
+        pairs = [np.stack([index[i, :-1], index[i, 1:]], axis=1) for i in lines]
+        sets = {"start": index[0], "end": index[-1]}
+        return Mesh(
+            _sheet(x, y, np.zeros_like(x)),
+            np.concatenate(triangles),
+            positions=_sheet(folded_x, y, folded_z),
+            creases=np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)]),
+            fold_angles=np.repeat(angles, self.rows),
+            node_sets=sets | {f"crease-{k}": index[i] for k, i in enumerate(lines)},
+            source=self,
+        )
+
+    def _lines(self) -> list[int]:
+        return sorted(round(fraction * self.columns) for fraction in self.creases)
+
+
+def _sheet(x: Floats, y: Floats, z: Floats) -> Floats:
+    """(len(x) len(y), 3) points: y runs fastest, z goes with x."""
+    return np.stack([np.repeat(x, len(y)), np.tile(y, len(x)), np.repeat(z, len(y))], axis=1)

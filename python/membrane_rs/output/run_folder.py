@@ -1,0 +1,246 @@
+"""The folder of a run: what is in it, and when each file is written.
+
+scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
+summary.json    at the start ("running"), and again at the end
+history.csv     a line per sample
+frames.pvd      after each frame, with frames/frame-<k>.vtu
+state.npz       at the end of a run that finished or was interrupted, to go on from
+deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from membrane_rs._files import PART, output_errors
+from membrane_rs.errors import OutputError, UnstableError
+from membrane_rs.output.animation import SIZE as ANIMATION_SIZE
+from membrane_rs.output.animation import chosen, write_animation
+from membrane_rs.output.history import History
+from membrane_rs.output.picture import Subject, painter, pyvista_works
+from membrane_rs.output.plots import plot_deployment
+from membrane_rs.output.report import curve_features, energy_balance, versions, write_summary
+from membrane_rs.output.snapshots import SIZE as SNAPSHOT_SIZE
+from membrane_rs.output.snapshots import VIEWS, SnapshotTaker, write_snapshots
+from membrane_rs.output.vtk import write_frame, write_pvd
+
+if TYPE_CHECKING:
+    from membrane_rs.simulation import Simulation
+
+# What a run writes, and so all that `overwrite` may remove.
+OWN_FILES = (
+    "scene.toml",
+    "mesh.npz",
+    "summary.json",
+    "history.csv",
+    "frames.pvd",
+    "state.npz",
+    "deployment.png",
+    "animation.gif",
+    "frames/frame-*.vtu",
+    *(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s")),
+)
+OWN_FOLDERS = ("frames", "snapshots")
+
+Progress = Callable[[str, int, int], None]
+
+
+class RunFolder:
+    """An observer that writes a run's results into a folder. For one run.
+
+    The folder is valid after every frame: each file is whole or absent, and history.csv grows by whole lines.
+
+    Parameters
+    ----------
+    path :
+        The folder; made where it is missing, with its parents.
+    overwrite :
+        Remove the files of an earlier run in this folder. Other files stay.
+    pictures :
+        Draw deployment.png, snapshots and animation when the run ends.
+    progress :
+        Called with (what is drawn, pictures done, pictures in all) while the pictures are drawn.
+
+    Raises
+    ------
+    OutputError
+        If the folder is not empty and `overwrite` is false, or it cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        overwrite: bool = False,
+        *,
+        pictures: bool = True,
+        progress: Progress | None = None,
+    ) -> None:
+        self.path = Path(path)
+        self._overwrite = overwrite
+        self._pictures = pictures
+        self._progress = progress
+        self._check()
+
+    def start(self, sim: Simulation) -> None:
+        """Make the folder, clear it of an earlier run, write scene.toml and a first summary.
+
+        Raises OutputError, and then leaves no folder behind that was not there before.
+        """
+        self._check()
+        made: list[Path] = []
+        is_cleared = False
+        try:
+            self._make_folders(made)
+            self._remove_own_files()
+            is_cleared = True
+            sim.scene.save(self.path)
+            self._history = History(self.path / "history.csv", sim)
+            self._began = time.perf_counter()
+            self._frames: list[tuple[float, str]] = []
+            self._snapshots = SnapshotTaker(sim.scene.run.snapshots, sim.time)
+            self._summary = self._first_summary(sim)
+            self._write_summary()
+        except BaseException:
+            if is_cleared:
+                self._remove_own_files()
+            for folder in reversed(made):
+                if not any(folder.iterdir()):
+                    folder.rmdir()
+            raise
+
+    def sample(self, sim: Simulation) -> None:
+        """Add a line to history.csv, and keep the state if a snapshot is due. Raises OutputError.
+
+        A state that is not later than the last one is passed over: a run that went wrong steps back to its
+        last good state, which may have been written already. The same holds for frames.
+        """
+        if not self._history.rows or sim.time > self._history.rows[-1][0]:
+            self._history.add(sim)
+            self._snapshots.offer(sim)
+
+    def frame(self, sim: Simulation) -> None:
+        """Write a VTU file, then the index that lists it. Raises OutputError."""
+        if self._frames and sim.time <= self._frames[-1][0]:
+            return
+        file = f"frames/frame-{len(self._frames):04d}.vtu"
+        write_frame(self.path / file, sim)
+        self._frames.append((sim.time, file))
+        write_pvd(self.path / "frames.pvd", self._frames)
+
+    def finish(self, sim: Simulation, error: BaseException | None) -> None:
+        """Close the history, write the summary, then the pictures. Raises OutputError.
+
+        A run that went unstable is drawn as far as it came. After an interruption, or any other error,
+        nothing is drawn, so that the program stops at once.
+        """
+        self._history.close()
+        self._close_summary(sim, error)
+        if error is None or isinstance(error, KeyboardInterrupt):
+            with output_errors(self.path / "state.npz"):
+                sim.save(self.path / "state.npz")
+        if self._pictures and (error is None or isinstance(error, UnstableError)):
+            self._summary["pictures"] = self._draw(sim)
+            self._write_summary()
+
+    def _check(self) -> None:
+        """Refuse a folder that cannot be used, before anything is written."""
+        with output_errors(self.path):
+            nearest = next(folder for folder in (self.path, *self.path.absolute().parents) if folder.exists())
+            if not nearest.is_dir():
+                reason = f"{nearest} is a file; choose another folder"
+            elif nearest == self.path and not self._overwrite and any(self.path.iterdir()):
+                reason = "it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)"
+            elif not os.access(nearest, os.W_OK | os.X_OK):
+                reason = f"no permission in {nearest}; choose another folder"
+            else:
+                return
+        raise OutputError(f"cannot write into {self.path}: {reason}")
+
+    def _make_folders(self, made: list[Path]) -> None:
+        """Make the folders that are missing, and add them to `made`, outermost first."""
+        for folder in (*reversed(self.path.parents), self.path, *(self.path / name for name in OWN_FOLDERS)):
+            with output_errors(folder):
+                if not folder.exists():
+                    folder.mkdir()
+                    made.append(folder)
+
+    def _remove_own_files(self) -> None:
+        """Remove the files that a run writes, whole or half-written."""
+        for pattern in OWN_FILES:
+            for file in (*self.path.glob(pattern), *self.path.glob(pattern + PART)):
+                with output_errors(file):
+                    file.unlink()
+
+    def _first_summary(self, sim: Simulation) -> dict[str, Any]:
+        """What is known before the first step."""
+        return {
+            "scene": sim.scene.name,
+            "outcome": "running",
+            "counts": sim.scene.counts(),
+            "integrator": sim.integrator,
+            "dt": sim.dt,
+            "stable_dt": sim.stable_dt(),
+            "limiting_part": sim.limiting_part,
+            "start_time": sim.time,
+            "versions": versions(),
+        }
+
+    def _close_summary(self, sim: Simulation, error: BaseException | None) -> None:
+        """Add what the run has shown, and write the summary."""
+        table = self._history.table()
+        self._summary |= {
+            "outcome": outcome(error),
+            "time": sim.time,
+            "steps": sim.step_count,
+            "evaluations": sim.evaluation_count,
+            "wall_time": time.perf_counter() - self._began,
+            "frames": len(self._frames),
+            "samples": len(self._history.rows),
+            "energy_balance": energy_balance(table),
+            "curves": curve_features(table),
+            "pictures": "none",
+        }
+        self._write_summary()
+
+    def _write_summary(self) -> None:
+        write_summary(self.path / "summary.json", self._summary)
+
+    def _draw(self, sim: Simulation) -> str:
+        """Draw what the run has left; return who drew it."""
+        table, name = self._history.table(), self._summary["scene"]
+        if len(self._history.rows) > 1:
+            plot_deployment(table, self.path / "deployment.png", name)
+        shots = self._snapshots.taken
+        frames = chosen([(when, self.path / file) for when, file in self._frames])
+        total = len(VIEWS) * len(shots) + len(frames)
+        done = 0
+
+        def tick() -> None:
+            nonlocal done
+            done += 1
+            if self._progress is not None:
+                self._progress("pictures", done, total)
+
+        subject = Subject.of(sim, [shot.positions for shot in shots] or [sim.positions])
+        if shots:
+            with painter(subject, SNAPSHOT_SIZE) as artist:
+                write_snapshots(self.path / "snapshots", shots, artist, name, tick)
+        if len(frames) > 1:
+            with painter(subject, ANIMATION_SIZE) as artist:
+                write_animation(self.path / "animation.gif", frames, artist, tick)
+        return "pyvista" if pyvista_works() else "matplotlib"
+
+
+def outcome(error: BaseException | None) -> str:
+    """How a run ended, in a word, and the reason where it went wrong."""
+    if error is None:
+        return "finished"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(error, UnstableError):
+        return f"unstable: {error}"
+    return f"failed: {type(error).__name__}: {error}"

@@ -1,0 +1,52 @@
+"""How a scene is run unless the caller says otherwise."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from annotated_types import Ge
+
+from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
+from membrane_rs.errors import InputError
+
+
+@validated
+class RunSettings:
+    """How long a scene runs, by which method, and what is written when.
+
+    Parameters
+    ----------
+    until : float
+        Time at the end [s], above 0.
+    integrator : str
+        Name of the method.
+    dt : float or None
+        Step [s], at most `until`. None: from the stability limit, with a margin.
+    frames : int
+        Shapes written, evenly spaced from the start to the end; 2 or above.
+    samples : int
+        Rows of the history, evenly spaced from the start to the end; 2 or above.
+    snapshots : sequence of float
+        Times of the pictures [s]; those after the end are left out.
+    settle : float
+        Before time 0 the scene is damped to rest for this long, its guide bars holding [s]; 0: not at all.
+    settle_rate : float
+        Friction while it settles, F = -rate m v [1/s].
+    watch : int
+        Steps between two checks of energy, strain and finite values; 1 or above.
+    """
+
+    until: Annotated[Positive, Unit("s")] = 0.8
+    integrator: str = "rk4"
+    dt: Annotated[Positive | None, Unit("s")] = None
+    frames: Annotated[Count, Ge(2)] = 81
+    samples: Annotated[Count, Ge(2)] = 801
+    snapshots: Annotated[Times, Unit("s")] = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+    settle: Annotated[NonNegative, Unit("s")] = 0.0
+    settle_rate: Annotated[NonNegative, Unit("1/s")] = 100.0
+    watch: Count = 100
+
+    def __post_init__(self) -> None:
+        """Check the step against the end."""
+        if self.dt is not None and self.dt > self.until:
+            raise InputError(f"RunSettings.dt = {self.dt}: must be greater than 0 and at most until = {self.until} (s)")

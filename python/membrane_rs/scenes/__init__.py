@@ -1,0 +1,40 @@
+"""The built-in scenes, one TOML file each."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+from membrane_rs._validation import nearest, show
+from membrane_rs.errors import SceneError
+from membrane_rs.scene import Scene
+
+
+def names() -> list[str]:
+    """The names of the built-in scenes, in alphabetical order."""
+    files = resources.files(__name__).iterdir()
+    return sorted(file.name.removesuffix(".toml") for file in files if file.name.endswith(".toml"))
+
+
+def describe(name: str) -> str:
+    """One line about a built-in scene: the first line of its file."""
+    return _text(name).splitlines()[0].removeprefix("#").strip()
+
+
+def load(name: str) -> Scene:
+    """A built-in scene by its name.
+
+    Raises
+    ------
+    SceneError
+        No scene of that name.
+    """
+    _text(name)
+    with resources.as_file(resources.files(__name__) / f"{name}.toml") as path:
+        return Scene.from_toml(path)
+
+
+def _text(name: str) -> str:
+    known = names()
+    if name not in known:
+        raise SceneError(f"scene {show(name)}: is not built in; {nearest(str(name), known)}")
+    return (resources.files(__name__) / f"{name}.toml").read_text(encoding="utf-8")

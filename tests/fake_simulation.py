@@ -1,0 +1,100 @@
+"""A simulation that does not compute: its shape is set by the test. For tests of what looks on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from membrane_rs import (
+    Creases,
+    Material,
+    RunSettings,
+    Scene,
+    Spin,
+    SpringDamping,
+    Springs,
+    Tethers,
+    TipMasses,
+)
+from membrane_rs.assembly import Assembly
+from membrane_rs.folding import SquareSail
+from membrane_rs.observe import Floats, Ints
+from numpy.typing import NDArray
+
+
+def small_sail(**run: Any) -> Scene:
+    """A sail with one fold line, its tethers and tip masses."""
+    return Scene(
+        SquareSail(outer_width=0.2, inner_width=0.1, fold_lines=1, rows=2, columns=2).mesh(),
+        Material(3.2e9, 0.34, 1420.0, 7.5e-6),
+        [Springs(), SpringDamping(), Creases(), Spin()],
+        [TipMasses(0.36e-3), Tethers(segments=3)],
+        name="small-sail",
+        run=RunSettings(**run),
+    )
+
+
+@dataclass
+class FakeSimulation:
+    """What observers read of a simulation; `show` sets time and shape."""
+
+    scene: Scene = field(default_factory=small_sail)
+    time: float = 0.0
+    hub_angle: float = 0.0
+    dt: float = 1e-5
+    integrator: str = "rk4"
+    step_count: int = 0
+    evaluation_count: int = 0
+    limiting_part: str = "springs near node 0"
+
+    def __post_init__(self) -> None:
+        self.assembly: Assembly = self.scene.assemble()
+        self.positions: Floats = self.assembly.positions.copy()
+        self.velocities: Floats = np.zeros_like(self.positions)
+        assert self.scene.mesh is not None
+        self.spring_pairs: Ints = np.vstack([self.scene.mesh.edges, self.assembly.cord_pairs])
+        self.stored = {"springs": 0.1, "creases": 0.2, "spin": -0.5, "tethers": 0.0}
+
+    def show(self, time: float, positions: Floats) -> None:
+        self.time, self.positions = time, positions
+        self.hub_angle = 6.0 * np.pi * time
+        self.step_count = round(time / self.dt)
+
+    def energies(self) -> dict[str, float]:
+        return {"kinetic": 0.3, **self.stored}
+
+    def ledger(self) -> dict[str, Any]:
+        work = {"spring_damping": -0.1} if self.time > 0 else {}
+        return {
+            "kinetic": 0.3,
+            "stored": -0.2,
+            "work": -0.1,
+            "turned_over": 1.0,
+            "error": -1e-3,
+            "work_by_law": work,
+        }
+
+    def spring_strains(self) -> Floats:
+        return 1e-4 * np.arange(-10.0, len(self.spring_pairs) - 10.0, dtype=np.float64)
+
+    def buckled(self) -> NDArray[np.bool_]:
+        return self.spring_strains() < 0.0
+
+    def crease_angles(self) -> Floats:
+        return 0.1 * np.arange(len(self.assembly.creases), dtype=np.float64)
+
+    def stable_dt(self) -> float:
+        return 2e-5
+
+    def save(self, path: Path) -> None:
+        path.write_bytes(b"state")
+
+
+def turned_flat(assembly: Assembly, angle_deg: float, scale: float = 1.0) -> Floats:
+    """The reference, turned about z and drawn in or out from the axis."""
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned: Floats = np.matmul(scale * assembly.reference, turn)
+    return turned

@@ -1,0 +1,156 @@
+"""The command line: what it prints, what it leaves behind, and its exit codes."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from membrane_rs import scenes
+from membrane_rs.cli import app
+from membrane_rs.output import read_history
+from membrane_rs.simulation import Simulation
+from typer.testing import CliRunner
+
+COMMAND = [sys.executable, "-m", "membrane_rs.cli"]
+SHORT = ["--until", "0.01", "--frames", "3", "--no-pictures"]
+
+
+def call(*words: object) -> tuple[int, str]:
+    """Exit code and everything that was printed."""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+def summary(folder: Path) -> dict[str, object]:
+    """summary.json of a run's folder."""
+    found: dict[str, object] = json.loads((folder / "summary.json").read_text())
+    return found
+
+
+def test_help_is_quick_and_loads_nothing_heavy() -> None:
+    words = "import sys; sys.argv = ['membrane-rs', '--help']\nfrom membrane_rs.cli import main\n"
+    words += "try: main()\nexcept SystemExit: pass\n"
+    words += "print([m for m in ('scipy', 'pyvista', 'matplotlib', 'meshio') if m in sys.modules])"
+    shown = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True).stdout
+    assert all(name in shown for name in ("run", "resume", "scenes", "check"))
+    assert shown.strip().endswith("[]")
+
+
+def test_scenes_are_listed() -> None:
+    code, shown = call("scenes")
+    assert code == 0
+    assert [line.split()[0] for line in shown.splitlines()] == scenes.names()
+
+
+def test_run_writes_a_folder(tmp_path: Path) -> None:
+    code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run", "--dt", "1e-5")
+    assert (code, "Results are in" in shown) == (0, True)
+    assert summary(tmp_path / "run")["outcome"] == "finished"
+    assert summary(tmp_path / "run")["dt"] == 1e-5
+    assert read_history(tmp_path / "run" / "history.csv")["time"][-1] == pytest.approx(0.01)
+    assert len(list((tmp_path / "run" / "frames").glob("*.vtu"))) == 3
+    code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run")
+    assert (code, shown.count("Error:"), "--overwrite" in shown) == (1, 1, True)
+    assert call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run", "--overwrite")[0] == 0
+
+
+def test_run_takes_a_file_and_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text(scenes.load("single-crease").to_toml())
+    assert call("run", "mine.toml", "--until", "0.001", "--no-pictures", "--integrator", "rk4")[0] == 0
+    assert summary(Path("runs/single-crease"))["integrator"] == "rk4"
+
+
+def test_resume_continues_with_the_same_bits(tmp_path: Path) -> None:
+    assert call("run", "spinning-tether", *SHORT, "--out", tmp_path / "a")[0] == 0
+    state = tmp_path / "a" / "state.npz"
+    code, _ = call("resume", state, "--until", "0.02", "--frames", "3", "--no-pictures")
+    assert code == 0
+    whole = Simulation(scenes.load("spinning-tether"), dt=Simulation.restore(state).dt)
+    again = Simulation.restore(tmp_path / "a-continued" / "state.npz")
+    whole.step(again.step_count)
+    assert again.time == pytest.approx(0.02, rel=1e-3)
+    assert (whole.positions == again.positions).all()
+    code, shown = call("resume", state, "--until", "0.005")
+    assert (code, "give a later time" in shown) == (2, True)
+    code, shown = call("resume", tmp_path / "none.npz")
+    assert (code, shown.count("Error:")) == (2, 1)
+
+
+def test_check_tells_counts_audit_step_and_cost() -> None:
+    code, shown = call("check", "okuizumi-model-1", "--until", "0.1")
+    assert code == 0
+    for words in ("1,980", "5,432", "3,456", "stable step", "limited by", "steps, about", "no errors"):
+        assert words in shown
+
+
+def test_check_finds_errors(tmp_path: Path) -> None:
+    text = scenes.load("okuizumi-model-1").to_toml().replace('"ruled"', '"fan"')
+    text = text.replace('negative = "refuse"', 'negative = "clip"')
+    (tmp_path / "fan.toml").write_text(text)
+    code, shown = call("check", tmp_path / "fan.toml")
+    assert (code, "664" in shown) == (1, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "shown"),
+    [
+        (["run", "spinning-tethr"], 2, "did you mean 'spinning-tether'"),
+        (["run", "nowhere.toml"], 2, "no such scene file"),
+        (["check", "nowhere/at/all"], 2, "no such scene file"),
+        (["run", "spinning-tether", "--dt", "0"], 2, "run.dt = 0.0: must be greater than 0 (s)"),
+        (["run", "spinning-tether", "--dt", "nan"], 2, "must be finite"),
+        (["run", "spinning-tether", "--dt", "9"], 2, "at most until"),
+        (["run", "spinning-tether", "--until", "-1"], 2, "run.until = -1.0: must be greater than 0"),
+        (["run", "spinning-tether", "--frames", "1"], 2, "run.frames = 1: must be at least 2"),
+        (["run", "spinning-tether", "--integrator", "rk5"], 2, "rk5"),
+        (["run", "spinning-tether", "--speed"], 2, "No such option"),
+        (["fly"], 2, "No such command"),
+        (["run"], 2, "Missing argument"),
+    ],
+)
+def test_mistakes_cost_one_line(
+    words: list[str], code: int, shown: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found, printed = call(*words)
+    assert found == code
+    assert shown in printed
+    if "Error:" in printed:
+        assert len(printed.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    code, shown = call("run", "spinning-tether", "--out", tmp_path / "file" / "run")
+    assert (code, shown.count("Error:")) == (1, 1)
+
+
+def test_ctrl_c_stops_at_once_and_tells_how_to_go_on(tmp_path: Path) -> None:
+    words = [*COMMAND, "run", "okuizumi-model-1", "--no-pictures", "--out", str(tmp_path / "run")]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while not (tmp_path / "run" / "frames.pvd").exists():
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        time.sleep(0.3)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, shown = process.communicate(timeout=30)
+        took = time.monotonic() - began
+    assert process.returncode == 130
+    assert "Stopped at" in shown
+    assert "Traceback" not in shown
+    assert "Continue with: membrane-rs resume" in shown
+    assert summary(tmp_path / "run")["outcome"] == "interrupted"
+    assert Simulation.restore(tmp_path / "run" / "state.npz").time > 0
+    assert took < 2.0  # 0.2 s to stop, and the interpreter's own end on a busy machine

@@ -1,0 +1,195 @@
+"""Every law of force, in one scene that holds them all, at random positions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from membrane_rs import (
+    AirDrag,
+    Bridges,
+    Creases,
+    Gravity,
+    MassDamping,
+    Mesh,
+    Scene,
+    Simulation,
+    Spin,
+    SpoolContact,
+    SpringDamping,
+    Springs,
+    Tether,
+    Tethers,
+)
+from membrane_rs.folding import Strip
+from membrane_rs.laws import LAWS, Law
+from membrane_rs.parts import Part
+from small_scenes import RUBBER, Floats, rotation
+
+INTERNAL = ("springs", "creases", "tethers", "bridges", "spring_damping")
+"""Laws between nodes only: no rigid motion is felt by them, and no force or torque is left over."""
+
+
+def crowd(seed: int, *, contact: float = 100.0) -> Simulation:
+    """All laws and all parts with a potential, on a creased sheet of two pieces, crumpled at random."""
+    sheet = Strip(0.12, 0.06, 4, 2, creases=(0.25, 0.5), fold_angle=1.0).mesh()
+    count = sheet.node_count
+    mesh = Mesh(
+        np.vstack([sheet.reference, sheet.reference + np.array([0.13, 0.0, 0.0])]),
+        np.vstack([sheet.triangles, sheet.triangles + count]),
+        creases=np.vstack([sheet.creases, sheet.creases + count]),
+        fold_angles=np.concatenate([sheet.fold_angles, -sheet.fold_angles]),
+        bridges=np.stack([sheet.node_sets["end"], sheet.node_sets["start"] + count], axis=1),
+    )
+    laws: list[Law] = [
+        Springs(buckling=1.0, buckling_on_creases=2.0),
+        SpringDamping(),
+        Creases(stiffness=1e3, contact_penalty=contact, natural_angle=1.0),
+        AirDrag(pressure=1e4),
+        Spin(frequency=2.0),
+        Gravity((1.0, 2.0, -9.0)),
+        SpoolContact(radius=0.06, stiffness=50.0, half_height=0.03, membrane=True),
+        MassDamping(rate=3.0),
+    ]
+    parts: list[Part] = [
+        Bridges(stiffness=40.0),
+        Tethers(nodes=[0, 2], anchor_radius=0.01, length=0.05, segments=3),
+        Tether((0.0, 0.1, 0.0), (0.1, 0.1, 0.0), segments=2, axial_stiffness=5.0, linear_density=1e-3),
+    ]
+    sim = Simulation(Scene(mesh, RUBBER, laws, parts))
+    random = np.random.default_rng(seed)
+    sim.positions = sim.positions + random.normal(scale=0.01, size=(sim.node_count, 3))
+    return sim
+
+
+def slopes(sim: Simulation, step: float) -> dict[str, Floats]:
+    """-dU/dx of each law with a potential, (N, 3) [N], by differences of fourth order."""
+    start = sim.positions
+    weights = {1: 8 / 12, -1: -8 / 12, 2: -1 / 12, -2: 1 / 12}
+    found = {name: np.zeros_like(start) for name in sim.energies() if name != "kinetic"}
+    for place in np.ndindex(*start.shape):
+        for offset, weight in weights.items():
+            moved = start.copy()
+            moved[place] += offset * step
+            sim.positions = moved
+            for name, energy in sim.energies().items():
+                if name != "kinetic":
+                    found[name][place] -= weight * energy / step
+    sim.positions = start
+    return found
+
+
+def test_the_crowd_holds_every_law() -> None:
+    sim = crowd(0)
+    assert {law.kind for law in sim.scene.laws} == set(LAWS)
+    conservative = {"springs", "creases", "spin", "gravity", "spool_contact", "tethers", "bridges"}
+    assert set(sim.energies()) == {"kinetic"} | conservative
+    for name in conservative:
+        assert np.abs(sim.forces(name)).max() > 0, f"{name} has no say here; the scene must be crumpled more"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_force_is_minus_the_slope_of_the_energy(seed: int) -> None:
+    # Differences of fourth order with 1e-6 m on triangles of 30 mm: truncation (1e-6/1e-2)^4, rounding
+    # 1e-16/1e-4, in all 1e-10 or so of the largest force; a kink (buckling, slack, contact) within 2e-6 m
+    # of a random start is unlikely.
+    sim = crowd(seed)
+    for name, slope in slopes(sim, 1e-6).items():
+        force = sim.forces(name)
+        assert force == pytest.approx(slope, abs=1e-6 * np.abs(force).max()), name
+
+
+def test_total_force_is_the_sum_over_the_laws() -> None:
+    sim = crowd(4)
+    sim.velocities = np.random.default_rng(4).normal(size=(sim.node_count, 3))
+    names = [law.kind for law in sim.scene.laws] + ["tethers", "bridges"]
+    total = sum(sim.forces(name) for name in names)
+    assert sim.forces() == pytest.approx(total, rel=1e-12, abs=1e-12 * np.abs(total).max())
+
+
+@pytest.mark.parametrize("name", INTERNAL)
+def test_internal_laws_leave_no_force_and_no_torque(name: str) -> None:
+    sim = crowd(5)
+    sim.velocities = np.random.default_rng(5).normal(size=(sim.node_count, 3))
+    force, size = sim.forces(name), np.abs(sim.forces(name)).sum()
+    assert np.abs(force.sum(axis=0)).max() < 1e-12 * size  # rounding of a sum of some hundred terms
+    assert np.abs(np.cross(sim.positions, force).sum(axis=0)).max() < 1e-12 * size
+
+
+@pytest.mark.parametrize("name", INTERNAL)
+def test_internal_laws_turn_with_a_rigid_motion(name: str) -> None:
+    sim = crowd(6)
+    x, v = sim.positions, np.random.default_rng(6).normal(size=(sim.node_count, 3))
+    # The held nodes keep no velocity, so take what the simulation made of it.
+    sim.velocities = v
+    v, force, energies = sim.velocities, sim.forces(name), sim.energies()
+    turn = rotation([1.0, -2.0, 0.5], 2.1)
+    sim.positions = x @ turn.T + [0.3, -0.1, 0.7]
+    sim.velocities = v @ turn.T
+    # Positions of 1 m carry rounding of 1e-16 m into strains of 1e-16/0.03.
+    assert sim.forces(name) == pytest.approx(force @ turn.T, abs=1e-11 * np.abs(force).max())
+    if name in energies:
+        assert sim.energies()[name] == pytest.approx(energies[name], rel=1e-11)
+
+
+def test_no_force_from_a_rigid_motion_of_the_flat_sheet() -> None:
+    mesh = Strip(0.12, 0.06, 4, 2, creases=(0.5,)).mesh()
+    laws: list[Law] = [Springs(), SpringDamping(), Creases(natural_angle=np.pi)]
+    sim = Simulation(Scene(mesh, RUBBER, laws))
+    turn = rotation([1.0, 1.0, 0.2], 1.0)
+    sim.positions = mesh.reference @ turn.T + [1.0, 2.0, 3.0]
+    stiffest = mesh.spring_constants(RUBBER).max() * 0.03
+    for name in ("springs", "creases"):
+        # Coordinates of 3 m carry rounding of 4e-16 m: 1e-14 of a strain, or of an angle.
+        assert np.abs(sim.forces(name)).max() < 1e-13 * stiffest
+    # A rigid rotation changes no length, so no dashpot feels it.
+    spin = np.array([3.0, -1.0, 2.0])
+    sim.velocities = np.cross(spin, sim.positions) + np.array([5.0, 0.0, -2.0])
+    moving = np.abs(sim.forces("spring_damping")).max()
+    sim.velocities = sim.positions
+    assert moving < 1e-13 * np.abs(sim.forces("spring_damping")).max()
+
+
+def test_drag_and_friction_only_take_energy() -> None:
+    sim = crowd(7)
+    sim.velocities = np.random.default_rng(7).normal(size=(sim.node_count, 3))
+    v = sim.velocities
+    assert np.sum(sim.forces("spring_damping") * v) < 0
+    assert sim.forces("mass_damping") == pytest.approx(-3.0 * sim.masses[:, None] * v)
+    wind = v + 2 * np.pi * 2.0 * np.cross([0, 0, 1], sim.positions)
+    drag = sim.forces("air_drag")
+    assert np.abs(np.cross(drag, wind)).max() < 1e-12 * np.abs(drag).max() * np.abs(wind).max()
+    assert (np.sum(drag * wind, axis=1) <= 0).all()
+
+
+def test_drag_of_a_plate_across_the_wind() -> None:
+    # D = rho V^2 S/6 on each node of each triangle (eq. 5): rho V^2 S/2 on the whole plate.
+    mesh = Strip(0.3, 0.2, 3, 2).mesh()
+    sim = Simulation(Scene(mesh, RUBBER, [Springs(), AirDrag(pressure=4.5, temperature=293.0)]))
+    sim.velocities = np.tile([0.0, 0.0, 2.0], (sim.node_count, 1))
+    density = 4.5 / (287 * 293)
+    assert density == pytest.approx(5.35e-5, rel=1e-3)
+    assert sim.forces("air_drag").sum(axis=0) == pytest.approx([0, 0, -0.5 * density * 4.0 * 0.06])
+    sim.velocities = np.tile([2.0, 1.0, 0.0], (sim.node_count, 1))
+    assert np.abs(sim.forces("air_drag")).max() == 0.0  # along its plane a plate has no area
+
+
+def test_centrifugal_and_coriolis_force() -> None:
+    sim = crowd(8)
+    sim.velocities = np.random.default_rng(8).normal(size=(sim.node_count, 3))
+    (x, y, _), (u, v, _) = sim.positions.T, sim.velocities.T
+    omega, m = 4 * np.pi, sim.masses
+    expected = m * [omega**2 * x + 2 * omega * v, omega**2 * y - 2 * omega * u, 0 * x]
+    assert sim.forces("spin") == pytest.approx(expected.T)
+
+
+def test_a_spring_of_no_length_and_a_wing_of_no_area_stay_finite() -> None:
+    sim = crowd(9)
+    positions = sim.positions
+    positions[1] = positions[0]  # an edge of the sheet
+    positions[4] = positions[3]
+    sim.positions = positions
+    assert np.isfinite(sim.forces()).all()
+    sim.positions = np.zeros_like(positions)
+    assert np.isfinite(sim.forces()).all()
+    assert np.isfinite(list(sim.energies().values())).all()
+    assert np.isfinite(sim.stable_dt())

@@ -1,0 +1,139 @@
+"""What a newcomer tries first: README's Python and commands, the examples, and --help."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from membrane_rs import Simulation, scenes
+from membrane_rs.cli import app
+from typer.testing import CliRunner
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+UPKEEP = ROOT / "examples" / "readme_numbers.py"
+"""No example: it keeps README in step with the demo."""
+EXAMPLES = sorted(set((ROOT / "examples").glob("*.py")) - {UPKEEP})
+COMMANDS = ("run", "resume", "scenes", "check")
+SHORT = 0.004
+"""Where runs of README and examples are made to end [s]: to see them work, not to see them deploy."""
+
+
+def python_blocks() -> list[str]:
+    """README's Python."""
+    return re.findall(r"^```python\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE)
+
+
+def commands(program: str) -> list[list[str]]:
+    """The words behind `program` in each line of README's code that calls it."""
+    code = re.findall(r"^```(?:sh|bash|console|shell)\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE)
+    lines = "\n".join(code).splitlines() + re.findall(r"^    (\S.*)", README, flags=re.MULTILINE)
+    words = [shlex.split(line.removeprefix("$ "), comments=True) for line in lines if program in line.split()]
+    return [line[line.index(program) + 1 :] for line in words if program in line]
+
+
+def shown(*words: str) -> str:
+    """What a command prints; it must succeed."""
+    result = CliRunner().invoke(app, list(words), env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Runs end after some milliseconds, in a folder of their own."""
+    run = Simulation.run
+
+    def short(self: Simulation, until: float | None = None, *arguments: Any, **others: Any) -> Any:
+        return run(self, min(until or 1.0, self.time + SHORT), *arguments, **others)
+
+    monkeypatch.setattr(Simulation, "run", short)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_there_is_something_to_try() -> None:
+    assert python_blocks(), "README.md shows no Python"
+    assert commands("membrane-rs"), "README.md shows no command"
+    assert commands("make"), "README.md shows no make"
+    assert EXAMPLES, "examples/ holds no example"
+
+
+def test_python_of_the_readme(brief: Path) -> None:
+    # One after the other in one namespace, as a reader would type them.
+    namespace: dict[str, Any] = {"__name__": "__readme__"}
+    for block in python_blocks():
+        exec(compile(block, "README.md", "exec"), namespace)
+
+
+def test_files_that_the_readme_names_are_there() -> None:
+    links = re.findall(r"\]\(([^)#\s]+)[^)]*\)|<img[^>]*src=\"([^\"]+)\"", README)
+    for link in (first or second for first, second in links):
+        assert link.startswith(("http://", "https://", "mailto:")) or (ROOT / link).exists(), link
+
+
+def test_commands_of_the_readme_exist_with_their_options() -> None:
+    for words in commands("membrane-rs"):
+        assert words[0] in COMMANDS
+        text = shown(words[0], "--help")
+        for option in (word.split("=")[0] for word in words if word.startswith("--")):
+            assert option in text, f"{words[0]} knows no {option}"
+        scene = words[1] if len(words) > 1 else ""
+        if words[0] in ("run", "check") and not scene.endswith(".toml"):
+            assert scene in scenes.names()
+
+
+def test_make_targets_of_the_readme_exist() -> None:
+    targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    for words in commands("make"):
+        assert set(words) <= set(targets)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_of_each_command(name: str) -> None:
+    text = shown(name, "--help")
+    assert f"{name} [OPTIONS]" in text or f"{name} " in text
+    assert "--help" in text
+    for word in ("SCENE",) if name in ("run", "check") else ():
+        assert word in text.upper()
+
+
+def test_help_names_every_command() -> None:
+    text = shown("--help")
+    listed = {words[0] for line in text.splitlines() if (words := line.strip(" │").split())}
+    assert set(COMMANDS) <= listed
+    # A new command needs a place in COMMANDS, and so a test.
+    known = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
+    assert known == set(COMMANDS)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_examples(example: Path, tmp_path: Path) -> None:
+    words = [sys.executable, str(example)]
+    text = example.read_text(encoding="utf-8")
+    words += ["--until", str(SHORT)] if '"--until"' in text else []
+    words += ["--no-pictures"] if '"--no-pictures"' in text else []
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip(), "an example should say what it did"
+    assert "Traceback" not in done.stderr
+    assert list(ROOT.glob("examples/out")) == []  # it writes where it is called
+
+
+def test_readme_numbers_that_are_stale_are_told(tmp_path: Path) -> None:
+    tables = re.findall(r"<!-- (\S+): begin -->\n(.*?)\n<!-- \1: end -->", README, flags=re.DOTALL)
+    assert tables
+    for name, text in tables:
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    words = [sys.executable, str(UPKEEP), "--out", str(tmp_path)]
+    assert subprocess.run(words, cwd=tmp_path, check=False).returncode == 0
+    (tmp_path / tables[0][0]).write_text("| other |", encoding="utf-8")
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "other numbers than the last demo" in done.stderr
+    assert (ROOT / "README.md").read_text(encoding="utf-8") == README

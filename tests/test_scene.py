@@ -1,0 +1,385 @@
+"""Scenes: from TOML and back, what they are assembled to, and what they refuse."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from membrane_rs import scenes
+from membrane_rs.errors import InputError, InputTypeError, MissingFileError, OutputError, SceneError
+from membrane_rs.laws import Creases, Law, Spin, SpoolContact, SpringDamping, Springs
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
+from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
+from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene import Scene
+from membrane_rs.simulation import Simulation
+
+FILM = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
+CORD = Tether((0.1, 0, 0), (0.4, 0, 0), segments=3, axial_stiffness=100.0, linear_density=1e-4, tip_mass=0.01)
+
+
+def patch(**extra: Any) -> Mesh:
+    """Two triangles with a crease, off the axis."""
+    values: dict[str, Any] = {"creases": [[0, 2]], "fold_angles": [-1.0], "node_sets": {"corners": [1, 3]}}
+    points = [[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.1, 0.0], [0.1, 0.1, 0.0]]
+    return Mesh(points, [[0, 1, 2], [0, 2, 3]], **(values | extra))
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "own.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+TEXT = """
+[mesh]
+pattern = "strip"
+length = 0.04
+width = 0.02
+columns = 2
+creases = [0.5]
+
+[material]
+youngs_modulus = 3.2e9
+poisson_ratio = 0.34
+density = 1420.0
+thickness = 7.5e-6
+
+[laws.springs]
+
+[laws.creases]
+stiffness = 5.0
+
+[[parts]]
+kind = "fixed"
+nodes = "start"
+
+[run]
+until = 0.1
+"""
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_built_in_scenes_survive_their_own_toml(name: str, tmp_path: Path) -> None:
+    scene = scenes.load(name)
+    assert scene.name == name
+    scene.save(tmp_path)
+    again = Scene.from_toml(tmp_path / "scene.toml")
+    assert again.to_toml() == scene.to_toml()
+    assert (again.laws, again.parts, again.run, again.material) == (
+        scene.laws,
+        scene.parts,
+        scene.run,
+        scene.material,
+    )
+    for field in dataclasses.fields(scene.assemble()):
+        mine, theirs = getattr(scene.assemble(), field.name), getattr(again.assemble(), field.name)
+        if isinstance(mine, np.ndarray):
+            assert mine.dtype == theirs.dtype
+            assert (mine == theirs).all()
+
+
+@pytest.mark.parametrize("name", ["okuizumi-model-1", "okuizumi-model-2"])
+def test_counts_of_table_2(name: str) -> None:
+    counts = scenes.load(name).counts()
+    assert (counts["masses"], counts["springs"], counts["elements"]) == (1980, 5432, 3456)
+    assert (counts["nodes"], counts["edges"], counts["triangles"]) == (1980 - 68, 5432 - 64, 3456)
+
+
+@pytest.mark.parametrize("name", ["okuizumi-model-1", "okuizumi-model-2"])
+def test_tethers_of_the_sail(name: str) -> None:
+    assembly = scenes.load(name).assemble()
+    ends = assembly.positions[assembly.cord_pairs]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    assert lengths == pytest.approx(assembly.cord_rest_length, rel=1e-12)  # no strain when stowed
+    assert assembly.cord_rest_length * 19 == pytest.approx(47.8e-3, abs=0.05e-3)  # Table 1
+    assert np.hypot(*assembly.positions[assembly.contact_nodes, :2].T).min() > 0.025
+    anchors = assembly.positions[assembly.fixed]
+    assert np.hypot(anchors[:, 0], anchors[:, 1]) == pytest.approx(0.025)
+    assert np.degrees(np.arctan2(anchors[:, 1], anchors[:, 0])) % 360 == pytest.approx([45, 135, 225, 315])
+    assert assembly.extra_masses.sum() == pytest.approx(4 * (0.36e-3 + 1.004e-4 * 47.83e-3), rel=1e-5)
+
+
+def test_every_scene_says_what_it_is() -> None:
+    assert {
+        "okuizumi-model-1",
+        "okuizumi-model-2",
+        "spinning-tether",
+        "spinning-disc",
+        "single-crease",
+    } < set(scenes.names())
+    assert all(len(scenes.describe(name)) > 30 for name in scenes.names())
+    with pytest.raises(SceneError, match="did you mean 'okuizumi-model-1'"):
+        scenes.load("okuizumi-mode-1")
+
+
+def test_assembly_of_mesh_and_cord() -> None:
+    scene = Scene(patch(), FILM, [SpoolContact()], [CORD, Fixed([0]), TipMasses(1.0), TipMasses(2.0, "tether-0-end")])
+    assembly = scene.assemble()
+    assert assembly.node_count == 8
+    assert assembly.cord_pairs.tolist() == [[4, 5], [5, 6], [6, 7]]
+    assert assembly.cord_rest_length == pytest.approx(0.1)
+    assert assembly.cord_stiffness == pytest.approx(1000.0)
+    assert assembly.fixed.tolist() == [0, 4]
+    assert assembly.fold_signs.tolist() == [-1.0]
+    assert assembly.contact_nodes.tolist() == [5, 6, 7]
+    assert assembly.extra_masses == pytest.approx([0, 1, 0, 1, 0.5e-5, 1e-5, 1e-5, 2.01 + 0.5e-5])
+    assert assembly.node_sets["tether-0"].tolist() == [4, 5, 6, 7]
+    assert not assembly.positions.flags.writeable
+    assert scene.assemble() is assembly
+    assert scene.counts() == {
+        "masses": 8,
+        "springs": 8,
+        "elements": 2,
+        "nodes": 8,
+        "edges": 8,
+        "triangles": 2,
+        "hinges": 1,
+    }
+    touched = Scene(patch(), FILM, [SpoolContact(membrane=True)], [CORD]).assemble()
+    assert touched.contact_nodes.tolist() == [0, 1, 2, 3, 5, 6, 7]
+
+
+def test_tethers_hold_mesh_nodes() -> None:
+    assembly = Scene(patch(), FILM, (), [Tethers([0, 2], anchor_radius=0.02, segments=2)]).assemble()
+    assert assembly.cord_pairs.tolist() == [[4, 5], [5, 0], [6, 7], [7, 2]]
+    assert assembly.fixed.tolist() == [4, 6]
+    assert assembly.positions[6] == pytest.approx(0.02 * np.array([2, 1, 0]) / np.sqrt(5))
+    assert assembly.node_sets["tether-1-end"].tolist() == [2]
+
+
+def test_bridges_need_their_stiffness_and_the_other_way_round() -> None:
+    bridged = patch(bridges=[[1, 3]])
+    assert Scene(bridged, FILM, (), [Bridges(1e4)]).assemble().bridge_stiffness == 1e4
+    with pytest.raises(SceneError, match="1 bridges; add a part of kind 'bridges'"):
+        Scene(bridged, FILM)
+    with pytest.raises(SceneError, match="no bridges; leave that part out"):
+        Scene(patch(), FILM, (), [Bridges(1e4)])
+    with pytest.raises(SceneError, match="one part of kind 'bridges'"):
+        Scene(bridged, FILM, (), [Bridges(1e4), Bridges(1e4)])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ((None, None), SceneError, "a scene needs nodes"),
+        ((patch(), None), SceneError, "material: is missing"),
+        ((patch(), FILM, [Springs(), Springs()]), SceneError, "laws.springs: is there 2 times"),
+        ((patch(), FILM, [Springs]), InputTypeError, r"laws\[0\] = .*with its brackets"),
+        ((patch(), FILM, Springs()), InputTypeError, "must be a list of laws"),
+        ((patch(), FILM, [CORD]), InputTypeError, r"laws\[0\]"),
+        ((patch(), FILM, (), [Spin()]), InputTypeError, r"parts\[0\]"),
+        (("mesh", FILM), InputTypeError, "Scene.mesh = 'mesh': must be a Mesh"),
+        ((patch(), "film"), InputTypeError, "Scene.material"),
+        ((patch(), FILM, (), [Fixed("cornes")]), SceneError, "no such node set; did you mean 'corners'"),
+        ((patch(), FILM, (), [Fixed([9])]), SceneError, "node 9 is not there; must be from 0 to 3"),
+        ((patch(), FILM, (), [Tethers([4])]), SceneError, "node 4 is not there"),
+        ((None, None, (), [Tethers([4])]), SceneError, "there is no mesh"),
+        ((None, None, (), [Tethers()]), SceneError, "this scene has none"),
+        ((patch(), FILM, (), [Tethers([0], anchor_radius=0.1)]), SceneError, "lies on the rim"),
+        ((patch(), FILM, (), [Tethers([0], length=1.0, segments=1)]), SceneError, "2 segments or more"),
+        ((patch(node_sets={"tether-0": [1]}), FILM, (), [CORD]), SceneError, "'tether-0' is taken"),
+        (
+            (None, None, (), [Tether((0, 0, 0), (1, 0, 0), 2, 1.0, 0.0, tip_mass=1.0)]),
+            SceneError,
+            "node 1 has no mass",
+        ),
+        ((patch(), FILM, (), (), "positional"), TypeError, "positional"),
+    ],
+)
+def test_bad_scenes(arguments: tuple[Any, ...], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        Scene(*arguments)
+
+
+def test_bad_name_and_run() -> None:
+    with pytest.raises(InputTypeError, match=r"Scene\.run"):
+        Scene(patch(), FILM, run={"until": 1})  # type: ignore[arg-type]
+    with pytest.raises(InputTypeError, match=r"Scene\.name"):
+        Scene(patch(), FILM, name=3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"until": 0}, r"until = 0: must be greater than 0 \(s\)"),
+        ({"dt": 0}, r"dt = 0: must be greater than 0 \(s\)"),
+        ({"dt": 1e9}, "dt = 1000000000.0: must be greater than 0 and at most until = 0.8"),
+        ({"dt": float("nan")}, "dt = nan: must be finite"),
+        ({"frames": 1}, "frames = 1: must be at least 2"),
+        ({"samples": 2.5}, "whole number"),
+        ({"snapshots": [-1]}, "at least 0"),
+        ({"settle": -1}, "at least 0"),
+        ({"integrator": 4}, "integrator"),
+    ],
+)
+def test_bad_run_settings(values: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        RunSettings(**values)
+
+
+def test_scene_from_toml(tmp_path: Path) -> None:
+    scene = Scene.from_toml(write(tmp_path, TEXT))
+    assert scene.name == "own"
+    assert scene.laws == (Springs(), Creases(stiffness=5.0))
+    assert scene.law("creases") == Creases(stiffness=5.0)
+    assert scene.law("spin") is None
+    assert scene.run.until == 0.1
+    assert Scene.from_toml(str(tmp_path / "own.toml")).to_toml() == scene.to_toml()
+
+
+def test_mesh_of_no_pattern_is_kept_beside_the_scene(tmp_path: Path) -> None:
+    stowed = np.add(patch().reference, [0.0, 0.0, 1e-3])
+    scene = Scene(patch(positions=stowed), FILM, [Springs()], [Fixed("corners")], name='a "name"\x7f\n')
+    scene.save(tmp_path / "new" / "folder")
+    again = Scene.from_toml(tmp_path / "new" / "folder" / "scene.toml")
+    assert again.name == scene.name
+    assert again.mesh is not None
+    assert scene.mesh is not None
+    for name in ("reference", "triangles", "positions", "creases", "fold_angles", "bridges"):
+        assert (getattr(again.mesh, name) == getattr(scene.mesh, name)).all()
+    assert again.mesh.node_sets["corners"].tolist() == [1, 3]
+    assert not list(tmp_path.rglob("*.part"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("stiffness = 5.0", "stiffness = -5.0", r"laws\.creases\.stiffness = -5\.0: must be at least 0"),
+        (
+            "stiffness = 5.0",
+            "stifness = 5.0",
+            r"laws\.creases\.stifness: no such key; did you mean 'stiffness'",
+        ),
+        ("stiffness = 5.0", "stiffness = nan", "must be finite"),
+        ("stiffness = 5.0", "stiffness = true", "must be a number"),
+        ("stiffness = 5.0", "self = 5.0", r"laws\.creases\.self: no such key"),
+        ("[laws.creases]", "[laws.crease]", "laws = 'crease': is not known; did you mean 'creases'"),
+        ("[laws.creases]", "[law.creases]", "law: no such key; did you mean 'laws'"),
+        ("[laws.springs]", "[laws]\nsprings = 3", r"laws\.springs = 3: must be a table"),
+        (
+            "thickness = 7.5e-6",
+            "thickness = -1e-6",
+            r"material\.thickness = -1e-06: must be greater than 0 \(m\)",
+        ),
+        ("thickness = 7.5e-6", "", r"material\.thickness: is missing"),
+        ("poisson_ratio = 0.34", "poisson_ratio = 0.5", r"greater than -1 and less than 0\.5"),
+        (
+            'pattern = "strip"',
+            'pattern = "stripe"',
+            r"mesh\.pattern = 'stripe': is not known; did you mean 'strip'",
+        ),
+        ('pattern = "strip"', "", "must hold either pattern"),
+        ('pattern = "strip"', 'file = "x.npz"', "no such key beside file"),
+        ("width = 0.02", "width = inf", r"mesh\.width = inf: must be finite"),
+        ("creases = [0.5]", "creases = [0.3]", r"mesh\.creases"),
+        (
+            'nodes = "start"',
+            'nodes = "strat"',
+            r"parts\[0\]\.nodes = 'strat': no such node set; did you mean 'start'",
+        ),
+        ('nodes = "start"', "nodes = [99]", "node 99 is not there"),
+        ('kind = "fixed"', 'kind = "fix"', r"parts\[0\]\.kind = 'fix': is not known; did you mean 'fixed'"),
+        ('kind = "fixed"', "", r"parts\[0\]\.kind: is missing"),
+        ("[[parts]]", "[parts]", "must be a list of tables"),
+        ("until = 0.1", "until = 0", r"run\.until = 0: must be greater than 0 \(s\)"),
+        (
+            "until = 0.1",
+            "until = 0.1\ndt = 5",
+            r"run\.dt = 5\.0: must be greater than 0 and at most until = 0\.1",
+        ),
+        ("until = 0.1", "until = ", "no valid TOML"),
+        ("[mesh]", "name = 3\n[mesh]", "name = 3: must be a text"),
+        ("[mesh]", "mesh = 3\n[messh]", "no such key"),
+    ],
+)
+def test_bad_toml(old: str, new: str, words: str, tmp_path: Path) -> None:
+    assert TEXT.count(old) == 1
+    with pytest.raises(SceneError, match=words) as caught:
+        Scene.from_toml(write(tmp_path, TEXT.replace(old, new)))
+    assert str(caught.value).startswith(str(tmp_path / "own.toml"))
+
+
+def test_files_that_are_not_there_or_no_scenes(tmp_path: Path) -> None:
+    with pytest.raises(MissingFileError, match="no such scene file"):
+        Scene.from_toml(tmp_path / "none.toml")
+    with pytest.raises(SceneError, match="cannot be read"):
+        Scene.from_toml(tmp_path)
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match="UTF-8"):
+        Scene.from_toml(tmp_path / "binary.toml")
+
+
+def test_mesh_files_that_are_not_there_or_no_meshes(tmp_path: Path) -> None:
+    path = write(tmp_path, '[mesh]\nfile = "mesh.npz"\n')
+    with pytest.raises(MissingFileError, match="no such mesh file"):
+        Scene.from_toml(path)
+    for content in (b"", b"junk", b"PK\x03\x04junk"):
+        (tmp_path / "mesh.npz").write_bytes(content)
+        with pytest.raises(SceneError, match="no numpy archive"):
+            Scene.from_toml(path)
+    np.savez(tmp_path / "mesh.npz", reference=np.zeros((3, 3)))
+    with pytest.raises(SceneError, match="holds no array 'triangles'"):
+        Scene.from_toml(path)
+    np.savez(tmp_path / "mesh.npz", reference=np.zeros((3, 3)), triangles=np.array([[0, 1, 9]]))
+    with pytest.raises(SceneError, match=r"own\.toml: .*9"):
+        Scene.from_toml(path)
+    with pytest.raises(SceneError, match="must be the path of a"):
+        Scene.from_toml(write(tmp_path, '[mesh]\nfile = "mesh.obj"\n'))
+
+
+def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="cannot write"):
+        Scene(patch(), FILM).save(tmp_path / "file" / "folder")
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+LAW_VALUES = st.builds(
+    lambda a, b, c, d, e: [Springs(a, b), SpringDamping(c), Spin(d, e)],
+    st.floats(0, 1e300),
+    st.floats(0, 1e300),
+    st.floats(0, 1e300),
+    finite,
+    finite,
+)
+
+
+@settings(max_examples=50)
+@given(LAW_VALUES, st.text())
+def test_toml_keeps_every_bit(tmp_path_factory: pytest.TempPathFactory, laws: list[Law], name: str) -> None:
+    scene = Scene(None, None, laws, [CORD], name=name)
+    path = tmp_path_factory.mktemp("toml") / "scene.toml"
+    path.write_text(scene.to_toml(), encoding="utf-8", newline="")
+    again = Scene.from_toml(path)
+    assert (again.laws, again.parts, again.name) == (scene.laws, scene.parts, scene.name)
+
+
+def motion(name: str, until: float, node: int, axis: int) -> tuple[np.ndarray[Any, Any], Simulation]:
+    """One coordinate of one node at 200 instants, and the simulation at the end."""
+    sim = Simulation(scenes.load(name))
+    values = []
+    for _ in range(200):
+        sim.step(round(until / 200 / sim.dt))
+        values.append(sim.positions[node, axis])
+    return np.array(values), sim
+
+
+def test_small_scenes_give_their_known_answers() -> None:
+    tip, sim = motion("spinning-tether", 2.0, -1, 1)
+    crossings = np.flatnonzero(np.diff(np.sign(tip)))
+    period = 2 * np.diff(crossings).mean() * sim.time / 200
+    assert period == pytest.approx(0.577, rel=0.03)  # ten degrees is not quite small
+
+    tip, sim = motion("hanging-strip", 4.0, -2, 0)
+    spectrum = np.abs(np.fft.rfft((tip - tip.mean()) * np.hanning(200), 8000))
+    assert spectrum.argmax() / (8000 * sim.time / 200) == pytest.approx(6.88 / (2 * np.pi), rel=0.01)
+
+    _, sim = motion("single-crease", 0.3, -1, 2)
+    assert sim.crease_angles() == pytest.approx(np.pi, abs=0.01)
