@@ -1,0 +1,112 @@
+"""Deploy both sails of the paper, side by side: pictures, frames for ParaView, curves, a table of numbers.
+
+Leaves in the folder `out`:
+
+    okuizumi-model-1/, okuizumi-model-2/    a results folder each
+    comparison.png                          deployment rate and phase difference of both
+    summary.md                              the table that is printed at the end
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from membrane_rs import Simulation, scenes
+from membrane_rs.output import compare_runs
+
+MODELS = ("okuizumi-model-1", "okuizumi-model-2")
+
+
+def deploy(name: str, until: float, folder: Path, pictures: bool) -> Path:
+    """Run one built-in scene into `folder`, telling each tenth of the way."""
+    sim = Simulation(scenes.load(name))
+    began, told = time.perf_counter(), 0
+
+    def progress(sim: Simulation) -> None:
+        nonlocal told
+        tenth = int(10 * sim.time / until + 1e-9)
+        if tenth > told:
+            told = tenth
+            spent = time.perf_counter() - began
+            print(f"{name}: {sim.time:.3f} of {until:g} s, after {spent:.0f} s", flush=True)
+
+    sim.run(until=until, out=folder, overwrite=True, pictures=pictures, progress=progress)
+    return folder
+
+
+def read_summary(folder: Path) -> dict[str, Any]:
+    """summary.json of a results folder."""
+    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    return summary
+
+
+def table(summaries: list[dict[str, Any]]) -> str:
+    """What the summaries say, as a table in markdown; a dash where a run has not come that far."""
+
+    def cell(summary: dict[str, Any], part: str, key: str, form: str, scale: float) -> str:
+        value = summary[part][key] if part else summary[key]
+        return "-" if value is None else format(scale * value, form)
+
+    rows = (
+        ("masses, as the paper counts", "counts", "masses", ",d", 1),
+        ("springs", "counts", "springs", ",d", 1),
+        ("elements", "counts", "elements", ",d", 1),
+        ("step [us]", "", "dt", ".3f", 1e6),
+        ("largest stable step [us]", "", "stable_dt", ".3f", 1e6),
+        ("steps", "", "steps", ",d", 1),
+        ("simulated time [s]", "", "time", ".3f", 1),
+        ("deployment rate at the start", "curves", "initial_rate", ".3f", 1),
+        ("first peak of the rate", "curves", "first_peak_rate", ".3f", 1),
+        ("at [s]", "curves", "first_peak_time", ".3f", 1),
+        ("trough of the phase difference [deg]", "curves", "phase_trough_deg", ".1f", 1),
+        ("at [s]", "curves", "phase_trough_time", ".3f", 1),
+        ("phase back at zero, at [s]", "curves", "zero_crossing_time", ".3f", 1),
+        ("deployment rate there", "curves", "zero_crossing_rate", ".3f", 1),
+        ("energy error at the end [%]", "energy_balance", "error", "+.3f", 100),
+        ("energy error at its lowest (lost) [%]", "energy_balance", "lowest_error", "+.3f", 100),
+        ("energy error at its highest (created)", "energy_balance", "highest_error", "+.1e", 1),
+    )
+    names = " | ".join(summary["scene"] for summary in summaries)
+    lines = [f"| | {names} |", "|---|" + "---:|" * len(summaries)]
+    for label, *where in rows:
+        cells = [cell(summary, *where) for summary in summaries]  # type: ignore[arg-type]
+        lines.append(f"| {label} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run both models at once, each in a process of its own, and compare them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--until", type=float, default=0.8, help="simulated time [s]")
+    parser.add_argument("--out", type=Path, default=Path("out"), help="folder of the results")
+    parser.add_argument("--no-pictures", action="store_true", help="curves and frames only")
+    options = parser.parse_args()
+
+    folders = [options.out / name for name in MODELS]
+    began = time.perf_counter()
+    with ProcessPoolExecutor(min(len(MODELS), os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+        runs = [
+            pool.submit(deploy, name, options.until, folder, not options.no_pictures)
+            for name, folder in zip(MODELS, folders, strict=True)
+        ]
+        for run in runs:
+            run.result()
+    labels = ["model 1 (7 fold lines)", "model 2 (3 fold lines)"]
+    compare_runs(folders, options.out / "comparison.png", labels)
+    text = table([read_summary(folder) for folder in folders])
+    (options.out / "summary.md").write_text(text, encoding="utf-8")
+    print(f"\n{text}\nBoth runs and their pictures took {time.perf_counter() - began:.0f} s.")
+    for folder in folders:
+        print(f"{folder}: snapshots/turning.png, animation.gif, deployment.png, frames.pvd, history.csv")
+    print(f"{options.out}: comparison.png, summary.md")
+
+
+if __name__ == "__main__":
+    main()
