@@ -62,6 +62,7 @@ class Simulation:
         margin: float,
         watch_interval: int,
         energy_tolerance: float,
+        loss_tolerance: float,
         width: str | None = None,
     ) -> Simulation: ...
     @property

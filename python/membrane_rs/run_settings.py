@@ -34,6 +34,9 @@ class RunSettings:
         Friction while it settles, F = -rate m v [1/s].
     watch : int
         Steps between two checks of energy, strain and finite values; 1 or above.
+    energy_loss : float
+        A run stops when its method has lost more than this share of the energy turned over [-], above 0. No
+        damping is meant by this: it is what a step near the stability limit eats of the fastest vibrations.
     """
 
     until: Annotated[Positive, Unit("s")] = 0.8
@@ -45,6 +48,7 @@ class RunSettings:
     settle: Annotated[NonNegative, Unit("s")] = 0.0
     settle_rate: Annotated[NonNegative, Unit("1/s")] = 100.0
     watch: Count = 100
+    energy_loss: Positive = 0.05
 
     def __post_init__(self) -> None:
         """Check the step against the end."""

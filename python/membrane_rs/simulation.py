@@ -93,6 +93,7 @@ class Simulation:
             margin=MARGIN,
             watch_interval=scene.run.watch,
             energy_tolerance=ENERGY_TOLERANCE,
+            loss_tolerance=scene.run.energy_loss,
         )
         if step is None:
             interval = scene.run.until / (scene.run.samples - 1)

@@ -1,5 +1,7 @@
 //! The step loop; owns laws, method, state, ledger and watch.
 
+mod watch;
+
 use crate::error::{Error, Result};
 use crate::forces::{self, Law, LawSpec, Readings, Spin};
 use crate::integrators::{self, Integrator, System};
@@ -19,13 +21,15 @@ pub struct Settings {
     pub watch_interval: u64,
     /// Surplus of energy, as a share of the energy turned over, at which a run stops.
     pub energy_tolerance: f64,
+    /// Energy that the method may lose by itself, as a share of the energy turned over, before a run stops.
+    pub loss_tolerance: f64,
     /// The instructions that kernels run with; the bits of the results do not depend on it.
     pub width: Width,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin: 0.4, watch_interval: 32, energy_tolerance: 1e-2, width: Width::widest() }
+        Self { margin: 0.4, watch_interval: 32, energy_tolerance: 1e-2, loss_tolerance: 0.05, width: Width::widest() }
     }
 }
 
@@ -102,6 +106,8 @@ pub struct Simulation {
     ledger: Ledger,
     /// The state at the last check that found nothing.
     good: (u64, State, Vec<f64>, Accounts),
+    /// The limit of the step at the start.
+    start_limit: Limit,
 }
 
 impl Simulation {
@@ -113,6 +119,7 @@ impl Simulation {
     pub fn new(model: Model, laws: &[LawSpec], integrator: &str, dt: Option<f64>, settings: Settings) -> Result<Self> {
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
+        non_negative("loss tolerance", settings.loss_tolerance)?;
         if let Some(dt) = dt {
             positive("dt [s]", dt)?;
         }
@@ -146,8 +153,10 @@ impl Simulation {
             state,
             ledger,
             good,
+            start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
         let limit = simulation.limit()?;
+        simulation.start_limit = limit.clone();
         simulation.dt = match dt {
             Some(dt) if dt > HOPELESS * limit.dt => {
                 let part = simulation.part(&limit);
@@ -339,7 +348,7 @@ impl Simulation {
     }
 
     fn refuse_fault(&mut self, now: &Accounts) -> Result<()> {
-        if let Some((what, place, law, cure)) = self.fault(now) {
+        if let Some(watch::Fault { what, place, law, cure }) = self.fault(now) {
             let (time, step) = (self.time(), self.step_count);
             (self.step_count, self.state, self.ledger.work) = (self.good.0, self.good.1.clone(), self.good.2.clone());
             return Err(Error::Unstable { time, step, good_time: self.time(), what, place, law, cure });
@@ -353,68 +362,6 @@ impl Simulation {
         self.good.1.velocities.copy_from(&self.state.velocities);
         self.good.2.copy_from_slice(&self.ledger.work);
         self.good.3 = accounts;
-    }
-
-    /// What is wrong now: in words, where, by which law, and the cure.
-    fn fault(&self, now: &Accounts) -> Option<(String, String, String, String)> {
-        let laws = &self.mechanics.laws;
-        let blame = || {
-            // The law whose energy (or work) grew most since the last good check; NaN counts as most.
-            let growth = |k: usize| {
-                let grown =
-                    (now.stored[k] - self.good.3.stored[k]).abs() + (self.ledger.work[k] - self.good.2[k]).abs();
-                if grown.is_nan() { f64::INFINITY } else { grown }
-            };
-            (0..laws.len()).max_by(|&a, &b| growth(a).total_cmp(&growth(b)))
-        };
-        let explain = |law: Option<usize>| {
-            let name = law.map_or("no law", |k| laws[k].name());
-            let limit =
-                stability::limit(self.integrator.as_ref(), laws, self.good_instant(), &self.mechanics.inverse_masses);
-            let cure = match limit {
-                Ok(limit) if self.dt > limit.dt => format!(
-                    "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out",
-                    self.dt,
-                    limit.dt,
-                    self.part(&limit)
-                ),
-                _ => law.map_or("check the scene", |k| laws[k].cure()).to_owned(),
-            };
-            (name.to_owned(), cure)
-        };
-        let node_of = |row: usize| format!("node {}", self.layout.outward(row));
-        let bad = (0..self.state.positions.nrows())
-            .find(|&i| !(self.state.positions.row(i).sum() + self.state.velocities.row(i).sum()).is_finite());
-        if let Some(row) = bad {
-            let (law, cure) = explain(blame());
-            return Some(("a position or velocity is no longer finite".to_owned(), node_of(row), law, cure));
-        }
-        for (k, law) in laws.iter().enumerate() {
-            if let Some(excess) = law.first_excess(self.instant()) {
-                let [i, j] = excess.nodes.map(|node| self.layout.outward(node as usize));
-                let (law, cure) = explain(Some(k));
-                return Some((excess.what, format!("between nodes {i} and {j}"), law, cure));
-            }
-        }
-        let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
-        // Rounding: a fraction of the largest account.
-        let rounding = 1e-9 * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        if surplus.is_nan() || surplus > self.settings.energy_tolerance * turned_over + rounding {
-            let speeds: Vec<f64> = self.state.velocities.row_iter().map(|row| row.norm_squared()).collect();
-            let fastest = (0..speeds.len()).max_by(|&i, &j| speeds[i].total_cmp(&speeds[j])).unwrap_or(0);
-            let what = format!(
-                "{surplus:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
-                100.0 * surplus / turned_over
-            );
-            let (law, cure) = explain(blame());
-            return Some((
-                what,
-                format!("{} is fastest at {:.3e} m/s", node_of(fastest), speeds[fastest].sqrt()),
-                law,
-                cure,
-            ));
-        }
-        None
     }
 
     fn instant(&self) -> Instant<'_> {

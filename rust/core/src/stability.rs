@@ -4,6 +4,8 @@
 //! taut, all creases in contact, all contacts closed. The largest eigenvalues of M^-1/2 K M^-1/2 and M^-1/2 C M^-1/2 come
 //! from Lanczos's method (1950) with a fixed start; the mode is formed in a second pass, so that memory stays small.
 
+mod damped;
+
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 use crate::error::{Error, Result};
@@ -29,14 +31,19 @@ pub struct Limit {
     pub node: usize,
 }
 
-/// An oscillator's numbers: x'' = -omega^2 x - c x'.
-#[derive(Debug, Clone, Copy)]
-struct Mode {
-    omega: f64,
-    damping: f64,
+/// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
+struct Linear<'a> {
+    stiffness: &'a dyn Fn(&Vectors, &mut Vectors),
+    damping: &'a dyn Fn(&Vectors, &mut Vectors),
+    roots: &'a [f64],
+    /// By how much the frame's turning can shift a frequency \[rad/s\].
+    turning: f64,
 }
 
 /// The limit of `integrator` for these laws at this instant.
+///
+/// Without damping the mode of the largest frequency sets it. With damping it may be a mode that is neither the
+/// stiffest nor the most damped one; see `damped`.
 ///
 /// # Errors
 /// `NotFinite` where an eigenvalue is not, which takes coordinates that are not.
@@ -51,39 +58,35 @@ pub fn limit(
     let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
     let (square, stiffest) = largest(&stiffness, &roots)?;
     let (rate, most_damped) = largest(&damping, &roots)?;
-    let mode =
-        |omega_square: f64, damping: f64| Mode { omega: omega_square.max(0.0).sqrt(), damping: damping.max(0.0) };
-    let modes = [
-        (mode(square, quotient(&damping, &roots, &stiffest)), &stiffest, true),
-        (mode(quotient(&stiffness, &roots, &most_damped), rate), &most_damped, false),
-    ];
-    let steps = modes.map(|(mode, ..)| largest_step(integrator, mode));
-    let worst = usize::from(steps[1] < steps[0]);
-    let (_, shape, elastic) = modes[worst];
-    // The law with the largest share of the mode's stiffness (or damping).
+    let turning = laws.iter().map(|law| law.turning(at)).fold(0.0, f64::max);
+    let largest_frequency = square.max(0.0).sqrt();
+    let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
+    let (dt, mode, pace) = if rate > 0.0 {
+        damped::worst(integrator, &system, [stiffest, most_damped], largest_frequency.max(rate))?
+    } else {
+        let root = Complex::new(0.0, largest_frequency);
+        (largest_step(integrator, &[root], turning), stiffest, largest_frequency)
+    };
+    // The law with the largest share of the mode's stiffness and damping; the frame's, where its turning is faster.
     let share = |law: &dyn Law| {
-        quotient(
-            &|p: &Vectors, out: &mut Vectors| {
-                if elastic { law.add_stiffness_product(at, p, out) } else { law.add_damping_product(at, p, out) }
-            },
-            &roots,
-            shape,
-        )
+        let elastic = quotient(&|p, out| law.add_stiffness_product(at, p, out), &roots, &mode);
+        let viscous = quotient(&|p, out| law.add_damping_product(at, p, out), &roots, &mode);
+        elastic + pace * viscous + law.turning(at) * law.turning(at)
     };
     let law =
         laws.iter().max_by(|a, b| share(a.as_ref()).total_cmp(&share(b.as_ref()))).map_or("nothing", |law| law.name());
-    let node = (0..shape.nrows())
-        .max_by(|&i, &j| shape.row(i).norm_squared().total_cmp(&shape.row(j).norm_squared()))
+    let node = (0..mode.nrows())
+        .max_by(|&i, &j| mode.row(i).norm_squared().total_cmp(&mode.row(j).norm_squared()))
         .unwrap_or(0);
-    Ok(Limit { dt: steps[worst], largest_frequency: square.max(0.0).sqrt(), law, node })
+    Ok(Limit { dt, largest_frequency, law, node })
 }
 
-/// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
-fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
-    let Mode { omega, damping } = mode;
-    let root = Complex::new(0.25 * damping * damping - omega * omega, 0.0).sqrt();
-    let roots = [root - 0.5 * damping, -root - 0.5 * damping];
-    let size = roots[0].norm().max(roots[1].norm());
+/// The largest step up to which `integrator` lets no solution exp(root t) grow, each root shifted by the frame's
+/// turning \[s\].
+fn largest_step(integrator: &dyn Integrator, roots: &[Complex<f64>], turning: f64) -> f64 {
+    let shifted = |root: &Complex<f64>| Complex::new(root.re.min(0.0), root.im.abs() + turning);
+    let roots: Vec<Complex<f64>> = roots.iter().map(shifted).collect();
+    let size = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
     if size == 0.0 {
         return f64::INFINITY;
     }
@@ -196,10 +199,12 @@ mod tests {
     #[test]
     fn limits_on_the_axes_are_those_of_the_textbook() {
         let rk4 = by_name("rk4", 1, 0, crate::width::Width::Baseline).unwrap();
-        let imaginary = largest_step(rk4.as_ref(), Mode { omega: 1.0, damping: 0.0 });
+        let imaginary = largest_step(rk4.as_ref(), &[Complex::new(0.0, 1.0)], 0.0);
         assert!((imaginary - 8.0_f64.sqrt()).abs() < 1e-6, "{imaginary}");
-        let real = largest_step(rk4.as_ref(), Mode { omega: 0.0, damping: 1.0 });
+        let real = largest_step(rk4.as_ref(), &[Complex::new(-1.0, 0.0)], 0.0);
         assert!((real - 2.785_293_563_405_28).abs() < 1e-6, "{real}");
+        let turning = largest_step(rk4.as_ref(), &[Complex::new(0.0, 1.0)], 1.0);
+        assert!((turning - 2.0_f64.sqrt()).abs() < 1e-6, "{turning}");
     }
 
     #[test]

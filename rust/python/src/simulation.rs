@@ -99,7 +99,7 @@ impl Simulation {
     #[new]
     #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
         extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
-        laws, integrator, dt, margin, watch_interval, energy_tolerance, width=None))]
+        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, width=None))]
     #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -125,6 +125,7 @@ impl Simulation {
         margin: f64,
         watch_interval: u64,
         energy_tolerance: f64,
+        loss_tolerance: f64,
         width: Option<&str>,
     ) -> PyResult<Self> {
         let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
@@ -178,7 +179,7 @@ impl Simulation {
                 wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
             })?,
         };
-        let settings = Settings { margin, watch_interval, energy_tolerance, width };
+        let settings = Settings { margin, watch_interval, energy_tolerance, loss_tolerance, width };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
     }
 

@@ -52,6 +52,8 @@ pub(super) struct Creases {
     softening: [Vec<Lanes>; 2],
     contact_penalty: Lanes,
     natural_angle: Lanes,
+    /// Whether c is zero, so that the force is singular as a wing collapses.
+    is_singular: bool,
     width: Width,
 }
 
@@ -140,6 +142,7 @@ impl Creases {
             elements,
             contact_penalty: Lanes::all(contact_penalty),
             natural_angle: Lanes::all(natural_angle),
+            is_singular: collapse == 0.0,
             width: assembly.width,
         })
     }
@@ -261,6 +264,10 @@ impl Law for Creases {
     }
 
     fn cure(&self) -> &'static str {
-        "use a smaller dt, a smaller crease stiffness or contact penalty"
+        if self.is_singular {
+            "without collapse the force grows without bound as a wing collapses: set collapse to 0.05, or use a smaller dt"
+        } else {
+            "use a smaller dt, a smaller crease stiffness or contact penalty"
+        }
     }
 }

@@ -45,6 +45,11 @@ pub trait Law: Send + Sync {
     /// Adds C p, with C the damping matrix \[N\] for velocities p \[m/s\].
     fn add_damping_product(&self, _at: Instant<'_>, _p: &Vectors, _out: &mut Vectors) {}
 
+    /// By how much the law can shift a frequency without stiffness, as a turning frame does \[rad/s\].
+    fn turning(&self, _at: Instant<'_>) -> f64 {
+        0.0
+    }
+
     /// The first element that is beyond the bound its user set.
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
         None

@@ -109,6 +109,11 @@ impl Law for RotatingFrame {
         -0.5 * rate * rate * inertia
     }
 
+    /// Seen from the frame, what turns against it turns faster by Omega.
+    fn turning(&self, at: Instant<'_>) -> f64 {
+        self.spin.rate_at(at.time).abs()
+    }
+
     fn cure(&self) -> &'static str {
         "check the spin frequency, and that what should be held to the hub is held"
     }

@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Excess, Law, Readings};
 use crate::error::{Error, Result};
-use crate::lanes::{Lanes, Point, dot, negate, scale, sub};
+use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh::{self, Mesh};
 use crate::model::{Assembly, non_negative, positive};
@@ -55,6 +55,8 @@ pub(super) struct Springs {
     rest_length: Vec<Lanes>,
     critical_length: Vec<Lanes>,
     strain_limit: Vec<Lanes>,
+    /// Whether any constant is negative.
+    has_negative: bool,
     width: Width,
 }
 
@@ -130,6 +132,7 @@ impl Springs {
             critical_length: elements.pack(1.0, |row| springs[row].critical_length),
             strain_limit: elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
             elements,
+            has_negative: springs.iter().any(|spring| spring.stiffness < 0.0),
             width: assembly.width,
         }
     }
@@ -205,14 +208,19 @@ impl Law for Springs {
         energies.sum()
     }
 
+    /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
         let (x, p) = (columns(at.positions), columns(p));
         let mut out = columns_mut(out);
         for group in 0..self.elements.group_count() {
             let (d, l) = self.span(x, group);
             let [a, b] = self.elements.read_any(p, group);
-            let stretch = dot(d, sub(b, a)) / (l * l).max(Lanes::all(f64::MIN_POSITIVE));
-            let pull = scale(self.stiffness[group] * stretch, d);
+            let moved = sub(b, a);
+            let k = self.stiffness[group];
+            let stretch = dot(d, moved) / (l * l).max(Lanes::all(f64::MIN_POSITIVE));
+            let stretched = (l - self.rest_length[group]).max(Lanes::ZERO) / l.max(Lanes::all(f64::MIN_POSITIVE));
+            let across = k * stretched;
+            let pull = sum(scale((k - across) * stretch, d), scale(across, moved));
             self.elements.add_any(&mut out, group, [negate(pull), pull]);
         }
     }
@@ -242,7 +250,11 @@ impl Law for Springs {
     }
 
     fn cure(&self) -> &'static str {
-        "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
+        if self.has_negative {
+            "negative spring constants let motions grow that no step can tame: use a mesh without angles above 90 degrees"
+        } else {
+            "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
+        }
     }
 }
 

@@ -1,0 +1,162 @@
+//! The limit of a damped scene: the quadratic eigenvalue problem (lambda^2 + lambda C + K) u = 0.
+//!
+//! K and C share no modes where masses or spring constants vary, and the root that limits the step may belong to a mode
+//! that is neither the stiffest nor the most damped: on random meshes near critical damping, taking just those two
+//! overestimates the step by up to a third. So the problem is projected on a small subspace that starts
+//! with those two modes and grows by the residual of the roots that limit the step (Davidson 1975).
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::{Linear, apply, largest_step};
+use crate::error::{Error, Result};
+use crate::integrators::Integrator;
+use crate::state::Vectors;
+
+/// Largest size of the subspace, and the storage that it may take on a large mesh \[vectors x nodes\].
+const MOST_VECTORS: usize = 60;
+const STORAGE: usize = 24_000_000;
+/// Roots whose residuals the subspace grows by at a time.
+const FOLLOWED: usize = 2;
+/// Relative change of the step over `CALM` rounds at which it counts as found.
+const TOLERANCE: f64 = 1e-4;
+const CALM: usize = 4;
+
+/// The projection of K and C on orthonormal vectors.
+struct Subspace<'a> {
+    system: &'a Linear<'a>,
+    basis: Vec<Vectors>,
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+}
+
+impl Subspace<'_> {
+    /// Adds the part of `v` that the subspace lacks; false where there is none.
+    fn add(&mut self, mut v: Vectors) -> bool {
+        let before = v.norm();
+        for _ in 0..2 {
+            for q in &self.basis {
+                v -= q * q.dot(&v);
+            }
+        }
+        let norm = v.norm();
+        if norm.is_nan() || norm <= 1e-8 * before || norm == 0.0 {
+            return false;
+        }
+        v /= norm;
+        let k = self.basis.len();
+        self.basis.push(v);
+        for (matrix, product) in
+            [(&mut self.stiffness, self.system.stiffness), (&mut self.damping, self.system.damping)]
+        {
+            let image = apply(product, self.system.roots, &self.basis[k]);
+            let mut grown = std::mem::replace(matrix, DMatrix::zeros(0, 0)).resize(k + 1, k + 1, 0.0);
+            for (i, q) in self.basis.iter().enumerate() {
+                let value = q.dot(&image);
+                (grown[(i, k)], grown[(k, i)]) = (value, value);
+            }
+            *matrix = grown;
+        }
+        true
+    }
+
+    /// Eigenvalues of the projected problem, those with a negative imaginary part left out \[1/s\].
+    fn eigenvalues(&self, scale: f64) -> Vec<Complex<f64>> {
+        let k = self.basis.len();
+        let mut companion = DMatrix::zeros(2 * k, 2 * k);
+        companion.view_mut((0, k), (k, k)).fill_diagonal(1.0);
+        companion.view_mut((k, 0), (k, k)).copy_from(&(&self.stiffness / -(scale * scale)));
+        companion.view_mut((k, k), (k, k)).copy_from(&(&self.damping / -scale));
+        let all = companion.complex_eigenvalues();
+        all.iter().filter(|value| value.im >= 0.0).map(|value| value * scale).collect()
+    }
+
+    /// The projected eigenvector of a root, by inverse iteration.
+    fn eigenvector(&self, root: Complex<f64>) -> DVector<Complex<f64>> {
+        let k = self.basis.len();
+        let shifted = root * Complex::new(1.0 + 1e-10, 1e-10);
+        let matrix = DMatrix::from_fn(k, k, |i, j| {
+            let inertia = if i == j { shifted * shifted } else { Complex::new(0.0, 0.0) };
+            inertia + shifted * self.damping[(i, j)] + self.stiffness[(i, j)]
+        });
+        let lu = matrix.lu();
+        let mut y = DVector::from_fn(k, |i, _| Complex::new(1.0 / (i + 1) as f64, 0.0));
+        for _ in 0..3 {
+            match lu.solve(&y) {
+                Some(solved) if solved.norm().is_finite() && solved.norm() > 0.0 => {
+                    let norm = solved.norm();
+                    y = solved.unscale(norm);
+                }
+                _ => break,
+            }
+        }
+        y
+    }
+
+    /// Real and imaginary part of a projected vector, in full.
+    fn lift(&self, y: &DVector<Complex<f64>>) -> [Vectors; 2] {
+        let part = |take: fn(&Complex<f64>) -> f64| {
+            let mut sum = Vectors::zeros(self.basis[0].nrows());
+            self.basis.iter().zip(y.iter()).for_each(|(q, weight)| sum += q * take(weight));
+            sum
+        };
+        [part(|weight| weight.re), part(|weight| weight.im)]
+    }
+
+    /// (root^2 + root C + K) u, real and imaginary part.
+    fn residual(&self, root: Complex<f64>, [re, im]: &[Vectors; 2]) -> [Vectors; 2] {
+        let square = root * root;
+        let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.roots, part));
+        let [c_re, c_im] = [re, im].map(|part| apply(self.system.damping, self.system.roots, part));
+        [
+            re * square.re - im * square.im + &c_re * root.re - &c_im * root.im + k_re,
+            re * square.im + im * square.re + c_re * root.im + c_im * root.re + k_im,
+        ]
+    }
+}
+
+/// The largest stable step \[s\], the mode that sets it, and the size of its root \[1/s\].
+pub(super) fn worst(
+    integrator: &dyn Integrator,
+    system: &Linear<'_>,
+    start: [Vectors; 2],
+    scale: f64,
+) -> Result<(f64, Vectors, f64)> {
+    let empty = || DMatrix::zeros(0, 0);
+    let mut space = Subspace { system, basis: Vec::new(), stiffness: empty(), damping: empty() };
+    let most = (STORAGE / system.roots.len().max(1)).clamp(8, MOST_VECTORS);
+    for v in start {
+        space.add(v);
+    }
+    let mut history: Vec<f64> = Vec::new();
+    loop {
+        if !space.stiffness.iter().chain(space.damping.iter()).all(|value| value.is_finite()) {
+            return Err(Error::NotFinite { what: "the stiffness", node: 0, value: f64::NAN });
+        }
+        let mut steps: Vec<(f64, Complex<f64>)> = space
+            .eigenvalues(scale)
+            .into_iter()
+            .map(|root| (largest_step(integrator, &[root], system.turning), root))
+            .collect();
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (dt, root) = steps[0];
+        let followed: Vec<_> =
+            steps.iter().take(FOLLOWED).map(|(_, root)| (*root, space.lift(&space.eigenvector(*root)))).collect();
+        let is_calm =
+            history.len() >= CALM && history[history.len() - CALM..].iter().all(|h| (h / dt - 1.0).abs() < TOLERANCE);
+        history.push(dt);
+        let mut has_grown = false;
+        if !is_calm {
+            for (root, shape) in &followed {
+                for part in space.residual(*root, shape) {
+                    has_grown |= space.basis.len() < most && space.add(part);
+                }
+            }
+        }
+        if !has_grown {
+            let [re, im] = &followed[0].1;
+            let mode = if re.norm() >= im.norm() { re } else { im };
+            let norm = mode.norm();
+            return Ok((dt, mode / norm.max(f64::MIN_POSITIVE), root.norm()));
+        }
+    }
+}
