@@ -110,6 +110,7 @@ def check(
     """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
     with _told_errors():
         from membrane_rs.simulation import Simulation
+        from membrane_rs.study.needs import idle_laws, step_savings
 
         chosen = _with_settings(_load(scene), {"until": until, "integrator": integrator, "dt": dt})
         typer.echo(f"Scene    {chosen.name}")
@@ -120,14 +121,74 @@ def check(
             audit = chosen.mesh.audit(chosen.material)
             sound = audit.ok
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
+        idle = idle_laws(chosen)
+        if idle:
+            typer.echo("\nLaws that cannot matter here; leave them out")
+            width = max(len(kind) for kind, _ in idle)
+            for kind, why in idle:
+                typer.echo(f"  {kind:<{width}}  {why}")
         sim = Simulation(chosen)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s")
+        savings = step_savings(chosen)
+        if not savings:
+            typer.echo("  saves        nothing: no single part sets the step, others are within 2 % of it")
+        for saving in savings:
+            typer.echo(
+                f"  saves        {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
+            )
+            typer.echo(f"               {saving.advice}")
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
         if not sound:
             raise typer.Exit(FAILED)
+
+
+@app.command()
+def stability(
+    scene: SceneArgument,
+    *,
+    parameter: Annotated[str, typer.Option(help="A value of the scene, by its name in the scene file.")] = (
+        "laws.spring_damping.ratio"
+    ),
+    values: Annotated[str, typer.Option(help="What it takes, parted by commas.")] = "0,0.02,0.1,0.5,2",
+    steps: Annotated[str, typer.Option(help="Shares of the stable step, parted by commas.")] = (
+        "0.25,0.5,0.75,0.95,1.05,1.5"
+    ),
+    integrator: Annotated[str | None, typer.Option(help="Methods, parted by commas. Default: all.")] = None,
+    until: Until = None,
+    out: Out = None,
+) -> None:
+    """Map how runs end, step against a parameter: fine, inaccurate, energy injected, blown up."""
+    with _told_errors():
+        from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
+
+        chosen = _load(scene)
+        names = integrator.split(",") if integrator else explicit_integrators(chosen)
+        cells = stability_map(
+            chosen,
+            parameter,
+            _numbers(values, "--values"),
+            methods=names,
+            shares=_numbers(steps, "--steps"),
+            until=until,
+            progress=lambda cell: typer.echo(
+                f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
+                f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
+            ),
+        )
+        for path in write_map(cells, parameter, out or Path("runs") / f"{chosen.name}-stability", chosen.name):
+            typer.echo(f"Wrote {path}")
+
+
+def _numbers(text: str, option: str) -> list[float]:
+    from membrane_rs.errors import InputError
+
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise InputError(f"{option} = {text!r}: must be numbers parted by commas") from None
 
 
 def main() -> None:

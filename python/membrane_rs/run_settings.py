@@ -35,8 +35,9 @@ class RunSettings:
     watch : int
         Steps between two checks of energy, strain and finite values; 1 or above.
     energy_loss : float
-        A run stops when its method has lost more than this share of the energy turned over [-], above 0. No
-        damping is meant by this: it is what a step near the stability limit eats of the fastest vibrations.
+        A run stops when its energy balance is off by more than this share of the energy turned over [-], above
+        0: near the stability limit a method damps the fastest vibrations by itself. Energy from nowhere is not
+        meant; it stops a run from 1 % on.
     """
 
     until: Annotated[Positive, Unit("s")] = 0.8

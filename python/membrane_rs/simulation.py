@@ -41,6 +41,11 @@ PROGRESS_LOOKS = 500
 """How often a run that is followed tells its progress, beside every sample."""
 
 
+def integrators() -> list[str]:
+    """The names of the methods."""
+    return _core.integrators()
+
+
 class Observer(Protocol):
     """Looks on while a scene runs."""
 
@@ -98,7 +103,7 @@ class Simulation:
         if step is None:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
-        self._limit: tuple[float, str] | None = None
+        self._limit: tuple[float, str, int] | None = None
         self.is_settled = False
 
     @property
@@ -250,11 +255,16 @@ class Simulation:
         """The law and node that set `stable_dt`, and the node set it lies in."""
         return self._stability()[1]
 
-    def _stability(self) -> tuple[float, str]:
+    @property
+    def limiting_node(self) -> int:
+        """The node that moves most in the vibration that sets `stable_dt`."""
+        return self._stability()[2]
+
+    def _stability(self) -> tuple[float, str, int]:
         if self._limit is None:
             dt, _, _, node, words = self._core.limit()
             sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
-            self._limit = dt, f"{words} (in {', '.join(sets)})" if sets else words
+            self._limit = dt, f"{words} (in {', '.join(sets)})" if sets else words, node
         return self._limit
 
     def step(self, n: int = 1) -> None:

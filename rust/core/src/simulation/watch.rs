@@ -9,6 +9,10 @@ use super::{Simulation, State};
 use crate::ledger::Accounts;
 use crate::stability;
 
+/// Share of the largest account that the balance may be off by, whatever was turned over: a disc that merely spins turns
+/// nothing over, but its dashpots' work is of the order of (Omega dt)^2 of its energy in each turn.
+const FLOOR: f64 = 1e-5;
+
 /// What is told of a fault.
 pub(super) struct Fault {
     pub(super) what: String,
@@ -41,38 +45,66 @@ impl Simulation {
         Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
+    /// Energy from nowhere: more than there was at the start and has come in. Less strictly: books that do not balance,
+    /// because the method eats the vibrations that its step hardly resolves, or because work of damping that it
+    /// hardly resolves is booked wrongly.
     fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
         let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
-        // Rounding: a fraction of the largest account.
-        let rounding = 1e-9 * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        let percent = 100.0 * surplus.abs() / turned_over;
-        if surplus < -(self.settings.loss_tolerance * turned_over + rounding) {
+        // What rounding and the books of a motion that merely goes on may be off by: a fraction of the largest account.
+        let floor = FLOOR * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
+        let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
+        let loose = self.settings.loss_tolerance * turned_over + floor;
+        let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
+        let created = surplus + taken;
+        if surplus.is_nan() || created > self.settings.energy_tolerance * turned_over + floor {
             let what = format!(
-                "{:.3e} J are gone that no law took, {percent:.3} % of the energy turned over so far",
-                -surplus
+                "{created:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
+                percent(created)
             );
-            return Some(self.lost(what));
+            return Some(self.told(what, self.fastest(), self.most_changed(now), now));
         }
-        if surplus <= self.settings.energy_tolerance * turned_over + rounding {
-            return None;
+        if surplus > loose {
+            let work = &self.ledger.work;
+            let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
+            let what = format!(
+                "{surplus:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
+                percent(surplus)
+            );
+            return Some(self.hardly_resolved(what, law, "an honest balance needs it to be"));
         }
-        let speeds: Vec<f64> = self.state.velocities.row_iter().map(|row| row.norm_squared()).collect();
-        let fastest = (0..speeds.len()).max_by(|&i, &j| speeds[i].total_cmp(&speeds[j])).unwrap_or(0);
-        let what = format!("{surplus:.3e} J appeared from nowhere, {percent:.3} % of the energy turned over so far");
-        let place = format!("{} is fastest at {:.3e} m/s", self.node(fastest), speeds[fastest].sqrt());
-        Some(self.told(what, place, self.most_changed(now), now))
+        if surplus < -loose {
+            let what = format!(
+                "{:.3e} J are gone that no law took, {:.3} % of the energy turned over so far",
+                -surplus,
+                percent(surplus)
+            );
+            let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
+            return Some(self.hardly_resolved(what, law, "so the method damps it"));
+        }
+        None
     }
 
-    /// Every method eats the vibrations that its step hardly resolves: the law that makes the fastest ones is named.
-    fn lost(&self, what: String) -> Fault {
-        let limit = &self.start_limit;
-        let cure = format!(
-            "{} damps vibrations that its step of {:.3e} s hardly resolves ({:.2} of the stability limit): use a smaller dt, or allow a larger energy_loss",
-            self.integrator.name(),
-            self.dt,
-            self.dt / limit.dt
-        );
-        Fault { what, place: self.node(limit.node), law: limit.law.to_owned(), cure }
+    /// The step is too long for what is fastest in the scene; above its limit that is the cause.
+    fn hardly_resolved(&self, what: String, law: Option<usize>, so: &str) -> Fault {
+        let own = law.map_or("no law", |k| self.mechanics.laws[k].name());
+        let cure = self.step_above_limit(law).unwrap_or_else(|| {
+            format!(
+                "its step of {:.3e} s, {:.2} of the stability limit, hardly resolves what is fastest here, {so}: use a smaller dt, or allow a larger energy_loss",
+                self.dt,
+                self.dt / self.start_limit.dt
+            )
+        });
+        Fault { what, place: self.fastest(), law: own.to_owned(), cure: format!("{}: {cure}", self.integrator.name()) }
+    }
+
+    fn fastest(&self) -> String {
+        let speeds: Vec<f64> = self.state.velocities.row_iter().map(|row| row.norm_squared()).collect();
+        let fastest = (0..speeds.len()).max_by(|&i, &j| speeds[i].total_cmp(&speeds[j])).unwrap_or(0);
+        format!(
+            "{} is fastest at {:.3e} m/s",
+            self.node(fastest),
+            speeds.get(fastest).map_or(0.0, |speed| speed.sqrt())
+        )
     }
 
     fn told(&self, what: String, place: String, law: Option<usize>, now: &Accounts) -> Fault {
@@ -99,41 +131,59 @@ impl Simulation {
 
     /// The law that has given most energy to the others since the start.
     fn source(&self, now: &Accounts) -> Option<usize> {
-        let given = |k: usize| self.ledger.start.stored[k] - now.stored[k] + self.ledger.work[k];
         (0..now.stored.len())
-            .filter(|&k| given(k).is_finite() && given(k) > 0.0)
-            .max_by(|&a, &b| given(a).total_cmp(&given(b)))
+            .filter(|&k| self.given(k, now).is_finite() && self.given(k, now) > 0.0)
+            .max_by(|&a, &b| self.given(a, now).total_cmp(&self.given(b, now)))
+    }
+
+    /// What a law has given to the others since the start [J].
+    fn given(&self, law: usize, now: &Accounts) -> f64 {
+        self.ledger.start.stored[law] - now.stored[law] + self.ledger.work[law]
     }
 
     fn cure(&self, law: Option<usize>, now: &Accounts) -> String {
+        if let Some(words) = self.step_above_limit(law) {
+            return words;
+        }
         let laws = &self.mechanics.laws;
-        let start = &self.start_limit;
-        if self.dt > start.dt {
-            return format!(
-                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out",
-                self.dt,
-                start.dt,
-                self.part(start)
-            );
-        }
         let own = law.map_or("check the scene", |k| laws[k].cure());
-        let limit =
-            stability::limit(self.integrator.as_ref(), laws, self.good_instant(), &self.mechanics.inverse_masses);
-        if let Ok(limit) = limit
-            && self.dt > limit.dt
-        {
-            let stiff = laws.iter().find(|law| law.name() == limit.law).map_or(own, |law| law.cure());
-            return format!(
-                "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {stiff}",
-                start.dt,
-                limit.dt,
-                self.dt,
-                self.part(&limit)
-            );
+        let source = self.source(now);
+        if self.ledger.start.kinetic - now.kinetic > source.map_or(0.0, |k| self.given(k, now)) {
+            return format!("the energy came from the velocities at the start: start slower; or {own}");
         }
-        match self.source(now).filter(|source| Some(*source) != law) {
+        match source.filter(|source| Some(*source) != law) {
             Some(source) => format!("the energy came from {}: {}; or {own}", laws[source].name(), laws[source].cure()),
             None => own.to_owned(),
         }
+    }
+
+    /// In words, where the step was above its limit at the start, or has come to be.
+    fn step_above_limit(&self, law: Option<usize>) -> Option<String> {
+        let (laws, start) = (&self.mechanics.laws, &self.start_limit);
+        let cure_of = |name: &str| {
+            let found = laws.iter().find(|law| law.name() == name).or(law.map(|k| &laws[k]));
+            found.map_or("", |law| law.cure())
+        };
+        if self.dt > start.dt {
+            let cure = cure_of(start.law);
+            return Some(format!(
+                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; or {}",
+                self.dt,
+                start.dt,
+                self.part(start),
+                cure.strip_prefix("use a smaller dt, ").or(cure.strip_prefix("use a smaller dt or ")).unwrap_or(cure)
+            ));
+        }
+        let limit =
+            stability::limit(self.integrator.as_ref(), laws, self.good_instant(), &self.mechanics.inverse_masses);
+        let now = limit.ok().filter(|now| self.dt > now.dt)?;
+        Some(format!(
+            "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {}",
+            start.dt,
+            now.dt,
+            self.dt,
+            self.part(&now),
+            cure_of(now.law)
+        ))
     }
 }

@@ -5,7 +5,7 @@
 //! overestimates the step by up to a third. So the problem is projected on a small subspace that starts
 //! with those two modes and grows by the residual of the roots that limit the step (Davidson 1975).
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::{Linear, apply, largest_step};
 use crate::error::{Error, Result};
@@ -17,6 +17,8 @@ const MOST_VECTORS: usize = 60;
 const STORAGE: usize = 24_000_000;
 /// Roots whose residuals the subspace grows by at a time.
 const FOLLOWED: usize = 2;
+/// Most steps of the QR iteration for each vector.
+const QR_STEPS: usize = 60;
 /// Relative change of the step over `CALM` rounds at which it counts as found.
 const TOLERANCE: f64 = 1e-4;
 const CALM: usize = 4;
@@ -66,8 +68,19 @@ impl Subspace<'_> {
         companion.view_mut((0, k), (k, k)).fill_diagonal(1.0);
         companion.view_mut((k, 0), (k, k)).copy_from(&(&self.stiffness / -(scale * scale)));
         companion.view_mut((k, k), (k, k)).copy_from(&(&self.damping / -scale));
-        let all = companion.complex_eigenvalues();
+        let all: Vec<Complex<f64>> = match Schur::try_new(companion, f64::EPSILON, QR_STEPS * k) {
+            Some(schur) => schur.complex_eigenvalues().iter().copied().collect(),
+            // The iteration stalled, as it may where damping dwarfs all stiffness: each vector for itself.
+            None => (0..k).flat_map(|i| self.roots_of(i, scale)).collect(),
+        };
         all.iter().filter(|value| value.im >= 0.0).map(|value| value * scale).collect()
+    }
+
+    /// The two roots of one vector alone, over `scale`.
+    fn roots_of(&self, i: usize, scale: f64) -> [Complex<f64>; 2] {
+        let (square, half) = (self.stiffness[(i, i)] / (scale * scale), 0.5 * self.damping[(i, i)] / scale);
+        let root = Complex::new(half * half - square, 0.0).sqrt();
+        [root - half, -root - half]
     }
 
     /// The projected eigenvector of a root, by inverse iteration.
