@@ -50,7 +50,7 @@ def bridged() -> Scene:
     triangles[row][triangles[row] == mesh.node_count - 1] = mesh.node_count
     triangles[row] = np.where(triangles[row] == mesh.node_count - 1, mesh.node_count, triangles[row])
     split = Mesh(points, triangles, bridges=[[mesh.node_count - 1, mesh.node_count]])
-    laws = [Springs(buckling=1e12), SpringDamping(0.02)]
+    laws: list[Law] = [Springs(buckling=1e12), SpringDamping(0.02)]
     return Scene(split, RUBBER, laws, [Bridges(1e5)], name="bridged disc", run=RunSettings(until=10.0, snapshots=()))
 
 
@@ -78,7 +78,7 @@ def table(rows: list[Limits]) -> str:
         "",
         "Predicted: from the largest eigenvalues of the stiffness and damping at the start (`Simulation.stable_dt`).",
         "Measured: by bisection on the growth of a small disturbance under the method's own steps, to 0.3 %",
-        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a jittered grid, linear, their negative",
+        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a jittered grid, linear, negative",
         "springs clipped. Made by `python tests/limit_cases.py`.",
         "",
         "| scene | method | predicted [s] | measured [s] | measured / predicted | set by |",
@@ -91,10 +91,10 @@ def table(rows: list[Limits]) -> str:
     whole = [row.ratio for row in rows if row.scene in scenes.names()]
     lines += [
         "",
-        f"Linear scenes: {min(linear):.3f} to {max(linear):.3f}. Built-in scenes: {min(whole):.3f} to {max(whole):.3f}; "
-        "above 1 the prediction,",
-        "which takes every spring for taut and every crease for shut, is on the safe side. Where no step is given, 0.4 of",
-        "the prediction is taken: that leaves room for what a start does not show, and for accuracy.",
+        f"Linear scenes: {min(linear):.3f} to {max(linear):.3f}.",
+        f"Built-in scenes: {min(whole):.3f} to {max(whole):.3f}; above 1 the prediction, which takes every spring for",
+        "taut and every crease for shut, is on the safe side. Where no step is given, 0.4 of the prediction is taken:",
+        "that leaves room for what a start does not show, and for accuracy.",
     ]
     return "\n".join(lines) + "\n"
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from poisons import EACH, POISONS, ending, endings, table
+from poisoned import EACH, ending, endings, table
+from poisons import POISONS
 
 
 @pytest.mark.parametrize("poison", POISONS, ids=lambda poison: str(poison.__name__))

@@ -244,7 +244,9 @@ def test_the_default_step_is_below_the_limit_and_fits_the_samples() -> None:
 
 def test_measured_limit_is_the_predicted_one() -> None:
     # The tallest frequency of a net with nothing slack: just below it stays, just above it goes.
-    scene = replace(hanging_strip(), laws=[Springs(buckling=1e9, buckling_on_creases=1e9)])
+    laws = [Springs(buckling=1e9, buckling_on_creases=1e9)]
+    # So near the limit RK4 takes most of what white noise holds.
+    scene = replace(hanging_strip(), laws=laws, run=RunSettings(energy_loss=2.0))
     limit = Simulation(scene).stable_dt()
     kick = 1e-9 * np.random.default_rng(1).normal(size=(len(scene.assemble().positions), 3))
     kick[:, 2] = 0.0

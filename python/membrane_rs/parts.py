@@ -5,10 +5,14 @@ Parts are plain checked values; `assembly` makes nodes, masses and cords of them
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, TypeAlias
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError
+
+SHORTEST = 1e-12
+"""Ends of a cord that are nearer to each other than this are one point [m]."""
 
 
 @validated
@@ -104,8 +108,8 @@ class Tether:
 
     def __post_init__(self) -> None:
         """Check the ends against each other."""
-        if self.start == self.end:
-            raise InputError(f"Tether.end = {self.end}: must differ from start (m)")
+        if math.dist(self.start, self.end) < SHORTEST:
+            raise InputError(f"Tether.end = {self.end}: must differ from start, by {SHORTEST:g} or more (m)")
 
 
 @validated
