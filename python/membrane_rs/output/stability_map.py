@@ -46,7 +46,7 @@ def draw_map(
     axes.set_xlim(-0.5, len(values) - 0.5)
     axes.set_ylim(-0.5, len(steps) - 0.5)
     axes.set_xticks(range(len(values)), [f"{value:g}" for value in values])
-    axes.set_yticks(range(len(steps)), [f"{1e6 * step:.3g}" for step in steps])
+    axes.set_yticks(range(len(steps)), [_brief(1e6 * step) for step in steps])
     axes.set_xlabel(parameter)
     axes.set_ylabel("step [us]")
     axes.set_title(title, fontsize=10)
@@ -54,10 +54,14 @@ def draw_map(
     axes.spines[:].set_visible(False)
     seen = {cell[3] for cell in cells}
     keys = [Patch(color=c, label=o) for o, c in zip(outcomes, _COLOURS, strict=True) if o in seen]
-    line.set_label("predicted limit")
-    figure.legend(handles=[*keys, line], loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    line.set_label("predicted limit; in the cells: caught at [ms]")
+    figure.legend(handles=[*keys, line], loc="outside lower center", ncols=2, frameon=False, fontsize=8)
     with replacing(path) as part:
         figure.savefig(part, format="png", dpi=120)
+
+
+def _brief(number: float) -> str:
+    return f"{number:.0f}" if 100 <= number < 1e6 else f"{number:.3g}"
 
 
 def _height(limit: float, steps: Sequence[float]) -> float:
