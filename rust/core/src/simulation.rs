@@ -62,7 +62,7 @@ impl Sweep for Divide<'_> {
 
 impl System for Mechanics {
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
-        accelerations.fill(0.0);
+        accelerations.as_mut_slice().fill(0.0);
         for (law, power) in self.laws.iter().zip(powers) {
             *power = law.add_forces(at, accelerations);
         }
