@@ -11,6 +11,7 @@ import csv
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -58,7 +59,7 @@ class Change:
     def largest_share(self, allowed: Change) -> float:
         """The largest change as a multiple of what is allowed."""
         pairs = zip(vars(self).values(), vars(allowed).values(), strict=True)
-        return max((abs(a) / b if b else math.inf * bool(a) for a, b in pairs if not math.isnan(a)), default=0.0)
+        return max((abs(a) / b if b else (math.inf if a else 0.0) for a, b in pairs if not math.isnan(a)), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,8 @@ class Ablation:
             if self.smallest
             else "Nothing may go: the scene is the smallest model of itself."
         )
-        return f"{self.scene}, {self.until:g} s, tolerance {self.tolerance:g}\n\n{self.table()}\n{found}"
+        head = f"{self.scene}, {self.until:g} s, tolerance {self.tolerance:g}, peak strain {self.peak_strain:.2e}"
+        return f"{head}\n\n{self.table()}\n{found}"
 
     def save(self, folder: Path | str) -> None:
         """Write ablation.md, ablation.csv, ablation.json, and the smallest model's scene. Raises OutputError."""
@@ -153,7 +155,7 @@ def ablate(
     until: float | None = None,
     *,
     tolerance: float = 0.01,
-    members: int = 3,
+    members: int = 5,
     progress: Callable[[str], None] | None = None,
 ) -> Ablation:
     """Run a scene whole and with each law and part left out, and find its smallest model.
@@ -168,7 +170,8 @@ def ablate(
         What may change: the deployment rate by this much, the phase by this many turns, the peak strain by
         this share of itself; or each by the spread of the ensemble, if that is larger.
     members : int
-        Runs from perturbed starts, which set the spread; 0: none.
+        Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
+        the true start among them; 0: none.
     progress : callable, optional
         Told in words what was just done.
 
@@ -191,7 +194,7 @@ def ablate(
         if trial.failure is not None:
             raise trial.failure
     tell(f"the whole scene and {members} perturbed starts: dt = {peer.dt:.3g} s, {peer.seconds:.1f} s of stepping")
-    spread = _largest([_change(other, peer) for other in others])
+    spread = _largest([_change(one, other) for one, other in combinations((peer, *others), 2)])
     peak = float(peer.strain.max())
     allowed = _largest([spread, Change(tolerance, 360.0 * tolerance, tolerance * abs(peak))])
 

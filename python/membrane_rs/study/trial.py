@@ -51,9 +51,10 @@ class Course:
         return self.interval / max(1, round(self.interval / dt))
 
     def of(self, scene: Scene) -> Course:
-        """The same course for another scene of the same nodes, or from that scene's own start."""
-        own = scene.assemble().positions
-        start = self.start if own.shape == self.start.shape else own
+        """The same course for another scene of the same mesh; cords of other segments take their own start."""
+        start = scene.assemble().positions.copy()
+        same = len(start) if start.shape == self.start.shape else 0 if scene.mesh is None else len(scene.mesh.reference)
+        start[:same] = self.start[:same]
         return replace(self, scene=_plain(scene), start=start)
 
     def shifted(self, seed: int) -> Course:
