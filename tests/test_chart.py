@@ -28,13 +28,13 @@ def disc() -> Chart:
 
 
 def test_every_method_climbs_the_ladder(disc: Chart) -> None:
-    assert list(disc.orders) == integrators()
+    assert list(disc.orders) == list(integrators())
     for name in integrators():
         points = disc.rungs(name)
         assert len(points) == 7
         shares = [point.share for point in points]
         assert shares == sorted(shares, reverse=True)
-        assert shares[1] > 1.0 > shares[2]
+        assert shares[0] > 1.0 > shares[2]
         assert points[-1].evaluations > points[2].evaluations
 
 

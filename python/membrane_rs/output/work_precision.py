@@ -61,6 +61,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
     """Draw the panels as a PNG picture. Raises OutputError where `path` cannot be written."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     figure = Figure(figsize=(11.5, 0.8 + 3.6 * len(rows)), layout="constrained")
     FigureCanvasAgg(figure)
@@ -72,6 +73,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
             for k, line in enumerate(row.lines):
                 _draw(axes, line, line.costs[cost], k, high)
             _bounds(axes, row, low)
+            axes.xaxis.set_minor_formatter(NullFormatter())
             axes.grid(color="0.92")
             axes.set_axisbelow(True)
             axes.spines[["top", "right"]].set_visible(False)

@@ -116,7 +116,7 @@ class Ablation:
         rows = [(*head, "rate", "phase [deg]", "peak strain", "verdict"), ("---", *["---:"] * 6, "---")]
         rows += [_row(item) for item in self.items]
         for name, change in (("spread of perturbed starts", self.spread), ("allowed", self.allowed)):
-            rows.append((f"*{name}*", "", "", "", *_changes(change), ""))
+            rows.append((f"*{name}*", "", "", "", *(text.lstrip("+") for text in _changes(change)), ""))
         return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
     def summary(self) -> str:

@@ -294,7 +294,7 @@ def _bounds(reference: dict[str, float], floors: dict[str, float], *, curves: bo
 
 
 def _methods(wanted: Sequence[str] | None) -> list[str]:
-    known = integrators()
+    known = list(integrators())
     for name in wanted or ():
         if name not in known:
             raise InputError(f"integrators: there is no {name!r}; {nearest(name, known)}")
