@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from membrane_rs.scene import Scene
     from membrane_rs.simulation import Simulation
+    from membrane_rs.study import Ablation, Chart
 
 app = typer.Typer(
     name="membrane-rs",
@@ -38,6 +39,7 @@ Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stab
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
+Ensemble = Annotated[int | None, typer.Option(help="Runs from perturbed starts; 0: none. Default: a few, or none.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
 
 
@@ -130,6 +132,53 @@ def check(
             raise typer.Exit(FAILED)
 
 
+@app.command()
+def chart(
+    scene: SceneArgument,
+    *,
+    integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
+    until: Until = None,
+    steps: Annotated[int, typer.Option(help="Steps below the stability limit, each half the last.")] = 6,
+    curves: Annotated[
+        bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
+    ] = False,
+    ensemble: Ensemble = None,
+    error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
+    repeats: Annotated[int, typer.Option(help="Runs of which the wall time is the median.")] = 3,
+    out: Out = None,
+) -> None:
+    """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
+    with _told_errors():
+        from membrane_rs.study import chart as charted
+
+        chosen = _load(scene)
+        names = [name.strip() for name in integrators.split(",")] if integrators else None
+        found = charted(
+            chosen, names, until, steps=steps, curves=curves, members=ensemble, wanted=error, repeats=repeats,
+            progress=_tell,
+        )  # fmt: skip
+        _save(found, out or Path("runs") / f"{chosen.name}-chart")
+
+
+@app.command()
+def ablate(
+    scene: SceneArgument,
+    *,
+    until: Until = None,
+    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peak strain.")] = 0.01,
+    ensemble: Ensemble = None,
+    out: Out = None,
+) -> None:
+    """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
+    with _told_errors():
+        from membrane_rs.study import ablate as ablated
+
+        chosen = _load(scene)
+        members = {} if ensemble is None else {"members": ensemble}
+        found = ablated(chosen, until, tolerance=tolerance, progress=_tell, **members)
+        _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+
+
 def main() -> None:
     """Entry point of the command `membrane-rs`."""
     app()
@@ -154,6 +203,16 @@ def _with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
 
     given = {name: value for name, value in wanted.items() if value is not None}
     return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
+
+
+def _tell(words: str) -> None:
+    """What a study just did; its result goes to the standard output."""
+    typer.echo(words, err=True)
+
+
+def _save(study: Ablation | Chart, folder: Path) -> None:
+    study.save(folder)
+    typer.echo(f"{study.summary()}\nResults are in {folder}")
 
 
 def _run(

@@ -41,6 +41,11 @@ PROGRESS_LOOKS = 500
 """How often a run that is followed tells its progress, beside every sample."""
 
 
+def integrators() -> list[str]:
+    """The names of the methods, as `Simulation` and scenes take them."""
+    return _core.integrators()
+
+
 class Observer(Protocol):
     """Looks on while a scene runs."""
 
