@@ -67,7 +67,10 @@ def test_order_is_as_stated(name: str) -> None:
         found = [sim.positions[1, 0], sim.velocities[1, 0] / OMEGA]
         errors.append(math.dist(found, exact))
         assert sim.evaluation_count == count * FACTS[name]["evaluations"] + FACTS[name]["at_start"]
-    assert rates(errors) == pytest.approx(FACTS[name]["order"], abs=0.05)
+    # Below 1e-13 m the error is rounding.
+    above = [error for error in errors if error > 1e-13]
+    assert len(above) >= 3
+    assert rates(above) == pytest.approx(FACTS[name]["order"], abs=0.05)
 
 
 @pytest.mark.parametrize("name", FACTS)
@@ -128,7 +131,7 @@ def test_limit_of_a_uniform_chain(name: str) -> None:
             assert np.abs(sim.positions - positions).max() < 1e-6
         else:
             with pytest.raises(UnstableError):
-                sim.step(20_000)
+                sim.step(3_000_000 if name == "dopri5" else 20_000)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.4, 0.95])
@@ -225,10 +228,10 @@ def test_tolerance_sets_error_and_cost(name: str) -> None:
 
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_a_given_step_is_kept(name: str) -> None:
-    sim = Simulation(whirled(dt=1e-4), name)
+    sim = Simulation(whirled(dt=2e-5), name)
     assert not sim.is_adaptive
     sim.run()
-    assert sim.time == sim.step_count * 1e-4
+    assert sim.time == sim.step_count * 2e-5
     assert sim.rejected_count == 0
 
 
@@ -237,7 +240,7 @@ def test_the_release_of_a_sail_keeps_its_energy_balance(name: str) -> None:
     sim = Simulation(scenes.load("okuizumi-model-1"), name)
     if name == "leapfrog":
         sim = Simulation(sim.scene, name, 0.5 * sim.stable_dt())
-    sim.run(until=1e-3, frames=2, samples=2)
+    sim.run(until=3e-3, frames=2, samples=301)
     assert abs(sim.ledger()["error"]) < 0.01
 
 

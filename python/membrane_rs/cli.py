@@ -35,7 +35,7 @@ SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in 
 Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]. Default: the scene's.")]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
 Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit, or from the tolerance.")]
-Tolerance = Annotated[float | None, typer.Option(help="Error of a step, where dopri5 chooses it. Default: the scene's.")]
+Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopri5 chooses. Default: the scene's.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]

@@ -21,8 +21,8 @@ class RunSettings:
     integrator : str
         Name of the method; `membrane_rs.integrators()` tells what there is.
     dt : float or None
-        Step [s], at most `until`. None: from the stability limit, with a margin, or chosen by the error where the method
-        can ("dopri5").
+        Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
+        its error.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
         sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity.

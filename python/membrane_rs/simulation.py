@@ -62,7 +62,7 @@ class IntegratorFacts:
 
 def integrators() -> dict[str, IntegratorFacts]:
     """What is known of each method, by name."""
-    return {name: IntegratorFacts(*facts) for name, *facts in _core.integrators()}
+    return {facts[0]: IntegratorFacts(*facts[1:]) for facts in _core.integrators()}
 
 
 class Observer(Protocol):

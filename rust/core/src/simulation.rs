@@ -49,6 +49,8 @@ struct Mechanics {
     masses: Vec<f64>,
     inverse_masses: Vec<f64>,
     evaluation_count: u64,
+    /// The last forces of each law without a potential, where the method asks for their work later [N].
+    resistances: Vec<Option<Vectors>>,
     width: Width,
 }
 
@@ -71,14 +73,44 @@ impl Sweep for Divide<'_> {
     }
 }
 
+/// Adds one array to another.
+struct Add<'a> {
+    from: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Sweep for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(self) {
+        self.to.iter_mut().zip(self.from).for_each(|(to, from)| *to += from);
+    }
+}
+
 impl System for Mechanics {
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
         accelerations.fill(0.0);
-        for (law, power) in self.laws.iter().zip(powers) {
-            *power = law.add_forces(at, accelerations);
+        for ((law, power), resistance) in self.laws.iter().zip(powers).zip(&mut self.resistances) {
+            *power = if let Some(resistance) = resistance {
+                resistance.fill(0.0);
+                let power = law.add_forces(at, resistance);
+                self.width.run(Add { from: resistance.as_slice(), to: accelerations.as_mut_slice() });
+                power
+            } else {
+                law.add_forces(at, accelerations)
+            };
         }
         self.width.run(Divide { columns: columns_mut(accelerations), inverse_masses: &self.inverse_masses });
         self.evaluation_count += 1;
+    }
+
+    fn rework(&self, velocities: &Vectors, powers: &mut [f64]) {
+        for (power, resistance) in powers.iter_mut().zip(&self.resistances) {
+            if let Some(resistance) = resistance {
+                *power = resistance.dot(velocities);
+            }
+        }
     }
 
     fn gyration(&self, time: f64) -> f64 {
@@ -165,7 +197,12 @@ impl Simulation {
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
+        let resistance = |law: &Box<dyn Law>| {
+            let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
+            is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
+        };
         let mechanics = Mechanics {
+            resistances: laws.iter().map(resistance).collect(),
             laws,
             masses: assembly.masses,
             inverse_masses: assembly.inverse_masses,

@@ -21,7 +21,8 @@
 //!     m/2 (v_n^2 - dt^2/4 a_n^2) + U(x_n) = m/2 v_n-1/2 . v_n+1/2 + U(x_n)
 //!
 //! is conserved: the energy swings about it by (omega dt)^2/4 of the potential energy, and does not drift.
-//! The work of laws is integrated by the trapezoidal rule over the evaluations.
+//! The work of laws is integrated by the trapezoidal rule; that of a force evaluated with p is its product with v_n, which
+//! is what the sum of kicks takes out of that quantity, step by step.
 //! Storage: two vectors per node beside the state.
 
 use nalgebra::Matrix3;
@@ -146,6 +147,10 @@ impl Integrator for Leapfrog {
         true
     }
 
+    fn evaluates_elsewhere(&self) -> bool {
+        true
+    }
+
     fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         // One step of (x, dt v, dt^2 a).
         let (z, c) = ((omega * dt).powi(2), damping * dt);
@@ -187,7 +192,6 @@ impl Integrator for Leapfrog {
         });
         let at = Instant { time: time + dt, positions: &state.positions, velocities: prediction };
         system.accelerate(at, acceleration, powers);
-        add_work(powers);
         let rate = system.gyration(time + dt);
         if rate == 0.0 {
             width.run(Kick { half, v: state.velocities.as_mut_slice(), a: acceleration.as_slice() });
@@ -197,6 +201,8 @@ impl Integrator for Leapfrog {
             width.run(Gyrate { half, rate, v: [vx, vy], p: [px, py], a: [ax, ay] });
             width.run(Kick { half, v: vz, a: az });
         }
+        system.rework(&state.velocities, powers);
+        add_work(powers);
     }
 
     fn energy_shift(&self, masses: &[f64], dt: f64) -> f64 {

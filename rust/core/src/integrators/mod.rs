@@ -21,6 +21,9 @@ pub trait System {
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]);
     /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
     fn gyration(&self, time: f64) -> f64;
+    /// Replaces the power of each law without a potential by that of its last forces on `velocities`; for methods that
+    /// say `evaluates_elsewhere`.
+    fn rework(&self, velocities: &Vectors, powers: &mut [f64]);
 }
 
 /// What a method keeps from one step to the next beside the state; empty before its first step.
@@ -46,6 +49,10 @@ pub trait Integrator: Send + Sync {
     }
     /// Whether the energy of an undamped motion stays bounded, however long it lasts.
     fn keeps_energy(&self) -> bool {
+        false
+    }
+    /// Whether forces are evaluated with velocities that differ from those they work on.
+    fn evaluates_elsewhere(&self) -> bool {
         false
     }
     /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.

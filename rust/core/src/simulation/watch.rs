@@ -73,10 +73,11 @@ impl Simulation {
         let rounding = 1e-9 * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
         let allowed = self.settings.energy_tolerance * turned_over + rounding;
         // A method that keeps energy keeps it but for a swing, which stays below what is turned over as long as the step
-        // is below its limit, and grows beyond it above. What it conserves instead has no such swing.
+        // is below its limit, and grows beyond it above. What it conserves instead has no such swing: energy is created
+        // where both are above what was there.
         let is_created = if self.integrator.keeps_energy() {
             let kept = surplus + self.energy_shift(self.dt) - self.ledger.start_shift;
-            kept > allowed || surplus > turned_over + rounding
+            surplus.min(kept) > allowed || surplus > turned_over + rounding
         } else {
             surplus > allowed
         };
