@@ -35,7 +35,8 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
 Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]. Default: the scene's.")]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
-Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit.")]
+Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit, or from the tolerance.")]
+Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopri5 chooses. Default: the scene's.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
@@ -50,6 +51,7 @@ def run(
     until: Until = None,
     integrator: Integrator = None,
     dt: Dt = None,
+    tolerance: Tolerance = None,
     out: Out = None,
     frames: Frames = None,
     overwrite: Overwrite = False,
@@ -59,7 +61,7 @@ def run(
     with _told_errors():
         from membrane_rs.simulation import Simulation
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "frames": frames}
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance, "frames": frames}
         chosen = _with_settings(_load(scene), wanted)
         folder = out or Path("runs") / chosen.name
         _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)
@@ -126,7 +128,7 @@ def check(
         steps, seconds = _expected_cost(sim)
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
-        typer.echo(f"  step         {sim.dt:.4g} s")
+        typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
         if not sound:
             raise typer.Exit(FAILED)
@@ -300,6 +302,8 @@ def _expected_cost(sim: Simulation) -> tuple[int, float]:
         sim.step(batch)
         taken += batch
         spent = time.perf_counter() - began
+    if sim.is_adaptive:
+        steps = max(1, round(sim.scene.run.until / sim.time * taken))
     return steps, steps * spent / taken
 
 

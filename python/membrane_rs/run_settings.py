@@ -19,9 +19,17 @@ class RunSettings:
     until : float
         Time at the end [s], above 0.
     integrator : str
-        Name of the method.
+        Name of the method; `membrane_rs.integrators()` tells what there is.
     dt : float or None
-        Step [s], at most `until`. None: from the stability limit, with a margin.
+        Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
+        its error.
+    tolerance : float
+        Error that a step may make on any node where it is chosen by the error: this share of
+        sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity.
+    tolerance_length : float
+        Distance from the origin below which the tolerance is absolute [m].
+    tolerance_speed : float
+        Speed below which the tolerance is absolute [m/s].
     frames : int
         Shapes written, evenly spaced from the start to the end; 2 or above.
     samples : int
@@ -39,6 +47,9 @@ class RunSettings:
     until: Annotated[Positive, Unit("s")] = 0.8
     integrator: str = "rk4"
     dt: Annotated[Positive | None, Unit("s")] = None
+    tolerance: Positive = 1e-6
+    tolerance_length: Annotated[Positive, Unit("m")] = 0.1
+    tolerance_speed: Annotated[Positive, Unit("m/s")] = 1.0
     frames: Annotated[Count, Ge(2)] = 81
     samples: Annotated[Count, Ge(2)] = 801
     snapshots: Annotated[Times, Unit("s")] = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)

@@ -47,7 +47,7 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
         raise MissingFileError(f"{path}: there is no such saved state") from None
     except BAD_ARCHIVE as error:
         raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
-    needed = {"integrator", "dt", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
+    needed = {"integrator", "dt", "is_adaptive", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
     missing = sorted(needed - arrays.keys())
     if missing:
         raise InputError(

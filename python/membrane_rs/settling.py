@@ -44,5 +44,5 @@ def settled(
             raise InputError(f"settle: {name} = {value}: must be greater than 0 ({unit})")
     held = Simulation(held_scene(scene, rate), integrator)
     held.positions = positions
-    held.step(max(1, round(time / held.dt)))
+    held._reach(time if held.is_adaptive else max(1, round(time / held.dt)))
     return held.positions, float(np.linalg.norm(held.velocities, axis=1).max())

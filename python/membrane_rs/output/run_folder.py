@@ -196,6 +196,7 @@ class RunFolder:
             "outcome": outcome(error),
             "time": sim.time,
             "steps": sim.step_count,
+            "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
             "wall_time": time.perf_counter() - self._began,
             "frames": len(self._frames),
