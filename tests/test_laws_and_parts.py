@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from membrane_rs.cords import cord_positions
 from membrane_rs.errors import InputError, InputTypeError
@@ -110,6 +110,7 @@ def test_defaults_are_those_of_table_2() -> None:
     st.floats(0.01, 5.0),
     st.integers(2, 40),
 )
+@example((5e-324, 5e-324, 0.0), (0.0, 0.0, 0.0), 1.0, 3)
 def test_slack_cords_hang_without_strain(
     start: tuple[float, float, float], end: tuple[float, float, float], length: float, segments: int
 ) -> None:

@@ -3,7 +3,7 @@
 A law here says what a scene wants; the core holds the kernel of the same name, with its equation and its
 energy. A law that a scene leaves out costs nothing. Units are SI; angles are in radians.
 
-The model is that of Okuizumi and Yamamoto's simulation of spinning sails; where the paper leaves a choice
+The model is that of Okuizumi et al. (Trans. JSASS Aerospace Tech. Japan 10, 2012); where the paper leaves a choice
 open, the docstring says what was chosen.
 """
 
