@@ -26,11 +26,12 @@ from membrane_rs.laws import LAWS, Law
 from membrane_rs.parts import Part
 from small_scenes import RUBBER, Floats, rotation
 
-FILMS: list[Law] = [Springs(buckling=1.0, buckling_on_creases=2.0), Triangles(compression=0.1, buckling_on_creases=300.0)]
-"""A scene takes one of them."""
-INTERNAL = [
-    (film, name) for film in FILMS for name in (film.kind, "creases", "tethers", "bridges", "spring_damping")
+FILMS: list[Law] = [
+    Springs(buckling=1.0, buckling_on_creases=2.0),
+    Triangles(compression=0.1, buckling_on_creases=300.0),
 ]
+"""A scene takes one of them."""
+INTERNAL = [(film, name) for film in FILMS for name in (film.kind, "creases", "tethers", "bridges", "spring_damping")]
 """Laws between nodes only: no rigid motion is felt by them, and no force or torque is left over."""
 
 

@@ -54,9 +54,9 @@ class Triangles:
     """The film as triangles of uniform strain, which wrinkle; a scene takes it in place of `Springs`.
 
     St. Venant and Kirchhoff's law in plane stress, with Green's strain: isotropic at any Poisson's ratio, on any
-    mesh. No principal stress falls below -E eps_c, with eps_c the critical strain of eq. (2), alpha pi^2 h^2 /
-    (12 L^2), mean over the triangle's sides: the film then wrinkles, and with alpha = 0 it bears tension only. The
-    forces have a potential, with wrinkles too.
+    mesh. Under uniaxial compression the stress falls no lower than -E eps_c, with eps_c the critical strain of eq.
+    (2), alpha pi^2 h^2 / (12 L^2), mean over the triangle's sides: the film then wrinkles. With alpha = 0 it bears
+    tension only. The forces have a potential, with wrinkles too.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Triangles:
     buckling : float
         alpha [-] of sides that are no creases, 0 or above.
     buckling_on_creases : float
-        alpha [-] of sides that are creases, 0 or above.
+        alpha [-] along creases, 0 or above.
     buckling_length : float or None
         Length in place of L in the critical strain [m]: the same on every mesh. None: each side's own.
     strain_limit : float

@@ -43,7 +43,8 @@ class Scene:
     Raises
     ------
     SceneError
-        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set that is not there.
+        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set
+        that is not there.
     InputTypeError
         Something that is no mesh, material, law or part.
     """

@@ -6,25 +6,27 @@
 //!
 //!     E = (F^T F - 1)/2,     S = E_Y/(1 - nu^2) [(1 - nu) E + nu tr(E) 1]   [Pa],     U = h A0 (S : E)/2   [J]
 //!
-//! A film cannot bear compression beyond the stress sigma_c at which it buckles. Its energy is then the least that
-//! wrinkles, a shortening W >= 0 (any symmetric tensor without negative eigenvalue) at the price of sigma_c, can reach:
+//! A film cannot bear compression beyond the stress at which it buckles. Its energy is then the least that wrinkles, a
+//! shortening W >= 0 (any symmetric tensor without negative eigenvalue) at the price of a stress P >= 0, can reach:
 //!
-//!     U_r(E) = min over W of  U(E + W) + h A0 sigma_c tr(W)
+//!     U_r(E) = min over W of  U(E + W) + h A0 P : W
 //!
-//! The minimum is convex in E and has one continuous derivative, so forces are -dU_r/dx and no energy is made. In
-//! principal strains e1 >= e2 and the stresses s1 >= s2 that they have without wrinkles, it is
+//! The minimum is convex in E and has one continuous derivative, so forces are -dU_r/dx and no energy is made. With
+//! s1 >= s2 the principal values of S(E) + P, and e1 = s1 - nu s2, it is
 //!
-//!     taut      s2 >= -sigma_c                                 stress (s1, s2)
-//!     wrinkled  else, E_Y e1 + (1 - nu) sigma_c > 0            stress (E_Y e1 - nu sigma_c, -sigma_c)
-//!     slack     else                                           stress (-sigma_c, -sigma_c)
+//!     taut      s2 >= 0             stress S
+//!     wrinkled  s2 < 0, e1 > 0      stress with principal values e1 and 0 along the same axes, less P
+//!     slack     s2 < 0, e1 <= 0     stress -P
+//!     U_r = U - h A0/(2 E_Y) [(1 - nu^2) min(s2, 0)^2 + min(e1, 0)^2]
 //!
-//! At sigma_c = 0 this is tension-field theory: a wrinkled film bears uniaxial tension only. Under uniaxial compression
-//! it is eq. (2): the stress grows to sigma_c = E_Y eps_c and stays, with eps_c Euler's strain of a slender column
-//! (see `buckling`), here the mean over the triangle's three sides. A share c of the stiffness can be kept in compression:
-//! U = c U_taut + (1 - c) U_r.
+//! At P = 0 this is tension-field theory: a wrinkled film bears uniaxial tension only. With P = E_Y eps_c in all directions
+//! it is eq. (2) under uniaxial compression: the stress grows to E_Y eps_c and stays. eps_c is Euler's strain of a slender
+//! column (see `buckling`), the mean over the triangle's sides; along a side that is a crease it is that of the crease,
+//! so that a crease stiffens the film along itself and not across. A share c of the stiffness can be kept in
+//! compression: U = c U_taut + (1 - c) U_r.
 //!
-//! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for sigma_c = 0;
-//! the price of wrinkles, which makes eq. (2) of Okuizumi et al. (2012) a case of it, is ours.
+//! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for P = 0; the
+//! price of wrinkles, which makes eq. (2) of Okuizumi et al. (2012) a case of it, is ours.
 
 use super::buckling::Buckling;
 use super::{Excess, Law, Readings};
@@ -63,6 +65,44 @@ pub(super) struct Flat {
     nu: Lanes,
 }
 
+/// A flat triangle in its own frame, taken from its lowest node: turned by a third of a turn, it is the same triangle.
+struct Corners {
+    /// The caller's numbers.
+    nodes: [u32; 3],
+    /// The first node at the origin, the second on axis 1 [m].
+    points: [[f64; 2]; 3],
+    /// Edges opposite to the corners.
+    edges: [u32; 3],
+}
+
+impl Corners {
+    fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
+        assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
+            let inside = assembly.layout.inward(nodes);
+            let lowest = (0..3).min_by_key(|&k| inside[k]).unwrap_or(0);
+            let [nodes, edges] = [nodes, edges].map(|mut corners| {
+                corners.rotate_left(lowest);
+                corners
+            });
+            let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+            let (u, v) = (mesh::sub(b, a), mesh::sub(c, a));
+            let (side, normal) = (mesh::dot(u, u).sqrt(), mesh::cross(u, v));
+            let apex = [mesh::dot(u, v) / side, mesh::dot(normal, normal).sqrt() / side];
+            Self { nodes, points: [[0.0; 2], [side, 0.0], apex], edges }
+        })
+    }
+
+    /// t t of the unit vector t along the side opposite to each corner: 11, 22, 12.
+    fn directions(&self) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|k| {
+            let [[x, y], [to_x, to_y]] = [self.points[(k + 1) % 3], self.points[(k + 2) % 3]];
+            let (dx, dy) = (to_x - x, to_y - y);
+            let square = dx * dx + dy * dy;
+            [dx * dx / square, dy * dy / square, dx * dy / square]
+        })
+    }
+}
+
 /// A symmetric 2 x 2 tensor: 11, 22, 12.
 pub(super) type Tensor = [Lanes; 3];
 
@@ -72,27 +112,15 @@ impl Flat {
     /// # Errors
     /// `DegenerateTriangle`.
     pub(super) fn new(assembly: &Assembly) -> Result<Self> {
-        // Taken from its lowest node: turned by a third of a turn, a triangle is the same triangle.
-        let turned = assembly.mesh.triangles.iter().map(|&nodes| {
-            let inside = assembly.layout.inward(nodes);
-            let lowest = (0..3).min_by_key(|&k| inside[k]).unwrap_or(0);
-            [nodes, inside].map(|mut nodes| {
-                nodes.rotate_left(lowest);
-                nodes
-            })
-        });
-        let (outside, inside): (Vec<_>, Vec<_>) = turned.map(|[outside, inside]| (outside, inside)).unzip();
+        let corners: Vec<Corners> = Corners::all(assembly).collect();
+        let inside: Vec<[u32; 3]> = corners.iter().map(|corners| assembly.layout.inward(corners.nodes)).collect();
         let elements = Elements::new(&inside, assembly.masses.len());
         let (stretch, nu) =
             assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
-        let mut rows = Vec::with_capacity(outside.len());
-        for (triangle, nodes) in outside.iter().enumerate() {
+        let mut rows = Vec::with_capacity(corners.len());
+        for (triangle, corners) in corners.iter().enumerate() {
             let area = assembly.mesh.area(triangle)?;
-            let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let (u, v) = (mesh::sub(b, a), mesh::sub(c, a));
-            let side = mesh::dot(u, u).sqrt();
-            // In the frame along u: u = (side, 0), v = (along, height).
-            let (along, height) = (mesh::dot(u, v) / side, 2.0 * area / side);
+            let [_, [side, _], [along, height]] = corners.points;
             rows.push([1.0 / side, -along / (side * height), 1.0 / height, stretch * area]);
         }
         Ok(Self {
@@ -158,20 +186,21 @@ fn principal(t: Tensor) -> (Lanes, Lanes) {
 /// The law: all triangles, eight to a group.
 pub(super) struct Triangles {
     flat: Flat,
-    /// sigma_c / E_Y: the critical strain in uniaxial compression.
-    critical: Vec<Lanes>,
+    /// P / E_Y, the price of wrinkles: the critical strain.
+    price: Vec<Tensor>,
     compression: Lanes,
     strain_limit: f64,
     width: Width,
 }
 
-/// What a group's films bear: principal stresses over E_Y without wrinkles and with them, and principal strains.
-struct Film {
-    /// Half the difference of the principal stresses without wrinkles.
+/// What wrinkles a group's films have.
+struct Wrinkles {
+    /// min(s2, 0) and min(e1, 0) over E_Y.
+    second: Lanes,
+    first: Lanes,
+    /// S + P over E_Y, and half the difference of its principal values.
+    stress: Tensor,
     spread: Lanes,
-    taut: [Lanes; 2],
-    relaxed: [Lanes; 2],
-    strain: [Lanes; 2],
 }
 
 impl Triangles {
@@ -181,52 +210,62 @@ impl Triangles {
         let inside = (0.0..=1.0).contains(&compression);
         within("compression of the triangles", compression, inside, "it lies between 0 and 1")?;
         positive("strain limit of the triangles", strain_limit)?;
-        let buckling = Buckling { parameter: buckling, on_creases: buckling_on_creases, length: buckling_length };
-        let strains: Vec<f64> =
-            buckling.shortenings(assembly)?.into_iter().map(|(length, shortening)| shortening / length).collect();
+        let of = |on_creases| {
+            let buckling = Buckling { parameter: buckling, on_creases, length: buckling_length };
+            let shortenings = buckling.shortenings(assembly)?;
+            Ok(shortenings.into_iter().map(|(length, shortening)| shortening / length).collect::<Vec<f64>>())
+        };
+        let (plain, creased) = (of(buckling)?, of(buckling_on_creases)?);
         let flat = Flat::new(assembly)?;
-        let critical = flat.elements.pack(0.0, |row| {
-            assembly.mesh.triangle_edges[row].iter().map(|&edge| strains[edge as usize]).sum::<f64>() / 3.0
-        });
-        Ok(Self { flat, critical, compression: Lanes::all(compression), strain_limit, width: assembly.width })
+        let prices: Vec<[f64; 3]> = Corners::all(assembly)
+            .map(|corners| {
+                let edges = corners.edges.map(|edge| edge as usize);
+                let mean = edges.iter().map(|&edge| plain[edge].min(creased[edge])).sum::<f64>() / 3.0;
+                let mut price = [mean, mean, 0.0];
+                for (&edge, direction) in edges.iter().zip(corners.directions()) {
+                    // Along a crease what the crease can bear; prices stay positive in every direction.
+                    let more = if creased[edge] > plain[edge] { (creased[edge] - mean).max(0.0) } else { 0.0 };
+                    (0..3).for_each(|i| price[i] += more * direction[i]);
+                }
+                price
+            })
+            .collect();
+        let [a, b, c] = [0, 1, 2].map(|i| flat.elements.pack(0.0, |row| prices[row][i]));
+        let price = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]).collect();
+        Ok(Self { flat, price, compression: Lanes::all(compression), strain_limit, width: assembly.width })
     }
 
     #[inline(always)]
-    fn film(&self, group: usize, e: Tensor, s: Tensor) -> Film {
-        let (mean_strain, strain_spread) = principal(e);
-        let (mean, spread) = principal(s);
-        let taut = [mean + spread, mean - spread];
-        let strain = [mean_strain + strain_spread, mean_strain - strain_spread];
-        let (nu, bound) = (self.flat.nu, -self.critical[group]);
-        let wrinkled = (strain[0] + nu * bound).max(bound);
-        let relaxed = [taut[1].below(bound, wrinkled, taut[0]), taut[1].max(bound)];
-        Film { spread, taut, relaxed, strain }
+    fn wrinkles(&self, group: usize, s: Tensor) -> Wrinkles {
+        let price = self.price[group];
+        let stress = [s[0] + price[0], s[1] + price[1], s[2] + price[2]];
+        let (mean, spread) = principal(stress);
+        let (s1, s2) = (mean + spread, mean - spread);
+        Wrinkles { second: s2.min(Lanes::ZERO), first: (s1 - self.flat.nu * s2).min(Lanes::ZERO), stress, spread }
     }
 
     /// Stress over E_Y, wrinkles and all.
     #[inline(always)]
     fn stress(&self, group: usize, e: Tensor) -> Tensor {
         let s = self.flat.stress(e);
-        let Film { spread, taut: [s1, s2], relaxed: [r1, r2], .. } = self.film(group, e, s);
-        // What wrinkles take off: d1 and d2 of the principal stresses, in the same directions.
-        let share = Lanes::all(0.5) * (Lanes::all(1.0) - self.compression);
-        let (d1, d2) = (share * (r1 - s1), share * (r2 - s2));
-        let (off, turn) = (d1 + d2, (d1 - d2) / spread.max(Lanes::all(f64::MIN_POSITIVE)));
-        let lean = Lanes::all(0.5) * turn * (s[0] - s[1]);
-        [s[0] + off + lean, s[1] + off - lean, s[2] + turn * s[2]]
+        let Wrinkles { second, first, stress, spread } = self.wrinkles(group, s);
+        // What wrinkles take off the principal stresses, half of their sum and of their difference.
+        let half = Lanes::all(0.5) * (self.compression - Lanes::all(1.0));
+        let (d1, d2) = (self.flat.nu * second + first, second);
+        let off = half * (d1 + d2);
+        let turn = half * (d1 - d2) / spread.max(Lanes::all(f64::MIN_POSITIVE));
+        let lean = Lanes::all(0.5) * turn * (stress[0] - stress[1]);
+        [s[0] + off + lean, s[1] + off - lean, s[2] + turn * stress[2]]
     }
 
     /// Energy of a group over E_Y h A0.
     fn density(&self, group: usize, e: Tensor) -> Lanes {
-        let Film { taut: [s1, s2], relaxed: [r1, r2], strain: [e1, e2], .. } = self.film(group, e, self.flat.stress(e));
-        let (nu, half, bound) = (self.flat.nu, Lanes::all(0.5), -self.critical[group]);
-        let whole = half * (s1 * e1 + s2 * e2);
-        // The elastic part of the strain, and the wrinkles' part at its price.
-        let (elastic_1, elastic_2) = (r1 - nu * r2, r2 - nu * r1);
-        let wrinkles = elastic_1 - e1 + elastic_2 - e2;
-        let relaxed = half * (r1 * elastic_1 + r2 * elastic_2) - bound * wrinkles;
-        let relaxed = s2.below(bound, relaxed, whole);
-        self.compression * whole + (Lanes::all(1.0) - self.compression) * relaxed
+        let s = self.flat.stress(e);
+        let Wrinkles { second, first, .. } = self.wrinkles(group, s);
+        let (one, half, nu) = (Lanes::all(1.0), Lanes::all(0.5), self.flat.nu);
+        let whole = half * (s[0] * e[0] + s[1] * e[1]) + s[2] * e[2];
+        let saved = half * ((one - nu * nu) * second * second + first * first);
+        whole - (one - self.compression) * saved
     }
 
     fn gradients<'a>(&'a self, x: [&'a [f64]; 3]) -> impl Iterator<Item = (usize, [Point; 2])> + 'a {
@@ -315,20 +354,15 @@ impl Law for Triangles {
     }
 
     fn readings(&self, at: Instant<'_>) -> Readings {
-        let films: Vec<(Film, Lanes)> = self
-            .gradients(columns(at.positions))
-            .map(|(group, f)| {
-                let e = strain(f);
-                (self.film(group, e, self.flat.stress(e)), -self.critical[group])
-            })
-            .collect();
-        let unpack = |take: &dyn Fn(&(Film, Lanes)) -> Lanes| self.flat.elements.unpack(films.iter().map(take));
-        let (larger, smaller) = (unpack(&|(film, _)| film.strain[0]), unpack(&|(film, _)| film.strain[1]));
-        let (zero, one) = (Lanes::ZERO, Lanes::all(1.0));
-        let state = unpack(&|(film, bound)| {
-            let slack = bound.below(film.relaxed[0], zero, one);
-            film.taut[1].below(*bound, one + slack, zero)
+        let films = self.gradients(columns(at.positions)).map(|(group, f)| {
+            let e = strain(f);
+            let (mean, spread) = principal(e);
+            let Wrinkles { second, first, .. } = self.wrinkles(group, self.flat.stress(e));
+            let (zero, one) = (Lanes::ZERO, Lanes::all(1.0));
+            [mean + spread, mean - spread, second.below(zero, one, zero) + first.below(zero, one, zero)]
         });
+        let films: Vec<[Lanes; 3]> = films.collect();
+        let [larger, smaller, state] = [0, 1, 2].map(|k| self.flat.elements.unpack(films.iter().map(|film| film[k])));
         Readings::Triangles {
             strain: larger.into_iter().zip(smaller).map(|(larger, smaller)| [larger, smaller]).collect(),
             state: state.into_iter().map(|state| state as u8).collect(),
@@ -430,10 +464,9 @@ mod tests {
                     // Over a kink of the second derivative: an error of the step's size.
                     assert!((slope - expected).abs() < 2.0 * step, "{e:?}: {slope} {expected}");
                 }
-                let film = law.film(0, tensor(e), law.flat.stress(tensor(e)));
-                let bound = -law.critical[0].0[0];
-                let state = if film.taut[1].0[0] >= bound { 0 } else { 1 + usize::from(film.relaxed[0].0[0] <= bound) };
-                seen[state] = true;
+                let wrinkles = law.wrinkles(0, law.flat.stress(tensor(e)));
+                let [second, first] = [wrinkles.second, wrinkles.first].map(|lanes| usize::from(lanes.0[0] < 0.0));
+                seen[second + first] = true;
             }
             assert_eq!(seen, [true; 3]);
         }
