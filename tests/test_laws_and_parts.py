@@ -31,7 +31,7 @@ KINDS = {**LAWS, **PARTS}
 
 
 def test_lists_hold_each_kind_once() -> None:
-    assert len(KINDS) == len(LAWS) + len(PARTS) == 13
+    assert len(KINDS) == len(LAWS) + len(PARTS) == 14
     assert all(cls.kind == kind for kind, cls in KINDS.items())
 
 
@@ -62,6 +62,10 @@ def test_unknown_key_and_hash(kind: str) -> None:
         ("springs", {"buckling": -1}, "buckling = -1: must be at least 0"),
         ("springs", {"strain_limit": 0}, "strain_limit = 0: must be greater than 0"),
         ("springs", {"negative": "ignore"}, "must be 'refuse', 'clip' or 'keep'"),
+        ("springs", {"buckling_length": 0}, r"buckling_length = 0: must be greater than 0 \(m\)"),
+        ("triangles", {"compression": 1.5}, "at least 0 and at most 1"),
+        ("triangles", {"buckling": -1}, "buckling = -1: must be at least 0"),
+        ("triangles", {"buckling_length": -1}, r"greater than 0 \(m\)"),
         ("spring_damping", {"ratio": -0.1}, "at least 0"),
         ("creases", {"stiffness": -1}, "stiffness = -1: must be at least 0"),
         ("creases", {"contact_penalty": 0.5}, "at least 1"),

@@ -31,6 +31,7 @@ from membrane_rs.laws import (
     SpoolContact,
     SpringDamping,
     Springs,
+    Triangles,
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
@@ -68,6 +69,7 @@ __all__ = [
     "Tether",
     "Tethers",
     "TipMasses",
+    "Triangles",
     "UnstableError",
     "__version__",
     "folding",

@@ -82,14 +82,16 @@ class Audit:
         return "\n".join([head, *map(str, self.findings)])
 
 
-def audit(mesh: Mesh, material: Material | None = None, positions: ArrayLike | None = None) -> Audit:
+def audit(
+    mesh: Mesh, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
+) -> Audit:
     """Look a mesh over. See `Mesh.audit`."""
     film = material or POLYIMIDE
     findings = [
         *_shapes(mesh),
         *_nodes(mesh),
         *_joints(mesh),
-        *_springs(mesh, film),
+        *(_springs(mesh, film) if springs else ()),
         *_strain(mesh, positions),
     ]
     order = ("error", "warning", "info")

@@ -121,7 +121,7 @@ def check(
             typer.echo(f"  {name:<10} {count:>9,}")
         sound = True
         if chosen.mesh is not None:
-            audit = chosen.mesh.audit(chosen.material)
+            audit = chosen.mesh.audit(chosen.material, springs=chosen.law("triangles") is None)
             sound = audit.ok
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
         sim = Simulation(chosen)
@@ -179,6 +179,29 @@ def ablate(
         members = {} if ensemble is None else {"members": ensemble}
         found = ablated(chosen, until, tolerance=tolerance, progress=_tell, **members)
         _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+
+
+@app.command("mesh-study")
+def mesh_study(
+    scene: SceneArgument = "okuizumi-model-1",
+    *,
+    rows: Annotated[list[int], typer.Option(help="Rows of cells of a petal; repeat it for each density.")] = [8, 16],  # noqa: B006
+    length: Annotated[float, typer.Option(help="The physical form's length for buckling and creases [m].")] = 0.011,
+    until: Until = None,
+    out: Out = None,
+) -> None:
+    """Run a square sail at several mesh densities, and lay its curves side by side."""
+    with _told_errors():
+        from membrane_rs.study import mesh_study as study
+        from membrane_rs.study import write_mesh_study
+
+        chosen, runs = _load(scene), []
+        folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+        for run in study(chosen, rows, until, length=length):
+            runs.append(run)
+            write_mesh_study(runs, folder)
+            typer.echo(f"{run.form:<9} {run.rows:>4} rows, {run.node_count:,} nodes: {run.stopped or 'done'}")
+        typer.echo(f"\n{(folder / 'mesh-study.md').read_text(encoding='utf-8')}\nResults are in {folder}")
 
 
 def main() -> None:

@@ -43,7 +43,8 @@ class Scene:
     Raises
     ------
     SceneError
-        Two laws of a kind, a mesh without material, nothing at all, a node set that is not there.
+        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set
+        that is not there.
     InputTypeError
         Something that is no mesh, material, law or part.
     """
@@ -67,6 +68,8 @@ class Scene:
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
             raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
+        if "springs" in kinds and "triangles" in kinds:
+            raise SceneError("laws.triangles: stands in place of laws.springs; leave one of them out")
         if self.mesh is not None and self.material is None:
             raise SceneError("material: is missing; a mesh needs one")
         if self._assembly.node_count == 0:

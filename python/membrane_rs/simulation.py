@@ -253,14 +253,30 @@ class Simulation:
         return strains
 
     def buckled(self) -> NDArray[np.bool_]:
-        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled."""
+        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
+
+        With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
+        wrinkled or slack.
+        """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
         edges = len(self.spring_pairs) - len(self.assembly.cord_pairs)
         for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
             readings = self._core.spring_readings(law)
             if readings is not None:
                 found[rows] = readings[1]
+        films = self._core.triangle_readings()
+        if films is not None and self.scene.mesh is not None:
+            beside = np.zeros(edges, dtype=np.bool_)
+            beside[self.scene.mesh.triangle_edges[films[1] > 0]] = True
+            found[:edges] = beside & (self.spring_strains()[:edges] < 0)
         return found
+
+    def film_states(self) -> NDArray[np.int8]:
+        """(m,) what the film does in each triangle: 0 taut, 1 wrinkled, 2 slack; -1 without the law `Triangles`."""
+        films = self._core.triangle_readings()
+        if films is None:
+            return np.full(len(self.assembly.triangles), -1, np.int8)
+        return films[1].astype(np.int8)
 
     def crease_angles(self) -> Floats:
         """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
@@ -542,6 +558,7 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
     """What the core is given, by name."""
     mesh, material = scene.mesh, scene.material
     springs = scene.law("springs")
+    rule = "keep" if scene.law("triangles") is None else "unused"
     return {
         "positions": assembly.positions,
         "velocities": np.zeros_like(assembly.positions),
@@ -551,7 +568,7 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
         if material is None
         else (material.youngs_modulus, material.poisson_ratio, material.density, material.thickness),
         # Without the law of the springs nothing uses their constants, so nothing need be refused.
-        "negative_springs": springs.negative if isinstance(springs, Springs) else "keep",
+        "negative_springs": springs.negative if isinstance(springs, Springs) else rule,
         "creases": assembly.creases,
         "fold_signs": assembly.fold_signs,
         "extra_masses": assembly.extra_masses,

@@ -197,12 +197,12 @@ impl Simulation {
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
-        let resistance = |law: &Box<dyn Law>| {
+        let resistance = |law: &dyn Law| {
             let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
             is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
         };
         let mechanics = Mechanics {
-            resistances: laws.iter().map(resistance).collect(),
+            resistances: laws.iter().map(|law| resistance(law.as_ref())).collect(),
             laws,
             masses: assembly.masses,
             inverse_masses: assembly.inverse_masses,

@@ -323,6 +323,7 @@ fn what_cannot_be_stepped_is_refused() {
     adaptive(loose, &[], 1e-6).reach(1.0, u64::MAX).unwrap();
     let massless = Model { extra_masses: vec![1.0, 0.0, 1.0], ..oscillator(0.0) };
     assert!(refuse(massless, &[], "rk4", None).contains("node 1"));
-    let bad = SpringParameters { buckling: f64::NAN, buckling_on_creases: 1.0, strain_limit: 0.1 };
+    let bad =
+        SpringParameters { buckling: f64::NAN, buckling_on_creases: 1.0, buckling_length: None, strain_limit: 0.1 };
     assert!(refuse(oscillator(0.0), &[LawSpec::Springs(bad)], "rk4", None).contains("buckling"));
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use membrane_core::Error;
 use membrane_core::forces::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Readings, Spin, SpoolContactParameters, SpringParameters,
+    TriangleParameters,
 };
 use membrane_core::integrators::{Controller, Tolerance, by_name, names};
 use membrane_core::ledger::{Accounts, Ledger};
@@ -23,6 +24,8 @@ use crate::errors::{wrong_type, wrong_value};
 type ByLaw = Vec<(&'static str, f64)>;
 /// Strain and whether buckled, per spring.
 type SpringArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+/// Principal strains and state, per triangle.
+type TriangleArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>);
 
 /// How long the core steps between two looks for Ctrl-C.
 const BREATH: Duration = Duration::from_millis(20);
@@ -62,6 +65,14 @@ fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
         "springs" => LawSpec::Springs(SpringParameters {
             buckling: get(p, kind, "buckling")?,
             buckling_on_creases: get(p, kind, "buckling_on_creases")?,
+            buckling_length: get(p, kind, "buckling_length")?,
+            strain_limit: get(p, kind, "strain_limit")?,
+        }),
+        "triangles" => LawSpec::Triangles(TriangleParameters {
+            compression: get(p, kind, "compression")?,
+            buckling: get(p, kind, "buckling")?,
+            buckling_on_creases: get(p, kind, "buckling_on_creases")?,
+            buckling_length: get(p, kind, "buckling_length")?,
             strain_limit: get(p, kind, "strain_limit")?,
         }),
         "spring_damping" => LawSpec::SpringDamping(get(p, kind, "ratio")?),
@@ -187,6 +198,7 @@ impl Simulation {
                 "refuse" => NegativeSprings::Refuse,
                 "clip" => NegativeSprings::Clip,
                 "keep" => NegativeSprings::Keep,
+                "unused" => NegativeSprings::Unused,
                 other => {
                     return Err(wrong_value(format!("negative = {other:?} is not known; choose refuse, clip or keep")));
                 }
@@ -316,6 +328,16 @@ impl Simulation {
             if let Readings::Springs { strain, buckled } = readings { Some((strain, buckled)) } else { None }
         });
         found.map(|(strain, buckled)| (PyArray1::from_vec(py, strain), PyArray1::from_vec(py, buckled)))
+    }
+
+    /// (principal Green strains (m, 2), state (m,): 0 taut, 1 wrinkled, 2 slack) of the triangles, or None without the law.
+    fn triangle_readings<'py>(&self, py: Python<'py>) -> PyResult<Option<TriangleArrays<'py>>> {
+        let found = self.reading("triangles", |readings| {
+            if let Readings::Triangles { strain, state } = readings { Some((strain, state)) } else { None }
+        });
+        let Some((strain, state)) = found else { return Ok(None) };
+        let strain: Vec<Vec<f64>> = strain.into_iter().map(|pair| pair.to_vec()).collect();
+        Ok(Some((PyArray2::from_vec2(py, &strain)?, PyArray1::from_vec(py, state))))
     }
 
     /// Crease angles [rad], or None without the law.

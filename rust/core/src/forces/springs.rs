@@ -10,20 +10,19 @@
 //!
 //!     l_cr = L - alpha pi^2 h^2 / (12 L)   [m],     N(l) = k (max(l, l_cr) - L)   [N], tension positive
 //!
-//! A tether is the same law with l_cr = L: it bears no compression.
+//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law with l_cr = L: it bears no compression.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
-
-use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::buckling::Buckling;
 use super::{Excess, Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Point, dot, negate, scale, sub};
 use crate::layout::Elements;
-use crate::mesh::{self, Mesh};
-use crate::model::{Assembly, non_negative, positive};
+use crate::mesh::Mesh;
+use crate::model::{Assembly, positive};
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -34,6 +33,8 @@ pub struct SpringParameters {
     pub buckling: f64,
     /// alpha on edges that are creases.
     pub buckling_on_creases: f64,
+    /// Length in place of each spring's own in eq. (2) \[m\]; `None`: its own.
+    pub buckling_length: Option<f64>,
     /// Tensile strain at which a run stops.
     pub strain_limit: f64,
 }
@@ -88,21 +89,17 @@ impl Mesh {
 impl Springs {
     /// The springs of the film.
     pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly) -> Result<Self> {
-        non_negative("buckling of the springs", parameters.buckling)?;
-        non_negative("buckling of the springs on creases", parameters.buckling_on_creases)?;
-        positive("strain limit of the springs", parameters.strain_limit)?;
-        let mut alpha = vec![parameters.buckling; assembly.mesh.edges.len()];
-        for hinge in &assembly.hinges {
-            alpha[hinge.edge as usize] = parameters.buckling_on_creases;
-        }
-        let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
-        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(alpha);
-        let springs = springs.map(|((&nodes, &stiffness), alpha)| {
-            let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let span = mesh::sub(b, a);
-            let rest_length = mesh::dot(span, span).sqrt();
-            let critical_length = rest_length - alpha * PI * PI * thickness * thickness / (12.0 * rest_length);
-            Spring { nodes, stiffness, rest_length, critical_length, strain_limit: parameters.strain_limit }
+        let SpringParameters { buckling, buckling_on_creases, buckling_length, strain_limit } = parameters;
+        positive("strain limit of the springs", strain_limit)?;
+        let buckling = Buckling { parameter: buckling, on_creases: buckling_on_creases, length: buckling_length };
+        let shortenings = buckling.shortenings(assembly)?;
+        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(shortenings);
+        let springs = springs.map(|((&nodes, &stiffness), (rest_length, shortening))| Spring {
+            nodes,
+            stiffness,
+            rest_length,
+            critical_length: rest_length - shortening,
+            strain_limit,
         });
         Ok(Self::arranged("springs", &springs.collect::<Vec<_>>(), assembly))
     }
