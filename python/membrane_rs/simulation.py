@@ -123,7 +123,6 @@ class Simulation:
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
-        self._limit: tuple[float, str] | None = None
         self.is_settled = False
 
     @property
@@ -174,7 +173,6 @@ class Simulation:
     @positions.setter
     def positions(self, values: ArrayLike) -> None:
         self._core.set_motion(self._vectors(values, "positions", "m"), self.velocities)
-        self._limit = None
 
     @property
     def velocities(self) -> Floats:
@@ -187,8 +185,10 @@ class Simulation:
 
     @cached_property
     def masses(self) -> Floats:
-        """(N,) mass of each node [kg], tip masses and cords included."""
-        return self._core.masses()
+        """(N,) mass of each node [kg], tip masses and cords included; read only."""
+        masses = self._core.masses()
+        masses.setflags(write=False)
+        return masses
 
     @cached_property
     def spring_pairs(self) -> Ints:
@@ -302,11 +302,9 @@ class Simulation:
         return self._stability()[1]
 
     def _stability(self) -> tuple[float, str]:
-        if self._limit is None:
-            dt, _, _, node, words = self._core.limit()
-            sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
-            self._limit = dt, f"{words} (in {', '.join(sets)})" if sets else words
-        return self._limit
+        dt, _, _, node, words = self._core.limit()
+        sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
+        return dt, f"{words} (in {', '.join(sets)})" if sets else words
 
     def step(self, n: int = 1) -> None:
         """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
@@ -348,7 +346,7 @@ class Simulation:
         rate = None if rate is None else _number("settle: rate", rate, "1/s")
         positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
         self._core.set_motion(positions, np.zeros_like(positions))
-        self.is_settled, self._limit = True, None
+        self.is_settled = True
         return speed
 
     def run(

@@ -4,7 +4,7 @@ use super::Simulation;
 use crate::error::{Error, Result};
 use crate::ledger::Accounts;
 use crate::stability;
-use crate::state::Instant;
+use crate::state::{Instant, Vectors};
 
 impl Simulation {
     /// Looks for values that are not finite, springs over their bound, and energy from nowhere, between two regular
@@ -26,19 +26,69 @@ impl Simulation {
     }
 
     fn refuse_fault(&mut self, now: &Accounts) -> Result<()> {
-        if let Some((what, place, law, cure)) = self.fault(now) {
-            return Err(self.set_back([what, place, law, cure]));
+        let Some(mut fault) = self.fault(now) else {
+            return Ok(());
+        };
+        if self.adaptive.is_none() {
+            fault = self.first_fault().unwrap_or(fault);
         }
-        Ok(())
+        let (what, place, law, cure) = fault;
+        Err(self.set_back([what, place, law, cure]))
+    }
+
+    /// Takes the steps since the last good check once more, with a check after each, and stops at the first fault. By the
+    /// regular check what went wrong has often spread; here it is still where it began.
+    fn first_fault(&mut self) -> Option<(String, String, String, String)> {
+        let last = self.step_count;
+        self.rewind();
+        while self.step_count < last {
+            let (time, before) = (self.time(), self.state.clone());
+            self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+            self.step_count += 1;
+            let now = self.accounts();
+            if now.total().is_finite() {
+                if let Some(fault) = self.fault(&now) {
+                    return Some(fault);
+                }
+            } else if let Some((k, node, size)) =
+                self.largest_force(Instant { time, positions: &before.positions, velocities: &before.velocities })
+            {
+                let (law, cure) = self.explain(Some(k));
+                let place = format!("node {}, on which that law acts with {size:.3e} N", self.layout.outward(node));
+                return Some(("a position or velocity is no longer finite".to_owned(), place, law, cure));
+            }
+        }
+        None
+    }
+
+    /// The law with the largest finite force at `at`, the node it acts on, and the force [N].
+    fn largest_force(&self, at: Instant<'_>) -> Option<(usize, usize, f64)> {
+        let mut largest: Option<(usize, usize, f64)> = None;
+        for (k, law) in self.mechanics.laws.iter().enumerate() {
+            let mut forces = Vectors::zeros(at.positions.nrows());
+            law.add_forces(at, &mut forces);
+            for (node, force) in forces.row_iter().enumerate() {
+                let size = force.norm();
+                if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
+                    largest = Some((k, node, size));
+                }
+            }
+        }
+        largest
+    }
+
+    /// Back to the last good check, with a method of fixed steps.
+    fn rewind(&mut self) {
+        let good = &self.good;
+        (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
+        self.integrator.recall(good.memory.clone());
     }
 
     /// Sets the state back to that of the last good check, and says why.
     pub(super) fn set_back(&mut self, [what, place, law, cure]: [String; 4]) -> Error {
         let (time, step) = (self.time(), self.step_count);
-        let good = &self.good;
-        (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
-        self.integrator.recall(good.memory.clone());
-        let good_time = good.time;
+        self.rewind();
+        let good_time = self.good.time;
         self.set_back_adaptive(good_time);
         Error::Unstable { time, step, good_time, what, place, law, cure }
     }
