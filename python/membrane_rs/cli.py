@@ -125,10 +125,11 @@ def check(
             sound = audit.ok
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
         sim = Simulation(chosen)
-        steps, seconds = _expected_cost(sim)
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
+        _warn_of_step(sim)
+        steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
         if not sound:
             raise typer.Exit(FAILED)
@@ -206,7 +207,10 @@ def mesh_study(
 
 def main() -> None:
     """Entry point of the command `membrane-rs`."""
-    app()
+    try:
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None
 
 
 def _load(scene: str) -> Scene:
@@ -256,6 +260,7 @@ def _run(
     settings = sim.scene.run
     with _progress_bar(console, sim.time, settings.until if until is None else until) as show:
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
+        _warn_of_step(sim)
         if settings.settle > 0 and sim.step_count == 0:
             show.settling()
             sim.settle()
@@ -265,10 +270,18 @@ def _run(
             show.stop()
             state = folder / "state.npz"
             typer.echo(f"Stopped at {sim.time:.6g} s. What was written so far is in {folder}", err=True)
-            if state.is_file():
+            if state.is_file() and sim.time < (settings.until if until is None else until):
                 typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
             raise typer.Exit(INTERRUPTED) from None
     typer.echo(f"Results are in {folder}")
+
+
+def _warn_of_step(sim: Simulation) -> None:
+    """Say so where the step is above the stability limit: the watch will stop the run, but late."""
+    limit = sim.stable_dt()
+    if sim.dt > limit:
+        text = f"Warning: dt = {sim.dt:.4g} s is above the stability limit of {limit:.4g} s; leave dt out"
+        typer.secho(text, fg="yellow", err=True)
 
 
 class _Bar:
