@@ -28,7 +28,7 @@ def held_scene(scene: Scene, rate: float) -> Scene:
     parts: list[Part] = list(scene.parts)
     if GUIDE_BARS in scene.assemble().node_sets:
         parts.append(Fixed(nodes=GUIDE_BARS))
-    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts, name=f"{scene.name} (settling)")
+    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts)
 
 
 def settled(

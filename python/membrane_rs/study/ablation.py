@@ -218,7 +218,7 @@ def ablate(
         allowed=allowed,
         items=(*items, *([row] if row else [])),
         left_out=tuple(variant.name for variant in left_out),
-        smallest=None if smallest is None else replace(smallest, name=f"{scene.name}-smallest", run=scene.run),
+        smallest=None if smallest is None else replace(smallest, name=f"{scene.name[:80]}-smallest", run=scene.run),
     )
 
 
