@@ -16,6 +16,7 @@ from membrane_rs import (
     OutputError,
     RunSettings,
     Simulation,
+    integrators,
 )
 from membrane_rs.folding import Strip
 from small_scenes import hanging_strip, refused
@@ -58,8 +59,8 @@ def test_saved_states_that_are_none(blocked: Path, tmp_path: Path) -> None:
     refused(lambda: Simulation.restore(tmp_path / "pickled.npz"), InputError, "is no saved state")
 
 
-def saved(folder: Path) -> Path:
-    sim = Simulation(SCENE)
+def saved(folder: Path, integrator: str | None = None) -> Path:
+    sim = Simulation(SCENE, integrator)
     sim.step(5)
     sim.save(folder / "state.npz")
     return folder / "state.npz"
@@ -72,8 +73,9 @@ def test_saved_states_cut_short(tmp_path: Path) -> None:
         refused(lambda: Simulation.restore(tmp_path / "cut.npz"), InputError, "cut.npz")
 
 
-def test_saved_states_with_one_entry_damaged(tmp_path: Path) -> None:
-    arrays = dict(np.load(saved(tmp_path)))
+@pytest.mark.parametrize("integrator", integrators())
+def test_saved_states_with_one_entry_damaged(integrator: str, tmp_path: Path) -> None:
+    arrays = dict(np.load(saved(tmp_path, integrator)))
     assert len(arrays) >= 12
     for name, value in arrays.items():
         others = {key: other for key, other in arrays.items() if key != name}

@@ -34,7 +34,7 @@ impl Default for Settings {
             margin: 0.4,
             watch_interval: 32,
             energy_tolerance: 1e-2,
-            tolerance: Tolerance { relative: 1e-6, length: 0.1, speed: 1.0 },
+            tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
             width: Width::widest(),
         }
     }
@@ -197,12 +197,14 @@ impl Simulation {
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
-        let resistance = |law: &Box<dyn Law>| {
-            let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
-            is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
-        };
         let mechanics = Mechanics {
-            resistances: laws.iter().map(resistance).collect(),
+            resistances: laws
+                .iter()
+                .map(|law| {
+                    let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
+                    is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
+                })
+                .collect(),
             laws,
             masses: assembly.masses,
             inverse_masses: assembly.inverse_masses,
