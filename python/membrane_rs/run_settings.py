@@ -50,7 +50,7 @@ class RunSettings:
     until: Annotated[Positive, Unit("s")] = 0.8
     integrator: str = "rk4"
     dt: Annotated[Positive | None, Unit("s")] = None
-    tolerance: Positive = 1e-6
+    tolerance: Positive = 1e-5
     tolerance_length: Annotated[Positive, Unit("m")] = 0.1
     tolerance_speed: Annotated[Positive, Unit("m/s")] = 1.0
     frames: Annotated[Count, Ge(2), Le(MOST_INSTANTS)] = 81

@@ -507,7 +507,11 @@ class Simulation:
         scene, state = read_state(Path(path))
         try:
             dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
+            if not isinstance(is_adaptive, bool):
+                raise ValueError("is_adaptive is not true or false")
             sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
+            if is_adaptive:
+                sim._core.set_dt(_number("dt", dt))
             sim.is_settled = bool(state.pop("is_settled"))
             sim._core.resume(state)
         except ValueError as error:

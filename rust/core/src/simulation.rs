@@ -34,7 +34,7 @@ impl Default for Settings {
             margin: 0.4,
             watch_interval: 32,
             energy_tolerance: 1e-2,
-            tolerance: Tolerance { relative: 1e-6, length: 0.1, speed: 1.0 },
+            tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
             width: Width::widest(),
         }
     }

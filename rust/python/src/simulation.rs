@@ -392,8 +392,10 @@ impl Simulation {
         saved.set_item("start_shift", progress.ledger.start_shift)?;
         let (kept, numbers) = progress.memory;
         saved.set_item("memory_count", kept.len())?;
-        saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
-        saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
+        if !kept.is_empty() {
+            saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
+            saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
+        }
         if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
             let numbers = [front, shown, controller.dt, controller.last_error];
             saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
@@ -412,12 +414,16 @@ impl Simulation {
             stored: numbers("start_stored", &array("start_stored")?)?,
         };
         let count: usize = get(saved, WHAT, "memory_count")?;
-        let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
-        let nodes = kept.len() / count.max(1);
-        if nodes * count != kept.len() {
-            return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
+        let mut memory = (Vec::new(), Vec::new());
+        if count > 0 {
+            let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
+            let nodes = kept.len().checked_div(count).unwrap_or_default();
+            if nodes * count != kept.len() {
+                return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
+            }
+            let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
+            memory = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
         }
-        let memory = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
         let adaptive = if saved.contains("adaptive_numbers")? {
             let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
             let &[front, shown, dt, last_error] = numbers.as_slice() else {
@@ -442,7 +448,7 @@ impl Simulation {
                 swing: get(saved, WHAT, "swing")?,
                 start_shift: get(saved, WHAT, "start_shift")?,
             },
-            memory: (memory, numbers("memory_numbers", &array("memory_numbers")?)?),
+            memory,
             adaptive,
         };
         checked(self.core.resume(&progress))
