@@ -253,6 +253,21 @@ def test_start_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Mon
     assert not list(tmp_path.iterdir())
 
 
+def test_two_runs_may_make_their_parent_at_the_same_moment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make = Path.mkdir
+
+    def beaten(folder: Path, *words: Any, **named: Any) -> None:
+        """Another process makes the folder between our look and our call."""
+        make(folder, *words, **named)
+        if folder.name == "shared":
+            raise FileExistsError(17, "File exists", str(folder))
+
+    monkeypatch.setattr(Path, "mkdir", beaten)
+    results = RunFolder(tmp_path / "shared" / "one", pictures=False)
+    results.start(cast(Any, FakeSimulation(small_sail())))
+    assert (tmp_path / "shared" / "one" / "scene.toml").is_file()
+
+
 def test_folder_taken_away_while_running(tmp_path: Path) -> None:
     sim: Any = FakeSimulation()
     folder = RunFolder(tmp_path / "run")

@@ -18,6 +18,7 @@ from membrane_rs._validation import show
 from membrane_rs.assembly import Assembly
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.laws import Law, Springs
+from membrane_rs.run_settings import MOST_INSTANTS
 from membrane_rs.saved_state import read_state, write_state
 from membrane_rs.scene import Scene
 
@@ -33,8 +34,6 @@ ENERGY_TOLERANCE = 1e-2
 """Energy from nowhere, as a share of the energy turned over, at which a run stops."""
 MOST_STEPS = 10**15
 """More steps than this are a slip of the pen: they would take centuries."""
-MOST_INSTANTS = 10**7
-"""More frames or samples than this would not fit into memory."""
 
 
 PROGRESS_LOOKS = 500

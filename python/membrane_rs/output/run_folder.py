@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -178,8 +179,9 @@ class RunFolder:
     def _make_folders(self, made: list[Path]) -> None:
         """Make the folders that are missing, and add them to `made`, outermost first."""
         for folder in (*reversed(self.path.parents), self.path, *(self.path / name for name in OWN_FOLDERS)):
-            with output_errors(folder):
-                if not folder.exists():
+            # Another run may make the same parent at the same moment; then it is there, but not ours to remove.
+            with output_errors(folder), suppress(FileExistsError) if folder in self.path.parents else nullcontext():
+                if not folder.is_dir():
                     folder.mkdir()
                     made.append(folder)
 
