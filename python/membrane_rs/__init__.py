@@ -38,7 +38,7 @@ from membrane_rs.mesh import Mesh
 from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
 from membrane_rs.run_settings import RunSettings
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
+from membrane_rs.simulation import IntegratorFacts, Simulation, integrators
 
 __version__ = version("membrane_rs")
 
@@ -50,6 +50,7 @@ __all__ = [
     "Gravity",
     "InputError",
     "InputTypeError",
+    "IntegratorFacts",
     "MassDamping",
     "Material",
     "MembraneError",
@@ -72,5 +73,6 @@ __all__ = [
     "UnstableError",
     "__version__",
     "folding",
+    "integrators",
     "scenes",
 ]

@@ -35,6 +35,11 @@ pub trait Law: Send + Sync {
     /// of forces without a potential, plus the partial time derivative of a potential that depends on time.
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64;
 
+    /// The rate w \[1/s\] where the law's forces hold m w (v_y, -v_x, 0), which does no work; methods may treat it apart.
+    fn gyration(&self, _time: f64) -> f64 {
+        0.0
+    }
+
     /// Whether the law's forces derive from a potential (which may depend on time).
     fn is_conservative(&self) -> bool;
 

@@ -102,6 +102,10 @@ impl Law for RotatingFrame {
         acceleration * powers.sum::<f64>()
     }
 
+    fn gyration(&self, time: f64) -> f64 {
+        2.0 * self.spin.rate_at(time)
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let rate = self.spin.rate_at(at.time);
         let [x, y, _] = columns(at.positions);

@@ -8,11 +8,12 @@
 
 use super::Law;
 use super::triangle_damping::TriangleDamping;
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::{BATCH, Elements};
 use crate::model::{Assembly, non_negative};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// The law: one dashpot per spring, eight to a group.
@@ -50,9 +51,9 @@ impl SpringDamping {
         by_film
             + self.width.run(Resist {
                 damping: self,
-                positions: columns(x),
-                velocities: columns(v),
-                out: columns_mut(out),
+                positions: Columns::of(x),
+                velocities: Columns::of(v),
+                out: ColumnsMut::of(out),
                 sign,
             })
     }
@@ -61,9 +62,9 @@ impl SpringDamping {
 /// Adds -sign C v to `out`, and gives the power of -C v on v.
 struct Resist<'a> {
     damping: &'a SpringDamping,
-    positions: [&'a [f64]; 3],
-    velocities: [&'a [f64]; 3],
-    out: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    out: ColumnsMut<'a>,
     sign: f64,
 }
 

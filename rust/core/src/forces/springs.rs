@@ -17,12 +17,13 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::buckling::Buckling;
 use super::{Excess, Law, Readings};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Point, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// Parameters of the membrane's springs.
@@ -132,14 +133,14 @@ impl Springs {
     }
 
     /// The vector from the first to the second end of each spring of a group, and its length [m].
-    fn span(&self, x: [&[f64]; 3], group: usize) -> (Point, Lanes) {
+    fn span(&self, x: Columns<'_>, group: usize) -> (Point, Lanes) {
         let [a, b] = self.elements.read_any(x, group);
         let d = sub(b, a);
         (d, dot(d, d).sqrt())
     }
 
     fn groups<T>(&self, at: Instant<'_>, take: impl Fn(usize, Lanes) -> T) -> impl Iterator<Item = T> {
-        let x = columns(at.positions);
+        let x = Columns::of(at.positions);
         (0..self.elements.group_count()).map(move |group| take(group, self.span(x, group).1))
     }
 }
@@ -147,8 +148,8 @@ impl Springs {
 /// Adds the springs' tensions to the forces.
 struct Pull<'a> {
     springs: &'a Springs,
-    positions: [&'a [f64]; 3],
-    forces: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
 }
 
 impl Pull<'_> {
@@ -188,7 +189,7 @@ impl Law for Springs {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Pull { springs: self, positions: columns(at.positions), forces: columns_mut(forces) });
+        self.width.run(Pull { springs: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
         0.0
     }
 
@@ -203,8 +204,8 @@ impl Law for Springs {
     }
 
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, p) = (columns(at.positions), columns(p));
-        let mut out = columns_mut(out);
+        let (x, p) = (Columns::of(at.positions), Columns::of(p));
+        let mut out = ColumnsMut::of(out);
         for group in 0..self.elements.group_count() {
             let (d, l) = self.span(x, group);
             let [a, b] = self.elements.read_any(p, group);

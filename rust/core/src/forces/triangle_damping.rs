@@ -8,11 +8,12 @@
 //! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
 
 use super::triangles::{Flat, strain_rate};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::Lanes;
 use crate::layout::BATCH;
 use crate::model::Assembly;
-use crate::state::{Vectors, columns, columns_mut};
+use crate::state::Vectors;
 use crate::width::{Sweep, Width};
 
 /// Damping of all triangles, eight to a group.
@@ -45,9 +46,9 @@ impl TriangleDamping {
     pub(super) fn resist(&self, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
         self.width.run(Resist {
             damping: self,
-            positions: columns(x),
-            velocities: columns(v),
-            out: columns_mut(out),
+            positions: Columns::of(x),
+            velocities: Columns::of(v),
+            out: ColumnsMut::of(out),
             sign,
         })
     }
@@ -55,9 +56,9 @@ impl TriangleDamping {
 
 struct Resist<'a> {
     damping: &'a TriangleDamping,
-    positions: [&'a [f64]; 3],
-    velocities: [&'a [f64]; 3],
-    out: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    out: ColumnsMut<'a>,
     sign: f64,
 }
 

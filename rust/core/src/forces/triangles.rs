@@ -30,12 +30,13 @@
 
 use super::buckling::Buckling;
 use super::{Excess, Law, Readings};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh;
 use crate::model::{Assembly, positive, within};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// Parameters of the triangles.
@@ -268,7 +269,7 @@ impl Triangles {
         whole - (one - self.compression) * saved
     }
 
-    fn gradients<'a>(&'a self, x: [&'a [f64]; 3]) -> impl Iterator<Item = (usize, [Point; 2])> + 'a {
+    fn gradients<'a>(&'a self, x: Columns<'a>) -> impl Iterator<Item = (usize, [Point; 2])> + 'a {
         let Flat { elements, .. } = &self.flat;
         (0..elements.group_count()).map(move |group| (group, self.flat.gradient(group, elements.read_any(x, group))))
     }
@@ -277,8 +278,8 @@ impl Triangles {
 /// Adds the triangles' pulls to the forces.
 struct Pull<'a> {
     triangles: &'a Triangles,
-    positions: [&'a [f64]; 3],
-    forces: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
 }
 
 impl Pull<'_> {
@@ -313,20 +314,20 @@ impl Law for Triangles {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Pull { triangles: self, positions: columns(at.positions), forces: columns_mut(forces) });
+        self.width.run(Pull { triangles: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
         0.0
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let energies = self.gradients(columns(at.positions));
+        let energies = self.gradients(Columns::of(at.positions));
         energies.map(|(group, f)| (self.flat.stiffness[group] * self.density(group, strain(f))).sum()).sum()
     }
 
     /// That of the taut film.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let p = columns(p);
-        let mut out = columns_mut(out);
-        for (group, f) in self.gradients(columns(at.positions)) {
+        let p = Columns::of(p);
+        let mut out = ColumnsMut::of(out);
+        for (group, f) in self.gradients(Columns::of(at.positions)) {
             let change = self.flat.gradient(group, self.flat.elements.read_any(p, group));
             let stress = self.flat.stress(strain_rate(f, change));
             let product = self.flat.pull(group, f, stress).map(negate);
@@ -337,7 +338,7 @@ impl Law for Triangles {
     fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
         // By length: (1 + strain)^2 = 1 + 2 e1.
         let bound = 0.5 * ((1.0 + self.strain_limit).powi(2) - 1.0);
-        let mut excesses = self.gradients(columns(at.positions)).filter_map(|(group, f)| {
+        let mut excesses = self.gradients(Columns::of(at.positions)).filter_map(|(group, f)| {
             let (mean, spread) = principal(strain(f));
             let held = self.flat.stiffness[group];
             let largest = mean + spread;
@@ -354,7 +355,7 @@ impl Law for Triangles {
     }
 
     fn readings(&self, at: Instant<'_>) -> Readings {
-        let films = self.gradients(columns(at.positions)).map(|(group, f)| {
+        let films = self.gradients(Columns::of(at.positions)).map(|(group, f)| {
             let e = strain(f);
             let (mean, spread) = principal(e);
             let Wrinkles { second, first, .. } = self.wrinkles(group, self.flat.stress(e));
