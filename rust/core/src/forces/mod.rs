@@ -4,6 +4,7 @@ mod air_drag;
 mod bridges;
 mod buckling;
 mod creases;
+mod flat_triangles;
 mod gravity;
 mod mass_damping;
 mod rotating_frame;

@@ -7,7 +7,7 @@
 //! film, the two have the same forces near rest. There is no dashpot that could turn negative on an obtuse triangle, and
 //! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
 
-use super::triangles::{Flat, strain_rate};
+use super::flat_triangles::{Flat, strain_rate};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::Lanes;
