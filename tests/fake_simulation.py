@@ -47,6 +47,7 @@ class FakeSimulation:
     integrator: str = "rk4"
     step_count: int = 0
     evaluation_count: int = 0
+    rejected_count: int = 0
     limiting_part: str = "springs near node 0"
 
     def __post_init__(self) -> None:

@@ -100,7 +100,7 @@ def table(rows: list[Limits]) -> str:
 
 
 if __name__ == "__main__":
-    names = integrators()
+    names = list(integrators())
     built_in = [scenes.load(name) for name in scenes.names()]
     found = [row for scene in [*built_in, *linear_scenes()] for row in limits(scene, names)]
     Path(__file__).parents[1].joinpath("docs", "limits.md").write_text(table(found), encoding="utf-8")

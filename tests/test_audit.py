@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from membrane_rs.audit import Audit, Finding
+from membrane_rs.errors import InputTypeError
 from membrane_rs.folding import SquareSail, Strip
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
@@ -38,6 +39,11 @@ def wedge(angle: float) -> Mesh:
 
 def kinds(mesh: Mesh) -> dict[str, tuple[str, int]]:
     return {finding.kind: (finding.severity, finding.count) for finding in mesh.audit().findings}
+
+
+def test_a_material_that_is_none() -> None:
+    with pytest.raises(InputTypeError, match="material = 3: must be a Material"):
+        Strip(0.1, 0.02, 4, 1).mesh().audit(3)  # type: ignore[arg-type]
 
 
 def test_unused_nodes() -> None:

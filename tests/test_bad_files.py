@@ -16,6 +16,7 @@ from membrane_rs import (
     OutputError,
     RunSettings,
     Simulation,
+    integrators,
 )
 from membrane_rs.folding import Strip
 from small_scenes import hanging_strip, refused
@@ -58,8 +59,8 @@ def test_saved_states_that_are_none(blocked: Path, tmp_path: Path) -> None:
     refused(lambda: Simulation.restore(tmp_path / "pickled.npz"), InputError, "is no saved state")
 
 
-def saved(folder: Path) -> Path:
-    sim = Simulation(SCENE)
+def saved(folder: Path, integrator: str = "rk4") -> Path:
+    sim = Simulation(SCENE, integrator)
     sim.step(5)
     sim.save(folder / "state.npz")
     return folder / "state.npz"
@@ -72,8 +73,9 @@ def test_saved_states_cut_short(tmp_path: Path) -> None:
         refused(lambda: Simulation.restore(tmp_path / "cut.npz"), InputError, "cut.npz")
 
 
-def test_saved_states_with_one_entry_damaged(tmp_path: Path) -> None:
-    arrays = dict(np.load(saved(tmp_path)))
+@pytest.mark.parametrize("integrator", integrators())
+def test_saved_states_with_one_entry_damaged(tmp_path: Path, integrator: str) -> None:
+    arrays = dict(np.load(saved(tmp_path, integrator)))
     assert len(arrays) >= 12
     for name, value in arrays.items():
         others = {key: other for key, other in arrays.items() if key != name}
@@ -83,6 +85,8 @@ def test_saved_states_with_one_entry_damaged(tmp_path: Path) -> None:
         if name in ("dt", "step_count", "evaluation_count"):
             damages += [np.full(value.shape, -1)]
         for damage in damages:
+            if damage is not None and damage.shape == value.shape and not value.size:
+                continue  # an empty array is kept where the method remembers nothing: this is no damage
             np.savez(tmp_path / "bad.npz", **(others if damage is None else {**others, name: damage}))
             refused(lambda: Simulation.restore(tmp_path / "bad.npz"), InputError, "bad.npz")
 
@@ -102,6 +106,13 @@ def test_saved_states_with_one_byte_changed(tmp_path_factory: pytest.TempPathFac
         return
     # A byte of the archive that means nothing, such as a date.
     assert sim.step_count == 5
+
+
+@pytest.mark.parametrize("member", ["scene/other.toml", "scene/../scene.toml", "scene/", "scene/a/mesh.npz"])
+def test_saved_states_with_strange_files(tmp_path: Path, member: str) -> None:
+    arrays = {**dict(np.load(saved(tmp_path))), member: np.zeros(3, np.uint8)}
+    np.savez(tmp_path / "bad.npz", **arrays)
+    refused(lambda: Simulation.restore(tmp_path / "bad.npz"), InputError, "bad.npz: holds 'scene/")
 
 
 def test_a_state_of_another_scene(tmp_path: Path) -> None:

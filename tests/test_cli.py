@@ -154,3 +154,22 @@ def test_ctrl_c_stops_at_once_and_tells_how_to_go_on(tmp_path: Path) -> None:
     assert summary(tmp_path / "run")["outcome"] == "interrupted"
     assert Simulation.restore(tmp_path / "run" / "state.npz").time > 0
     assert took < 2.0  # 0.2 s to stop, and the interpreter's own end on a busy machine
+
+
+def test_chart_writes_data_and_picture(tmp_path: Path) -> None:
+    words = ["--until", "0.01", "--steps", "2", "--repeats", "1", "--integrators", "rk4", "--error", "1e-4"]
+    code, shown = call("chart", "spinning-tether", *words, "--out", tmp_path / "chart")
+    assert code == 0
+    assert "Least force evaluations for an error of 0.0001 (position): rk4" in shown
+    assert sorted(path.name for path in (tmp_path / "chart").iterdir()) == ["chart.csv", "chart.json", "chart.png"]
+    code, shown = call("chart", "spinning-tether", "--integrators", "rk4,rk5", "--out", tmp_path / "none")
+    assert (code, "did you mean 'rk4'" in shown, (tmp_path / "none").exists()) == (2, True, False)
+
+
+def test_ablate_writes_a_table_and_a_scene(tmp_path: Path) -> None:
+    words = ["--until", "0.02", "--ensemble", "1", "--tolerance", "0.02", "--out", tmp_path / "a"]
+    code, shown = call("ablate", "spinning-tether", *words)
+    assert (code, "The smallest model leaves out" in shown) == (0, True)
+    assert call("check", tmp_path / "a" / "smallest-model" / "scene.toml")[0] == 0
+    code, shown = call("ablate", "spinning-tether", "--tolerance", "-1", "--out", tmp_path / "none")
+    assert (code, "tolerance = -1.0" in shown, (tmp_path / "none").exists()) == (2, True, False)

@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import Gravity, InputError, Scene, Simulation, UnstableError
-from small_scenes import cord, rates
+from membrane_rs import (
+    Gravity,
+    InputError,
+    RunSettings,
+    Scene,
+    Simulation,
+    SpringDamping,
+    UnstableError,
+    integrators,
+    scenes,
+)
+from small_scenes import cord, hanging_strip, rates
 
-FACTS = {"rk4": {"order": 4, "limit": math.sqrt(8.0), "evaluations": 4}}
+FACTS = {
+    "rk4": {"order": 4, "limit": math.sqrt(8.0), "evaluations": 4, "at_start": 0},
+    "leapfrog": {"order": 2, "limit": 2.0, "evaluations": 1, "at_start": 1},
+    "dopri5": {"order": 5, "limit": 0.997189, "evaluations": 6, "at_start": 1},
+}
 """What is known of each integrator: its order, its limit of omega dt on an oscillator, its evaluations per
-step.
+step, and before the first.
 """
 
 OMEGA = 10.0
@@ -30,7 +47,12 @@ def test_every_integrator_has_its_facts() -> None:
     with pytest.raises(InputError) as caught:
         oscillator("no such method", 1e-3)
     known = str(caught.value).split("choose one of: ")[1]
-    assert {name.strip() for name in known.split(",")} == set(FACTS)
+    assert {name.strip() for name in known.split(",")} == set(FACTS) == set(integrators())
+    for name, facts in integrators().items():
+        known_here = FACTS[name]
+        assert (facts.order, facts.evaluations) == (known_here["order"], known_here["evaluations"])
+        assert facts.evaluations_at_start == known_here["at_start"]
+        assert facts.imaginary_limit == pytest.approx(known_here["limit"], rel=1e-5)
 
 
 @pytest.mark.parametrize("name", FACTS)
@@ -44,14 +66,17 @@ def test_order_is_as_stated(name: str) -> None:
         exact = [1.1 + 0.01 * math.cos(5.0), -0.01 * OMEGA * math.sin(5.0) / OMEGA]
         found = [sim.positions[1, 0], sim.velocities[1, 0] / OMEGA]
         errors.append(math.dist(found, exact))
-        assert sim.evaluation_count == count * FACTS[name]["evaluations"]
-    assert rates(errors) == pytest.approx(FACTS[name]["order"], abs=0.05)
+        assert sim.evaluation_count == count * FACTS[name]["evaluations"] + FACTS[name]["at_start"]
+    # Below 1e-13 m the error is rounding.
+    above = [error for error in errors if error > 1e-13]
+    assert len(above) >= 3
+    assert rates(above) == pytest.approx(FACTS[name]["order"], abs=0.05)
 
 
 @pytest.mark.parametrize("name", FACTS)
 def test_stable_step_is_the_limit(name: str) -> None:
     sim = oscillator(name, 1e-3)
-    assert sim.stable_dt() * OMEGA == pytest.approx(FACTS[name]["limit"], rel=1e-6)
+    assert sim.stable_dt() * OMEGA == pytest.approx(FACTS[name]["limit"], rel=1e-5)
     assert "tethers" in sim.limiting_part
 
 
@@ -63,7 +88,8 @@ def test_bounded_below_the_limit_and_not_above(name: str) -> None:
     assert abs(sim.positions[1, 0] - 1.1) <= 0.0101
     sim = oscillator(name, 1.01 * limit)
     with pytest.raises(UnstableError, match="above the stability limit"):
-        sim.step(10_000)
+        # Beyond its limit dopri5 grows by less than 1e-5 per step.
+        sim.step(2_000_000 if name == "dopri5" else 10_000)
 
 
 def test_loss_of_amplitude_per_step_of_rk4() -> None:
@@ -105,7 +131,133 @@ def test_limit_of_a_uniform_chain(name: str) -> None:
             assert np.abs(sim.positions - positions).max() < 1e-6
         else:
             with pytest.raises(UnstableError):
-                sim.step(20_000)
+                sim.step(3_000_000 if name == "dopri5" else 20_000)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4, 0.95])
+def test_leapfrog_swings_about_the_energy_and_does_not_drift(share: float) -> None:
+    # It keeps v^2/2 + omega^2 x^2/2 (1 - z^2/4), so the energy swings by z^2/4 of the largest potential energy.
+    sim = oscillator("leapfrog", 2.0 * share / OMEGA)
+    start = math.fsum(sim.energies().values())
+    potential = 0.5 * (OMEGA * 0.01) ** 2
+    worst = []
+    for _ in range(3):
+        sim.step(100_000)
+        off = []
+        for _ in range(200):
+            sim.step()
+            off.append(math.fsum(sim.energies().values()) - start)
+        worst.append(max(map(abs, off)) / potential)
+    assert worst == pytest.approx([share**2] * 3, rel=0.05)
+
+
+ADAPTIVE = [name for name, facts in integrators().items() if facts.is_adaptive]
+
+
+def whirled(**settings: Any) -> Scene:
+    """The tip mass on its cord, as a scene of 0.3 s."""
+    scene = scenes.load("spinning-tether")
+    return replace(scene, run=RunSettings(until=0.3, samples=31, frames=4, snapshots=(), **settings))
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_an_adaptive_run_looks_at_the_instants_that_were_asked_for(name: str) -> None:
+    class Look:
+        def __init__(self) -> None:
+            self.samples: list[float] = []
+            self.frames: list[float] = []
+
+        def start(self, sim: Simulation) -> None:
+            assert sim.time == 0.0
+
+        def sample(self, sim: Simulation) -> None:
+            self.samples.append(sim.time)
+
+        def frame(self, sim: Simulation) -> None:
+            self.frames.append(sim.time)
+
+        def finish(self, sim: Simulation, error: BaseException | None) -> None:
+            assert error is None
+
+    look = Look()
+    sim = Simulation(whirled(), name)
+    assert sim.is_adaptive
+    sim.run(observers=[look])
+    assert look.samples == pytest.approx(np.linspace(0.0, 0.3, 31), rel=1e-11)
+    assert look.frames == pytest.approx([0.0, 0.1, 0.2, 0.3], rel=1e-11)
+    tries = sim.step_count + sim.rejected_count
+    assert sim.evaluation_count == FACTS[name]["evaluations"] * tries + FACTS[name]["at_start"]
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_an_adaptive_run_does_not_depend_on_who_looks_when(name: str, tmp_path: Path) -> None:
+    whole = Simulation(whirled(), name)
+    whole.run()
+    cut = Simulation(whirled(), name)
+    for until in (0.0123, 0.1, 0.2345, 0.3):
+        cut.run(until=until, samples=7, frames=3)
+        cut.save(tmp_path / "state.npz")
+        cut = Simulation.restore(tmp_path / "state.npz")
+        assert cut.is_adaptive
+        assert cut.time == until
+    assert (cut.positions == whole.positions).all()
+    assert (cut.velocities == whole.velocities).all()
+    assert cut.ledger() == whole.ledger()
+    assert cut.evaluation_count == whole.evaluation_count
+    assert cut.rejected_count == whole.rejected_count
+    for each in (cut, whole):
+        each.step(3)
+    assert cut.time == whole.time > 0.3
+    assert (cut.positions == whole.positions).all()
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_tolerance_sets_error_and_cost(name: str) -> None:
+    def end(tolerance: float) -> tuple[Any, int]:
+        sim = Simulation(whirled(tolerance=tolerance), name)
+        sim.run()
+        return sim.positions, sim.evaluation_count
+
+    exact = end(1e-12)[0]
+    (coarse, few), (fine, many) = (end(tolerance) for tolerance in (1e-6, 1e-9))
+    errors = [float(np.abs(found - exact).max()) for found in (coarse, fine)]
+    assert errors[1] < 1e-7
+    assert errors[1] < 0.1 * errors[0]
+    assert few < many
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+def test_a_given_step_is_kept(name: str) -> None:
+    sim = Simulation(whirled(dt=2e-5), name)
+    assert not sim.is_adaptive
+    sim.run()
+    assert sim.time == sim.step_count * 2e-5
+    assert sim.rejected_count == 0
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_the_release_of_a_sail_keeps_its_energy_balance(name: str) -> None:
+    sim = Simulation(scenes.load("okuizumi-model-1"), name)
+    if name == "leapfrog":
+        sim = Simulation(sim.scene, name, 0.5 * sim.stable_dt())
+    sim.run(until=3e-3, frames=2, samples=301)
+    assert abs(sim.ledger()["error"]) < 0.01
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_save_and_restore_continue_with_the_same_bits(name: str, tmp_path: Path) -> None:
+    scene = replace(hanging_strip(), laws=[Gravity((0.0, 0.0, -9.81)), SpringDamping(0.1), *hanging_strip().laws[:1]])
+    sims = [Simulation(scene, name) for _ in range(2)]
+    sims[0].step(300)
+    sims[1].step(123)
+    sims[1].save(tmp_path / "state.npz")
+    sims[1] = Simulation.restore(tmp_path / "state.npz")
+    sims[1].step(177)
+    a, b = sims
+    assert a.time == b.time
+    assert (a.positions == b.positions).all()
+    assert (a.velocities == b.velocities).all()
+    assert a.ledger() == b.ledger()
 
 
 def test_time_is_a_multiple_of_the_step() -> None:

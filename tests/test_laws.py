@@ -19,17 +19,23 @@ from membrane_rs import (
     Springs,
     Tether,
     Tethers,
+    Triangles,
 )
 from membrane_rs.folding import Strip
 from membrane_rs.laws import LAWS, Law
 from membrane_rs.parts import Part
 from small_scenes import RUBBER, Floats, rotation
 
-INTERNAL = ("springs", "creases", "tethers", "bridges", "spring_damping")
+FILMS: list[Law] = [
+    Springs(buckling=1.0, buckling_on_creases=2.0),
+    Triangles(compression=0.1, buckling_on_creases=300.0),
+]
+"""A scene takes one of them."""
+INTERNAL = [(film, name) for film in FILMS for name in (film.kind, "creases", "tethers", "bridges", "spring_damping")]
 """Laws between nodes only: no rigid motion is felt by them, and no force or torque is left over."""
 
 
-def crowd(seed: int, *, contact: float = 100.0) -> Simulation:
+def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulation:
     """All laws and all parts with a potential, on a creased sheet of two pieces, crumpled at random."""
     sheet = Strip(0.12, 0.06, 4, 2, creases=(0.25, 0.5), fold_angle=1.0).mesh()
     count = sheet.node_count
@@ -41,7 +47,7 @@ def crowd(seed: int, *, contact: float = 100.0) -> Simulation:
         bridges=np.stack([sheet.node_sets["end"], sheet.node_sets["start"] + count], axis=1),
     )
     laws: list[Law] = [
-        Springs(buckling=1.0, buckling_on_creases=2.0),
+        film,
         SpringDamping(),
         Creases(stiffness=1e3, contact_penalty=contact, natural_angle=1.0),
         AirDrag(pressure=1e4),
@@ -78,21 +84,26 @@ def slopes(sim: Simulation, step: float) -> dict[str, Floats]:
     return found
 
 
-def test_the_crowd_holds_every_law() -> None:
-    sim = crowd(0)
-    assert {law.kind for law in sim.scene.laws} == set(LAWS)
-    conservative = {"springs", "creases", "spin", "gravity", "spool_contact", "tethers", "bridges"}
+def test_the_crowds_hold_every_law() -> None:
+    assert {law.kind for film in FILMS for law in crowd(0, film).scene.laws} == set(LAWS)
+
+
+@pytest.mark.parametrize("film", FILMS)
+def test_each_law_has_a_say(film: Law) -> None:
+    sim = crowd(0, film)
+    conservative = {film.kind, "creases", "spin", "gravity", "spool_contact", "tethers", "bridges"}
     assert set(sim.energies()) == {"kinetic"} | conservative
     for name in conservative:
         assert np.abs(sim.forces(name)).max() > 0, f"{name} has no say here; the scene must be crumpled more"
 
 
+@pytest.mark.parametrize("film", FILMS)
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_force_is_minus_the_slope_of_the_energy(seed: int) -> None:
+def test_force_is_minus_the_slope_of_the_energy(seed: int, film: Law) -> None:
     # Differences of fourth order with 1e-6 m on triangles of 30 mm: truncation (1e-6/1e-2)^4, rounding
     # 1e-16/1e-4, in all 1e-10 or so of the largest force; a kink (buckling, slack, contact) within 2e-6 m
     # of a random start is unlikely.
-    sim = crowd(seed)
+    sim = crowd(seed, film)
     for name, slope in slopes(sim, 1e-6).items():
         force = sim.forces(name)
         assert force == pytest.approx(slope, abs=1e-6 * np.abs(force).max()), name
@@ -106,18 +117,18 @@ def test_total_force_is_the_sum_over_the_laws() -> None:
     assert sim.forces() == pytest.approx(total, rel=1e-12, abs=1e-12 * np.abs(total).max())
 
 
-@pytest.mark.parametrize("name", INTERNAL)
-def test_internal_laws_leave_no_force_and_no_torque(name: str) -> None:
-    sim = crowd(5)
+@pytest.mark.parametrize(("film", "name"), INTERNAL)
+def test_internal_laws_leave_no_force_and_no_torque(film: Law, name: str) -> None:
+    sim = crowd(5, film)
     sim.velocities = np.random.default_rng(5).normal(size=(sim.node_count, 3))
     force, size = sim.forces(name), np.abs(sim.forces(name)).sum()
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * size  # rounding of a sum of some hundred terms
     assert np.abs(np.cross(sim.positions, force).sum(axis=0)).max() < 1e-12 * size
 
 
-@pytest.mark.parametrize("name", INTERNAL)
-def test_internal_laws_turn_with_a_rigid_motion(name: str) -> None:
-    sim = crowd(6)
+@pytest.mark.parametrize(("film", "name"), INTERNAL)
+def test_internal_laws_turn_with_a_rigid_motion(film: Law, name: str) -> None:
+    sim = crowd(6, film)
     x, v = sim.positions, np.random.default_rng(6).normal(size=(sim.node_count, 3))
     # The held nodes keep no velocity, so take what the simulation made of it.
     sim.velocities = v
@@ -131,14 +142,15 @@ def test_internal_laws_turn_with_a_rigid_motion(name: str) -> None:
         assert sim.energies()[name] == pytest.approx(energies[name], rel=1e-11)
 
 
-def test_no_force_from_a_rigid_motion_of_the_flat_sheet() -> None:
+@pytest.mark.parametrize("film", [Springs(), Triangles()])
+def test_no_force_from_a_rigid_motion_of_the_flat_sheet(film: Law) -> None:
     mesh = Strip(0.12, 0.06, 4, 2, creases=(0.5,)).mesh()
-    laws: list[Law] = [Springs(), SpringDamping(), Creases(natural_angle=np.pi)]
+    laws: list[Law] = [film, SpringDamping(), Creases(natural_angle=np.pi)]
     sim = Simulation(Scene(mesh, RUBBER, laws))
     turn = rotation([1.0, 1.0, 0.2], 1.0)
     sim.positions = mesh.reference @ turn.T + [1.0, 2.0, 3.0]
     stiffest = mesh.spring_constants(RUBBER).max() * 0.03
-    for name in ("springs", "creases"):
+    for name in (film.kind, "creases"):
         # Coordinates of 3 m carry rounding of 4e-16 m: 1e-14 of a strain, or of an angle.
         assert np.abs(sim.forces(name)).max() < 1e-13 * stiffest
     # A rigid rotation changes no length, so no dashpot feels it.
@@ -182,8 +194,9 @@ def test_centrifugal_and_coriolis_force() -> None:
     assert sim.forces("spin") == pytest.approx(expected.T)
 
 
-def test_a_spring_of_no_length_and_a_wing_of_no_area_stay_finite() -> None:
-    sim = crowd(9)
+@pytest.mark.parametrize("film", FILMS)
+def test_a_spring_of_no_length_and_a_wing_of_no_area_stay_finite(film: Law) -> None:
+    sim = crowd(9, film)
     positions = sim.positions
     positions[1] = positions[0]  # an edge of the sheet
     positions[4] = positions[3]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from membrane_rs.cords import cord_positions
 from membrane_rs.errors import InputError, InputTypeError
@@ -31,7 +31,7 @@ KINDS = {**LAWS, **PARTS}
 
 
 def test_lists_hold_each_kind_once() -> None:
-    assert len(KINDS) == len(LAWS) + len(PARTS) == 13
+    assert len(KINDS) == len(LAWS) + len(PARTS) == 14
     assert all(cls.kind == kind for kind, cls in KINDS.items())
 
 
@@ -62,6 +62,10 @@ def test_unknown_key_and_hash(kind: str) -> None:
         ("springs", {"buckling": -1}, "buckling = -1: must be at least 0"),
         ("springs", {"strain_limit": 0}, "strain_limit = 0: must be greater than 0"),
         ("springs", {"negative": "ignore"}, "must be 'refuse', 'clip' or 'keep'"),
+        ("springs", {"buckling_length": 0}, r"buckling_length = 0: must be greater than 0 \(m\)"),
+        ("triangles", {"compression": 1.5}, "at least 0 and at most 1"),
+        ("triangles", {"buckling": -1}, "buckling = -1: must be at least 0"),
+        ("triangles", {"buckling_length": -1}, r"greater than 0 \(m\)"),
         ("spring_damping", {"ratio": -0.1}, "at least 0"),
         ("creases", {"stiffness": -1}, "stiffness = -1: must be at least 0"),
         ("creases", {"contact_penalty": 0.5}, "at least 1"),
@@ -106,6 +110,7 @@ def test_defaults_are_those_of_table_2() -> None:
     st.floats(0.01, 5.0),
     st.integers(2, 40),
 )
+@example((5e-324, 5e-324, 0.0), (0.0, 0.0, 0.0), 1.0, 3)
 def test_slack_cords_hang_without_strain(
     start: tuple[float, float, float], end: tuple[float, float, float], length: float, segments: int
 ) -> None:

@@ -253,6 +253,21 @@ def test_start_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Mon
     assert not list(tmp_path.iterdir())
 
 
+def test_two_runs_may_make_their_parent_at_the_same_moment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make = Path.mkdir
+
+    def beaten(folder: Path, *words: Any, **named: Any) -> None:
+        """Another process makes the folder between our look and our call."""
+        make(folder, *words, **named)
+        if folder.name == "shared":
+            raise FileExistsError(17, "File exists", str(folder))
+
+    monkeypatch.setattr(Path, "mkdir", beaten)
+    results = RunFolder(tmp_path / "shared" / "one", pictures=False)
+    results.start(cast(Any, FakeSimulation(small_sail())))
+    assert (tmp_path / "shared" / "one" / "scene.toml").is_file()
+
+
 def test_folder_taken_away_while_running(tmp_path: Path) -> None:
     sim: Any = FakeSimulation()
     folder = RunFolder(tmp_path / "run")
@@ -260,6 +275,55 @@ def test_folder_taken_away_while_running(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "run" / "frames")
     with pytest.raises(OutputError, match="cannot write"):
         folder.frame(sim)
+
+
+class NoRoom:
+    """A file on a full disk."""
+
+    def write(self, text: str) -> int:
+        return len(text)
+
+    def close(self) -> None:
+        raise OSError(28, "No space left on device")
+
+
+def test_summary_is_closed_where_the_history_cannot_be(tmp_path: Path) -> None:
+    for name, error in (("good", None), ("bad", UnstableError("gone"))):
+        sim: Any = FakeSimulation()
+        folder = RunFolder(tmp_path / name, pictures=False)
+        folder.start(sim)
+        folder._history._file.close()
+        folder._history._file = cast(Any, NoRoom())
+        if error is None:
+            with pytest.raises(OutputError, match=r"history\.csv: No space left"):
+                folder.finish(sim, error)
+        else:
+            folder.finish(sim, error)  # the run's own error is the one to tell
+    assert summary(tmp_path / "good")["outcome"].startswith("failed: OutputError: cannot write")
+    assert summary(tmp_path / "bad")["outcome"] == "unstable: gone"
+
+
+def test_a_full_disk_costs_one_line(tmp_path: Path) -> None:
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); "
+        "from membrane_rs.cli import main; "
+        "sys.argv[1:] = ['run', 'single-crease', '--until', '0.2', '--frames', '3', '--out', 'f']; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "Traceback" not in done.stderr
+    assert len([line for line in done.stderr.splitlines() if "cannot write" in line]) == 1
+    assert summary(tmp_path / "f")["outcome"].startswith("failed: OutputError: cannot write")
+
+
+def test_zero_has_no_sign(tmp_path: Path) -> None:
+    sim: Any = FakeSimulation()
+    sim.stored["tethers"] = sim.hub_angle = -0.0
+    folder = RunFolder(tmp_path / "run", pictures=False)
+    folder.start(sim)
+    folder.sample(sim)
+    rows = (tmp_path / "run" / "history.csv").read_text().splitlines()
+    assert "-0.0" not in rows[1].split(",")
 
 
 def test_what_is_not_there_is_named(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 UPKEEP = ROOT / "examples" / "readme_numbers.py"
 """No example: it keeps README in step with the demo."""
 EXAMPLES = sorted(set((ROOT / "examples").glob("*.py")) - {UPKEEP})
-COMMANDS = ("run", "resume", "scenes", "check", "stability")
+COMMANDS = ("run", "resume", "scenes", "check", "stability", "chart", "ablate", "mesh-study")
 SHORT = 0.004
 """Where runs of README and examples are made to end [s]: to see them work, not to see them deploy."""
 

@@ -203,6 +203,25 @@ def test_bad_name_and_run() -> None:
         Scene(patch(), FILM, run={"until": 1})  # type: ignore[arg-type]
     with pytest.raises(InputTypeError, match=r"Scene\.name"):
         Scene(patch(), FILM, name=3)  # type: ignore[arg-type]
+    for name in ("", ".", "..", "a/b", "/a", "a\\b", "a\0b", 101 * "a"):
+        with pytest.raises(SceneError, match=r"Scene\.name = .*must be 1 to 100 characters without slash"):
+            Scene(patch(), FILM, name=name)
+    assert Scene(patch(), FILM, name=100 * "a").name == 100 * "a"
+
+
+def test_cords_that_fit_no_memory_are_refused_before_they_are_made() -> None:
+    words = r"parts\[0\]\.segments = 500000000: makes .* cord nodes .* at most 10000000"
+    with pytest.raises(SceneError, match=words):
+        Scene(patch(), FILM, parts=[Tethers("corners", segments=5 * 10**8)])
+    with pytest.raises(SceneError, match=words):
+        Scene(None, None, parts=[dataclasses.replace(CORD, segments=5 * 10**8)])
+    with pytest.raises(InputError, match="segments = 1000000001: must be at least 1 and at most"):
+        Tethers(segments=10**9 + 1)
+
+
+def test_node_indices_beyond_all_bounds() -> None:
+    with pytest.raises(InputError, match="none below 0 or above 1000000000"):
+        Fixed([10**23])
 
 
 @pytest.mark.parametrize(
@@ -213,6 +232,9 @@ def test_bad_name_and_run() -> None:
         ({"dt": 1e9}, "dt = 1000000000.0: must be greater than 0 and at most until = 0.8"),
         ({"dt": float("nan")}, "dt = nan: must be finite"),
         ({"frames": 1}, "frames = 1: must be at least 2"),
+        ({"frames": 10**7 + 1}, r"frames = 10000001: must be at least 2 and at most 1e\+07"),
+        ({"samples": 10**12}, r"samples = 1000000000000: must be at least 2 and at most 1e\+07"),
+        ({"watch": 10**20}, r"watch = 10+: must be at least 1 and at most 1e\+09"),
         ({"samples": 2.5}, "whole number"),
         ({"snapshots": [-1]}, "at least 0"),
         ({"settle": -1}, "at least 0"),
@@ -311,6 +333,8 @@ def test_files_that_are_not_there_or_no_scenes(tmp_path: Path) -> None:
         Scene.from_toml(tmp_path / "none.toml")
     with pytest.raises(SceneError, match="cannot be read"):
         Scene.from_toml(tmp_path)
+    with pytest.raises(SceneError, match=r"deep.*(nested too deeply|no valid TOML)"):
+        Scene.from_toml(write(tmp_path, f"deep = {100_000 * '['}").rename(tmp_path / "deep.toml"))
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(SceneError, match="UTF-8"):
         Scene.from_toml(tmp_path / "binary.toml")
@@ -341,6 +365,9 @@ def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
+NAMES = st.text(st.characters(exclude_characters="/\\\0", exclude_categories=["Cs"]), min_size=1, max_size=100).filter(
+    lambda name: name not in (".", "..")
+)
 LAW_VALUES = st.builds(
     lambda a, b, c, d, e: [Springs(a, b), SpringDamping(c), Spin(d, e)],
     st.floats(0, 1e300),
@@ -352,7 +379,7 @@ LAW_VALUES = st.builds(
 
 
 @settings(max_examples=50)
-@given(LAW_VALUES, st.text())
+@given(LAW_VALUES, NAMES)
 def test_toml_keeps_every_bit(tmp_path_factory: pytest.TempPathFactory, laws: list[Law], name: str) -> None:
     scene = Scene(None, None, laws, [CORD], name=name)
     path = tmp_path_factory.mktemp("toml") / "scene.toml"

@@ -31,13 +31,14 @@ from membrane_rs.laws import (
     SpoolContact,
     SpringDamping,
     Springs,
+    Triangles,
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
 from membrane_rs.run_settings import RunSettings
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
+from membrane_rs.simulation import IntegratorFacts, Simulation, integrators
 
 __version__ = version("membrane_rs")
 
@@ -49,6 +50,7 @@ __all__ = [
     "Gravity",
     "InputError",
     "InputTypeError",
+    "IntegratorFacts",
     "MassDamping",
     "Material",
     "MembraneError",
@@ -67,8 +69,10 @@ __all__ = [
     "Tether",
     "Tethers",
     "TipMasses",
+    "Triangles",
     "UnstableError",
     "__version__",
     "folding",
+    "integrators",
     "scenes",
 ]

@@ -44,6 +44,10 @@ def _wrong_type(wanted: str) -> PydanticCustomError:
     return PydanticCustomError("wrong_type", "must be {wanted}", {"wanted": wanted})
 
 
+MOST = 10**9
+"""A larger count or node index is a slip of the pen."""
+
+
 def _number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise _wrong_type("a number")
@@ -92,8 +96,8 @@ def _nodes(value: object) -> object:
     if not isinstance(value, tuple) or not all(isinstance(i, Integral) and not isinstance(i, bool) for i in value):
         raise _wrong_type("the name of a node set or a list of node indices")
     nodes = tuple(int(i) for i in value)
-    if not nodes or min(nodes) < 0:
-        raise PydanticCustomError("bad_nodes", "must hold at least one node, none below 0")
+    if not nodes or min(nodes) < 0 or max(nodes) > MOST:
+        raise PydanticCustomError("bad_nodes", f"must hold at least one node, none below 0 or above {MOST}")
     if len(set(nodes)) < len(nodes):
         raise PydanticCustomError("bad_nodes", "must not name a node twice")
     return nodes
@@ -113,10 +117,10 @@ NonNegative = Annotated[float, BeforeValidator(_number), Ge(0)]
 """A finite number, 0 or above."""
 Fraction = Annotated[float, BeforeValidator(_number), Ge(0), Le(1)]
 """A number between 0 and 1, both included."""
-Count = Annotated[int, BeforeValidator(_whole), Ge(1)]
-"""A whole number, 1 or above."""
-Whole = Annotated[int, BeforeValidator(_whole), Ge(0)]
-"""A whole number, 0 or above."""
+Count = Annotated[int, BeforeValidator(_whole), Ge(1), Le(MOST)]
+"""A whole number, from 1 to 10^9."""
+Whole = Annotated[int, BeforeValidator(_whole), Ge(0), Le(MOST)]
+"""A whole number, from 0 to 10^9."""
 Flag = Annotated[bool, BeforeValidator(_flag)]
 """True or False, and nothing that merely looks like it."""
 Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(_vector)]

@@ -22,6 +22,9 @@ from membrane_rs.parts import Bridges, Fixed, Part, Tether, Tethers, TipMasses
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+MOST_CORD_NODES = 10**7
+"""More nodes than this in the cords of a scene would not fit into memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
@@ -108,6 +111,15 @@ class _Builder:
             raise SceneError(f"{where}.nodes = {show(wanted)}: node {found.max()} is not there; must be {allowed}")
         return found
 
+    def check_room(self, where: str, segments: int, new_nodes: int) -> None:
+        """Refuse cords too fine to be held in memory, before anything is allocated."""
+        total = self.node_count - self.mesh_count + new_nodes
+        if total > MOST_CORD_NODES:
+            raise SceneError(
+                f"{where}.segments = {segments}: makes {total} cord nodes in this scene; "
+                f"must be at most {MOST_CORD_NODES}; take fewer segments"
+            )
+
     def add_cord(self, cord: _Cord, reference: Floats, positions: Floats) -> None:
         """Append a cord's own nodes; `cord.nodes` already counts them."""
         name = f"tether-{len(self.cords)}"
@@ -123,7 +135,9 @@ class _Builder:
 
     def add_tethers(self, part: Tethers, where: str) -> None:
         flat, stowed = self.reference[0], self.positions[0]
-        for node in self.nodes(part.nodes, where, self.mesh_count):
+        held = self.nodes(part.nodes, where, self.mesh_count)
+        self.check_room(where, part.segments, len(held) * part.segments)
+        for node in held:
             radius = float(np.hypot(flat[node, 0], flat[node, 1]))
             if radius == 0:
                 raise SceneError(f"{where}.nodes: node {node} lies on the axis, so its tether has no azimuth")
@@ -144,6 +158,7 @@ class _Builder:
             self.fixed.append(first)
 
     def add_tether(self, part: Tether, where: str) -> None:
+        self.check_room(where, part.segments, part.segments + 1)
         start, end = np.array(part.start), np.array(part.end)
         length = part.length or float(np.linalg.norm(end - start))
         first = self.node_count
@@ -183,7 +198,8 @@ def assemble(mesh: Mesh | None, laws: Sequence[Law], parts: Sequence[Part]) -> A
     Raises
     ------
     SceneError
-        A node set or node that is not there, a node without mass, bridges without their stiffness.
+        A node set or node that is not there, a node without mass, bridges without their stiffness, cords of too
+        many nodes.
     """
     builder = _Builder(mesh)
     bridges = np.zeros((0, 2), np.int64) if mesh is None else np.array(mesh.bridges, np.int64)

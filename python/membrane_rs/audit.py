@@ -12,7 +12,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from membrane_rs._growing_mode import growing_modes
-from membrane_rs.errors import MeshError
+from membrane_rs._validation import show
+from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh import NO_AREA, Mesh
 
@@ -82,14 +83,18 @@ class Audit:
         return "\n".join([head, *map(str, self.findings)])
 
 
-def audit(mesh: Mesh, material: Material | None = None, positions: ArrayLike | None = None) -> Audit:
+def audit(
+    mesh: Mesh, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
+) -> Audit:
     """Look a mesh over. See `Mesh.audit`."""
+    if material is not None and not isinstance(material, Material):
+        raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
     film = material or POLYIMIDE
     findings = [
         *_shapes(mesh),
         *_nodes(mesh),
         *_joints(mesh),
-        *_springs(mesh, film),
+        *(_springs(mesh, film) if springs else ()),
         *_strain(mesh, positions),
     ]
     order = ("error", "warning", "info")

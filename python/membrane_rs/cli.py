@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from membrane_rs.scene import Scene
     from membrane_rs.simulation import Simulation
+    from membrane_rs.study import Ablation, Chart
 
 app = typer.Typer(
     name="membrane-rs",
@@ -34,10 +35,12 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
 Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]. Default: the scene's.")]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
-Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit.")]
+Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit, or from the tolerance.")]
+Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopri5 chooses. Default: the scene's.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
+Ensemble = Annotated[int | None, typer.Option(help="Runs from perturbed starts; 0: none. Default: a few, or none.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
 
 
@@ -48,6 +51,7 @@ def run(
     until: Until = None,
     integrator: Integrator = None,
     dt: Dt = None,
+    tolerance: Tolerance = None,
     out: Out = None,
     frames: Frames = None,
     overwrite: Overwrite = False,
@@ -57,7 +61,7 @@ def run(
     with _told_errors():
         from membrane_rs.simulation import Simulation
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "frames": frames}
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance, "frames": frames}
         chosen = _with_settings(_load(scene), wanted)
         folder = out or Path("runs") / chosen.name
         _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)
@@ -118,7 +122,7 @@ def check(
             typer.echo(f"  {name:<10} {count:>9,}")
         sound = True
         if chosen.mesh is not None:
-            audit = chosen.mesh.audit(chosen.material)
+            audit = chosen.mesh.audit(chosen.material, springs=chosen.law("triangles") is None)
             sound = audit.ok
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
         idle = idle_laws(chosen)
@@ -128,10 +132,9 @@ def check(
             for kind, why in idle:
                 typer.echo(f"  {kind:<{width}}  {why}")
         sim = Simulation(chosen)
-        steps, seconds = _expected_cost(sim)
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
-        typer.echo(f"  step         {sim.dt:.4g} s")
+        typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
         savings = step_savings(chosen)
         if not savings:
             typer.echo("  saves        nothing: no single part sets the step, others are within 2 % of it")
@@ -140,6 +143,8 @@ def check(
                 f"  saves        {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
             )
             typer.echo(f"               {saving.advice}")
+        _warn_of_step(sim)
+        steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
         if not sound:
             raise typer.Exit(FAILED)
@@ -191,9 +196,82 @@ def _numbers(text: str, option: str) -> list[float]:
         raise InputError(f"{option} = {text!r}: must be numbers parted by commas") from None
 
 
+@app.command()
+def chart(
+    scene: SceneArgument,
+    *,
+    integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
+    until: Until = None,
+    steps: Annotated[int, typer.Option(help="Steps below the stability limit, each half the last.")] = 6,
+    curves: Annotated[
+        bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
+    ] = False,
+    ensemble: Ensemble = None,
+    error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
+    repeats: Annotated[int, typer.Option(help="Runs of which the wall time is the median.")] = 3,
+    out: Out = None,
+) -> None:
+    """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
+    with _told_errors():
+        from membrane_rs.study import chart as charted
+
+        chosen = _load(scene)
+        names = [name.strip() for name in integrators.split(",")] if integrators else None
+        found = charted(
+            chosen, names, until, steps=steps, curves=curves, members=ensemble, wanted=error, repeats=repeats,
+            progress=_tell,
+        )  # fmt: skip
+        _save(found, out or Path("runs") / f"{chosen.name}-chart")
+
+
+@app.command()
+def ablate(
+    scene: SceneArgument,
+    *,
+    until: Until = None,
+    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peak strain.")] = 0.01,
+    ensemble: Ensemble = None,
+    out: Out = None,
+) -> None:
+    """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
+    with _told_errors():
+        from membrane_rs.study import ablate as ablated
+
+        chosen = _load(scene)
+        members = {} if ensemble is None else {"members": ensemble}
+        found = ablated(chosen, until, tolerance=tolerance, progress=_tell, **members)
+        _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+
+
+@app.command("mesh-study")
+def mesh_study(
+    scene: SceneArgument = "okuizumi-model-1",
+    *,
+    rows: Annotated[list[int], typer.Option(help="Rows of cells of a petal; repeat it for each density.")] = [8, 16],  # noqa: B006
+    length: Annotated[float, typer.Option(help="The physical form's length for buckling and creases [m].")] = 0.011,
+    until: Until = None,
+    out: Out = None,
+) -> None:
+    """Run a square sail at several mesh densities, and lay its curves side by side."""
+    with _told_errors():
+        from membrane_rs.study import mesh_study as study
+        from membrane_rs.study import write_mesh_study
+
+        chosen, runs = _load(scene), []
+        folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+        for run in study(chosen, rows, until, length=length):
+            runs.append(run)
+            write_mesh_study(runs, folder)
+            typer.echo(f"{run.form:<9} {run.rows:>4} rows, {run.node_count:,} nodes: {run.stopped or 'done'}")
+        typer.echo(f"\n{(folder / 'mesh-study.md').read_text(encoding='utf-8')}\nResults are in {folder}")
+
+
 def main() -> None:
     """Entry point of the command `membrane-rs`."""
-    app()
+    try:
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None
 
 
 def _load(scene: str) -> Scene:
@@ -217,6 +295,16 @@ def _with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
 
 
+def _tell(words: str) -> None:
+    """What a study just did; its result goes to the standard output."""
+    typer.echo(words, err=True)
+
+
+def _save(study: Ablation | Chart, folder: Path) -> None:
+    study.save(folder)
+    typer.echo(f"{study.summary()}\nResults are in {folder}")
+
+
 def _run(
     sim: Simulation,
     folder: Path,
@@ -233,6 +321,7 @@ def _run(
     settings = sim.scene.run
     with _progress_bar(console, sim.time, settings.until if until is None else until) as show:
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
+        _warn_of_step(sim)
         if settings.settle > 0 and sim.step_count == 0:
             show.settling()
             sim.settle()
@@ -242,10 +331,18 @@ def _run(
             show.stop()
             state = folder / "state.npz"
             typer.echo(f"Stopped at {sim.time:.6g} s. What was written so far is in {folder}", err=True)
-            if state.is_file():
+            if state.is_file() and sim.time < (settings.until if until is None else until):
                 typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
             raise typer.Exit(INTERRUPTED) from None
     typer.echo(f"Results are in {folder}")
+
+
+def _warn_of_step(sim: Simulation) -> None:
+    """Say so where the step is above the stability limit: the watch will stop the run, but late."""
+    limit = sim.stable_dt()
+    if sim.dt > limit:
+        text = f"Warning: dt = {sim.dt:.4g} s is above the stability limit of {limit:.4g} s; leave dt out"
+        typer.secho(text, fg="yellow", err=True)
 
 
 class _Bar:
@@ -302,6 +399,8 @@ def _expected_cost(sim: Simulation) -> tuple[int, float]:
         sim.step(batch)
         taken += batch
         spent = time.perf_counter() - began
+    if sim.is_adaptive:
+        steps = max(1, round(sim.scene.run.until / sim.time * taken))
     return steps, steps * spent / taken
 
 

@@ -42,7 +42,7 @@ def cord_positions(start: Array, end: Array, length: float, segments: int) -> Ar
         return np.linspace(start, end, segments + 1)
     if segments == 1:
         raise InputError(f"a cord of length {length} m spans {span:.6g} m: give it 2 segments or more to hang")
-    along = chord / span if span > 1e-12 * length else _outward(start)
+    along = chord / span if span > 1e-12 * length else _outward(start)  # coinciding ends give no direction
     down = np.array([0.0, 0.0, -1.0])
     down -= (down @ along) * along
     if np.linalg.norm(down) < 1e-6:
@@ -75,6 +75,6 @@ def _headings(target: float, segments: int) -> Array:
 def _outward(point: Array) -> Array:
     """The direction away from the z axis at a point; x on the axis itself."""
     radius = float(np.hypot(point[0], point[1]))
-    if radius == 0:
+    if radius < np.finfo(float).tiny:  # subnormal numbers divide badly
         return np.array([1.0, 0.0, 0.0])
     return np.array([point[0] / radius, point[1] / radius, 0.0])

@@ -3,7 +3,7 @@
 A law here says what a scene wants; the core holds the kernel of the same name, with its equation and its
 energy. A law that a scene leaves out costs nothing. Units are SI; angles are in radians.
 
-The model is that of Okuizumi and Yamamoto's simulation of spinning sails; where the paper leaves a choice
+The model is that of Okuizumi et al. (Trans. JSASS Aerospace Tech. Japan 10, 2012); where the paper leaves a choice
 open, the docstring says what was chosen.
 """
 
@@ -30,6 +30,10 @@ class Springs:
         alpha [-] of edges that are no creases, 0 or above. 0: no compression at all.
     buckling_on_creases : float
         alpha [-] of crease edges, 0 or above.
+    buckling_length : float or None
+        Length in place of L in the critical strain, alpha pi^2 h^2 / (12 L^2) [m]: the same critical strain on
+        every edge, and on every mesh. 0.011 agrees with the paper's form on the paper's mesh, whose cells
+        are 11 mm high. None: each spring's own L, the paper's form, which belongs to one mesh.
     strain_limit : float
         A run stops when a spring is stretched beyond this strain [-].
     negative : str
@@ -40,13 +44,48 @@ class Springs:
     kind: ClassVar[str] = "springs"
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 1000.0
+    buckling_length: Annotated[Positive | None, Unit("m")] = None
     strain_limit: Positive = 0.1
     negative: Literal["refuse", "clip", "keep"] = "refuse"
 
 
 @validated
+class Triangles:
+    """The film as triangles of uniform strain, which wrinkle; a scene takes it in place of `Springs`.
+
+    St. Venant and Kirchhoff's law in plane stress, with Green's strain: isotropic at any Poisson's ratio, on any
+    mesh. Under uniaxial compression the stress falls no lower than -E eps_c, with eps_c the critical strain of eq.
+    (2), alpha pi^2 h^2 / (12 L^2), mean over the triangle's sides: the film then wrinkles. With alpha = 0 it bears
+    tension only. The forces have a potential, with wrinkles too.
+
+    Parameters
+    ----------
+    compression : float
+        Share of the stiffness that is left in compression [-], from 0 (a film) to 1 (it never buckles).
+    buckling : float
+        alpha [-] of sides that are no creases, 0 or above.
+    buckling_on_creases : float
+        alpha [-] along creases, 0 or above. A wrinkle that crosses a crease must buckle it, so that a value above
+        `buckling` stiffens the film beside a crease in shear too, far more than springs do.
+    buckling_length : float or None
+        Length in place of L in the critical strain [m]: the same on every mesh. None: each side's own.
+    strain_limit : float
+        A run stops when a triangle is stretched beyond this strain in any direction [-].
+    """
+
+    kind: ClassVar[str] = "triangles"
+    compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
+    buckling: NonNegative = 100.0
+    buckling_on_creases: NonNegative = 100.0
+    buckling_length: Annotated[Positive | None, Unit("m")] = None
+    strain_limit: Positive = 0.1
+
+
+@validated
 class SpringDamping:
     """A dashpot along each spring: c = 2 zeta sqrt(k m), with m the mean of the two nodes' masses.
+
+    With `Triangles` in place of springs, a stress that goes with the rate of strain, of the same strength.
 
     Parameters
     ----------
@@ -183,9 +222,10 @@ class MassDamping:
     rate: Annotated[NonNegative, Unit("1/s")]
 
 
-Law: TypeAlias = Springs | SpringDamping | Creases | AirDrag | Spin | Gravity | SpoolContact | MassDamping
+Law: TypeAlias = Springs | Triangles | SpringDamping | Creases | AirDrag | Spin | Gravity | SpoolContact | MassDamping
 
 LAWS: dict[str, type[Law]] = {
-    law.kind: law for law in (Springs, SpringDamping, Creases, AirDrag, Spin, Gravity, SpoolContact, MassDamping)
+    law.kind: law
+    for law in (Springs, Triangles, SpringDamping, Creases, AirDrag, Spin, Gravity, SpoolContact, MassDamping)
 }
 """The one list of laws: the name of its table in a scene file, and its class."""

@@ -175,7 +175,9 @@ class Mesh:
         ratio: Floats = 2.0 * self.areas() / np.maximum(longest**2, np.finfo(float).tiny)
         return np.where(longest > 0.0, ratio, 0.0)
 
-    def audit(self, material: Material | None = None, positions: ArrayLike | None = None) -> Audit:
+    def audit(
+        self, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
+    ) -> Audit:
         """What is wrong or risky with the mesh, in words and numbers.
 
         Parameters
@@ -185,10 +187,12 @@ class Mesh:
             only.
         positions : (n, 3) float64, optional
             Where the strain is measured. Default: the stowed positions.
+        springs : bool
+            Whether edges are to be springs; False for a film of `Triangles`, which asks less of a mesh.
         """
         from membrane_rs.audit import audit
 
-        return audit(self, material, positions)
+        return audit(self, material, positions, springs=springs)
 
     def checked_positions(self, positions: ArrayLike) -> Floats:
         """A read-only copy of positions that fit this mesh.

@@ -83,7 +83,7 @@ class Corners:
         step = azimuth - self._azimuth
         self._turned += step - 2.0 * np.pi * np.round(step / (2.0 * np.pi))
         self._azimuth = azimuth
-        return float(np.degrees(self._turned.mean()))
+        return float(np.degrees(self._turned.mean())) + 0.0  # never -0
 
 
 def deployment_rate(sim: Simulation) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from membrane_rs._files import BAD_ARCHIVE, replacing
 from membrane_rs.errors import InputError, MembraneError, MissingFileError
 from membrane_rs.scene import SCENE_FILE, Scene
+from membrane_rs.scene_file import MESH_FILE
 
 _SCENE = "scene/"
 
@@ -47,18 +48,29 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
         raise MissingFileError(f"{path}: there is no such saved state") from None
     except BAD_ARCHIVE as error:
         raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
-    needed = {"integrator", "dt", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
+    needed = {"integrator", "dt", "is_adaptive", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
     missing = sorted(needed - arrays.keys())
     if missing:
         raise InputError(
             f"{path}: holds no {missing[0]!r}, so it is no saved state; give a file that Simulation.save wrote"
         )
+    members = (_SCENE + SCENE_FILE, _SCENE + MESH_FILE)
+    strange = sorted(name for name in arrays if name.startswith(_SCENE) and name not in members)
+    if strange:
+        raise InputError(f"{path}: holds {strange[0]!r}, but a saved scene is {' and '.join(members)} alone")
     for name, value in arrays.items():
         if value.dtype.kind == "f" and not np.isfinite(value).all():
             raise InputError(f"{path}: {name!r} holds a value that is not finite; the file is damaged")
+    # Restoring a run that chooses its steps looks at dt no more, so it is checked here.
+    if arrays["dt"].shape or arrays["dt"].dtype.kind != "f" or not arrays["dt"] > 0:
+        raise InputError(f"{path}: 'dt' is no number above 0; the file is damaged")
+    for name in ("is_adaptive", "is_settled"):
+        if arrays[name].shape or arrays[name].dtype.kind != "b":
+            raise InputError(f"{path}: {name!r} is neither true nor false; the file is damaged")
     with tempfile.TemporaryDirectory() as folder:
-        for name in [name for name in arrays if name.startswith(_SCENE)]:
-            (Path(folder) / Path(name).name).write_bytes(arrays.pop(name).tobytes())
+        for name in members:
+            if name in arrays:
+                (Path(folder) / name.removeprefix(_SCENE)).write_bytes(arrays.pop(name).tobytes())
         try:
             scene = Scene.from_toml(Path(folder) / SCENE_FILE)
         except MembraneError as error:

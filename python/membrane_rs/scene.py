@@ -19,6 +19,7 @@ from membrane_rs.run_settings import RunSettings
 from membrane_rs.scene_file import MESH_FILE, SceneContent, pattern_name, read_scene, save_mesh, write_scene
 
 SCENE_FILE = "scene.toml"
+LONGEST_NAME = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +37,15 @@ class Scene:
     parts : sequence of parts
         See `membrane_rs.parts`.
     name : str
-        For titles and folders.
+        For titles and folders: not empty, no slash or backslash, at most 100 characters.
     run : RunSettings
         How the scene is run unless the caller says otherwise.
 
     Raises
     ------
     SceneError
-        Two laws of a kind, a mesh without material, nothing at all, a node set that is not there.
+        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set
+        that is not there, a name that is none for a folder.
     InputTypeError
         Something that is no mesh, material, law or part.
     """
@@ -60,6 +62,7 @@ class Scene:
         _check_type("mesh", self.mesh, (Mesh, type(None)), "a Mesh")
         _check_type("material", self.material, (Material, type(None)), "a Material")
         _check_type("name", self.name, (str,), "a text")
+        _check_name(self.name)
         _check_type("run", self.run, (RunSettings,), "RunSettings")
         object.__setattr__(self, "laws", _checked("laws", self.laws, tuple(LAWS.values())))
         object.__setattr__(self, "parts", _checked("parts", self.parts, tuple(PARTS.values())))
@@ -67,6 +70,8 @@ class Scene:
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
             raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
+        if "springs" in kinds and "triangles" in kinds:
+            raise SceneError("laws.triangles: stands in place of laws.springs; leave one of them out")
         if self.mesh is not None and self.material is None:
             raise SceneError("material: is missing; a mesh needs one")
         if self._assembly.node_count == 0:
@@ -154,6 +159,15 @@ class Scene:
 def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:
     if not isinstance(value, kinds):
         raise InputTypeError(f"Scene.{name} = {show(value)}: must be {wanted}")
+
+
+def _check_name(name: str) -> None:
+    """The name becomes a folder's, so it must be one plain component of a path."""
+    if name in ("", ".", "..") or len(name) > LONGEST_NAME or any(sign in name for sign in "/\\\0"):
+        raise SceneError(
+            f"Scene.name = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "
+            "backslash or NUL, and neither '.' nor '..'"
+        )
 
 
 def _checked(name: str, items: object, kinds: tuple[type, ...]) -> tuple[object, ...]:

@@ -75,6 +75,8 @@ def read_scene(path: Path) -> SceneContent:
         return _content(tomllib.loads(text), path)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{path}: is no valid TOML: {error}") from None
+    except RecursionError:
+        raise SceneError(f"{path}: is nested too deeply; a scene file needs tables in tables and no more") from None
     except InputError as error:
         raise SceneError(f"{path}: {error}") from None
 

@@ -28,7 +28,7 @@ def held_scene(scene: Scene, rate: float) -> Scene:
     parts: list[Part] = list(scene.parts)
     if GUIDE_BARS in scene.assemble().node_sets:
         parts.append(Fixed(nodes=GUIDE_BARS))
-    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts, name=f"{scene.name} (settling)")
+    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts)
 
 
 def settled(
@@ -44,5 +44,5 @@ def settled(
             raise InputError(f"settle: {name} = {value}: must be greater than 0 ({unit})")
     held = Simulation(held_scene(scene, rate), integrator)
     held.positions = positions
-    held.step(max(1, round(time / held.dt)))
+    held._reach(time if held.is_adaptive else max(1, round(time / held.dt)))
     return held.positions, float(np.linalg.norm(held.velocities, axis=1).max())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -18,6 +18,7 @@ from membrane_rs._validation import show
 from membrane_rs.assembly import Assembly
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.laws import Law, Springs
+from membrane_rs.run_settings import MOST_INSTANTS
 from membrane_rs.saved_state import read_state, write_state
 from membrane_rs.scene import Scene
 
@@ -33,17 +34,34 @@ ENERGY_TOLERANCE = 1e-2
 """Energy from nowhere, as a share of the energy turned over, at which a run stops."""
 MOST_STEPS = 10**15
 """More steps than this are a slip of the pen: they would take centuries."""
-MOST_INSTANTS = 10**7
-"""More frames or samples than this would not fit into memory."""
 
 
 PROGRESS_LOOKS = 500
 """How often a run that is followed tells its progress, beside every sample."""
 
 
-def integrators() -> list[str]:
-    """The names of the methods."""
-    return _core.integrators()
+@dataclass(frozen=True)
+class IntegratorFacts:
+    """What is known of a method of time integration.
+
+    order : of the error after a given time. evaluations : of the forces per step. evaluations_at_start : before the
+    first step. keeps_energy : whether the energy of an undamped motion stays bounded, however long it lasts.
+    is_adaptive : whether it chooses its own step where none is given. imaginary_limit : largest stable
+    omega dt of an undamped oscillation. real_limit : largest stable rate times dt of a pure decay.
+    """
+
+    order: int
+    evaluations: int
+    evaluations_at_start: int
+    keeps_energy: bool
+    is_adaptive: bool
+    imaginary_limit: float
+    real_limit: float
+
+
+def integrators() -> dict[str, IntegratorFacts]:
+    """What is known of each method, by name."""
+    return {facts[0]: IntegratorFacts(*facts[1:]) for facts in _core.integrators()}
 
 
 class Observer(Protocol):
@@ -74,7 +92,8 @@ class Simulation:
     integrator : str, optional
         Name of the method. Default: the scene's own, which is "rk4" unless it says otherwise.
     dt : float, optional
-        Step [s]. Default: the scene's own; without one, 0.4 of the stability limit, or a little less so that a
+        Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
+        the scene's tolerance, and other methods take 0.4 of the stability limit, or a little less so that a
         whole number of steps lies between two samples of the scene's history.
 
     Raises
@@ -99,22 +118,32 @@ class Simulation:
             watch_interval=scene.run.watch,
             energy_tolerance=ENERGY_TOLERANCE,
             loss_tolerance=scene.run.energy_loss,
+            tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
         )
-        if step is None:
+        if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
-        self._limit: tuple[float, str, int] | None = None
         self.is_settled = False
 
     @property
     def time(self) -> float:
-        """Simulated time [s]: the start plus a whole number of steps, never a running sum."""
+        """Simulated time [s]: the start plus a whole number of steps, never a running sum, unless `is_adaptive`."""
         return self._core.time
 
     @property
     def dt(self) -> float:
-        """Step [s]."""
+        """Step [s]; where `is_adaptive`, the one to be tried next."""
         return self._core.dt
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the method chooses each step by its error; instants between two steps are then shown as they are."""
+        return self._core.is_adaptive
+
+    @property
+    def rejected_count(self) -> int:
+        """Steps that were tried and rejected because of their error; their evaluations count."""
+        return self._core.rejected_count
 
     @property
     def integrator(self) -> str:
@@ -144,7 +173,6 @@ class Simulation:
     @positions.setter
     def positions(self, values: ArrayLike) -> None:
         self._core.set_motion(self._vectors(values, "positions", "m"), self.velocities)
-        self._limit = None
 
     @property
     def velocities(self) -> Floats:
@@ -157,8 +185,10 @@ class Simulation:
 
     @cached_property
     def masses(self) -> Floats:
-        """(N,) mass of each node [kg], tip masses and cords included."""
-        return self._core.masses()
+        """(N,) mass of each node [kg], tip masses and cords included; read only."""
+        masses = self._core.masses()
+        masses.setflags(write=False)
+        return masses
 
     @cached_property
     def spring_pairs(self) -> Ints:
@@ -223,14 +253,30 @@ class Simulation:
         return strains
 
     def buckled(self) -> NDArray[np.bool_]:
-        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled."""
+        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
+
+        With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
+        wrinkled or slack.
+        """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
         edges = len(self.spring_pairs) - len(self.assembly.cord_pairs)
         for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
             readings = self._core.spring_readings(law)
             if readings is not None:
                 found[rows] = readings[1]
+        films = self._core.triangle_readings()
+        if films is not None and self.scene.mesh is not None:
+            beside = np.zeros(edges, dtype=np.bool_)
+            beside[self.scene.mesh.triangle_edges[films[1] > 0]] = True
+            found[:edges] = beside & (self.spring_strains()[:edges] < 0)
         return found
+
+    def film_states(self) -> NDArray[np.int8]:
+        """(m,) what the film does in each triangle: 0 taut, 1 wrinkled, 2 slack; -1 without the law `Triangles`."""
+        films = self._core.triangle_readings()
+        if films is None:
+            return np.full(len(self.assembly.triangles), -1, np.int8)
+        return films[1].astype(np.int8)
 
     def crease_angles(self) -> Floats:
         """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
@@ -261,14 +307,12 @@ class Simulation:
         return self._stability()[2]
 
     def _stability(self) -> tuple[float, str, int]:
-        if self._limit is None:
-            dt, _, _, node, words = self._core.limit()
-            sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
-            self._limit = dt, f"{words} (in {', '.join(sets)})" if sets else words, node
-        return self._limit
+        dt, _, _, node, words = self._core.limit()
+        sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
+        return dt, f"{words} (in {', '.join(sets)})" if sets else words, node
 
     def step(self, n: int = 1) -> None:
-        """Take `n` steps.
+        """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
 
         Raises
         ------
@@ -307,7 +351,7 @@ class Simulation:
         rate = None if rate is None else _number("settle: rate", rate, "1/s")
         positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
         self._core.set_motion(positions, np.zeros_like(positions))
-        self.is_settled, self._limit = True, None
+        self.is_settled = True
         return speed
 
     def run(
@@ -367,20 +411,21 @@ class Simulation:
         watchers: list[Observer] = [*observers, *([folder] if folder is not None else [])]
         if self.scene.run.settle > 0 and not self.is_settled and self.step_count == 0:
             self.settle()
-        frame_steps = self._steps_of(self.scene.run.frames if frames is None else frames, end, "frames")
+        frame_marks = self._marks_of(self.scene.run.frames if frames is None else frames, end, "frames")
         shots = [time for time in self.scene.run.snapshots if time <= end]
-        sample_steps = frame_steps | self._steps_of(shots, end, "snapshots")
-        sample_steps |= self._steps_of(self.scene.run.samples if samples is None else samples, end, "samples")
-        looks = np.linspace(self.step_count, max(sample_steps), PROGRESS_LOOKS if progress else 0)
+        marks = frame_marks | self._marks_of(shots, end, "snapshots")
+        marks |= self._marks_of(self.scene.run.samples if samples is None else samples, end, "samples")
+        looks = np.linspace(min(marks), max(marks), PROGRESS_LOOKS if progress else 0)
+        whole = float if self.is_adaptive else int
         for watcher in watchers:
             watcher.start(self)
         error: BaseException | None = None
         try:
-            for target in sorted(sample_steps.union(looks.astype(int).tolist())):
-                self._core.step(target - self.step_count)
-                if target in sample_steps:
+            for mark in sorted(marks.union(map(whole, looks))):
+                self._reach(mark)
+                if mark in marks:
                     self._core.check()
-                    self._show(watchers, is_frame=target in frame_steps)
+                    self._show(watchers, is_frame=mark in frame_marks)
                 if progress is not None:
                     progress(self)
         except BaseException as caught:
@@ -399,10 +444,19 @@ class Simulation:
             if is_frame:
                 watcher.frame(self)
 
-    def _steps_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[int]:
-        """The step counts nearest to the wanted instants that are not past; now and the end are among them."""
+    def _reach(self, mark: float) -> None:
+        """Go to a time [s] where steps are chosen, and else to a step count."""
+        if self.is_adaptive:
+            self._core.reach(mark)
+        else:
+            self._core.step(int(mark) - self.step_count)
+
+    def _marks_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[float]:
+        """Marks for `_reach`: the wanted instants that are not past, or the step counts nearest to them; now and the
+        end are among them.
+        """
         ahead = (end - self.time) / self.dt
-        if ahead > MOST_STEPS:
+        if ahead > MOST_STEPS and not self.is_adaptive:
             raise InputError(
                 f"until = {end} s: that is {ahead:.1e} steps of dt = {self.dt:.3g} s; give an earlier time"
             )
@@ -418,6 +472,10 @@ class Simulation:
             if not 2 <= count <= MOST_INSTANTS:
                 raise InputError(f"{name} = {count}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
             times = np.linspace(0.0, end, count)
+        if self.is_adaptive:
+            # Twelve digits, so that a frame and a sample of the same instant are one mark.
+            later = [float(f"{time:.12g}") for time in times[(times > self.time) & (times < end)]]
+            return {self.time, end, *later}
         last = round(ahead)
         steps = np.round(np.clip((times - self.time) / self.dt, -1.0, last + 1.0)).astype(np.int64)
         steps = np.array([0, last, *steps[(steps > 0) & (steps <= last)]]) + self.step_count
@@ -434,6 +492,7 @@ class Simulation:
         state = {
             "integrator": self.integrator,
             "dt": self.dt,
+            "is_adaptive": self.is_adaptive,
             "is_settled": self.is_settled,
             **self._core.progress(),
         }
@@ -452,7 +511,12 @@ class Simulation:
         """
         scene, state = read_state(Path(path))
         try:
-            sim = cls(scene, str(state.pop("integrator")), state.pop("dt"))
+            dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
+            if not isinstance(is_adaptive, bool):
+                raise ValueError("is_adaptive is not true or false")
+            sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
+            if is_adaptive:
+                sim._core.set_dt(_number("dt", dt))
             sim.is_settled = bool(state.pop("is_settled"))
             sim._core.resume(state)
         except ValueError as error:
@@ -501,6 +565,7 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
     """What the core is given, by name."""
     mesh, material = scene.mesh, scene.material
     springs = scene.law("springs")
+    rule = "keep" if scene.law("triangles") is None else "unused"
     return {
         "positions": assembly.positions,
         "velocities": np.zeros_like(assembly.positions),
@@ -510,7 +575,7 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
         if material is None
         else (material.youngs_modulus, material.poisson_ratio, material.density, material.thickness),
         # Without the law of the springs nothing uses their constants, so nothing need be refused.
-        "negative_springs": springs.negative if isinstance(springs, Springs) else "keep",
+        "negative_springs": springs.negative if isinstance(springs, Springs) else rule,
         "creases": assembly.creases,
         "fold_signs": assembly.fold_signs,
         "extra_masses": assembly.extra_masses,

@@ -76,7 +76,8 @@ class History:
             *(energies[name] for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
         ]
-        self.rows.append([float(value) for value in row])
+        # Adding 0 makes 0 of -0, which a reader would take for a sign.
+        self.rows.append([float(value) + 0.0 for value in row])
         self._write(self.rows[-1])
 
     def table(self) -> dict[str, Floats]:
@@ -85,8 +86,9 @@ class History:
         return {name: values[:, k] for k, name in enumerate(self.columns)}
 
     def close(self) -> None:
-        """Close the file; the rows stay."""
-        self._file.close()
+        """Close the file; the rows stay. Raises OutputError where what is left cannot be written."""
+        with output_errors(self._path):
+            self._file.close()
 
     def _write(self, row: list[str] | list[float]) -> None:
         with output_errors(self._path):

@@ -15,7 +15,7 @@ from membrane_rs.output.history import read_history
 from membrane_rs.output.report import curve_features
 
 # Column, label, and the level that is full deployment.
-_PANELS = (
+PANELS = (
     ("deployment_rate", "Deployment rate", 1.0),
     ("phase_difference_deg", "Phase difference [deg]", 0.0),
 )
@@ -50,7 +50,7 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
     figure = Figure(figsize=(7.0, 6.4), layout="constrained")
     FigureCanvasAgg(figure)
     panels = list(figure.subplots(2, 1, sharex=True))
-    for axes, (column, label, level) in zip(panels, _PANELS, strict=True):
+    for axes, (column, label, level) in zip(panels, PANELS, strict=True):
         for k, (name, table) in enumerate(runs):
             axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=name)
         low, high = axes.get_ylim()

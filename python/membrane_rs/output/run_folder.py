@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -134,17 +135,32 @@ class RunFolder:
     def finish(self, sim: Simulation, error: BaseException | None) -> None:
         """Close the history, write the summary, then the pictures. Raises OutputError.
 
+        The summary is written even where the history cannot be closed. What ended the run stays the error that is
+        told: a file that cannot be written after that is passed over, but for the state of an interrupted run.
+
         A run that went unstable is drawn as far as it came. After an interruption, or any other error,
         nothing is drawn, so that the program stops at once.
         """
-        self._history.close()
-        self._close_summary(sim, error)
-        if error is None or isinstance(error, KeyboardInterrupt):
+        first = error
+        try:
+            self._history.close()
+        except OutputError as failure:
+            first = first or failure
+        try:
+            self._close_summary(sim, first)
+        except OutputError as failure:
+            first = first or failure
+        if first is None or isinstance(first, KeyboardInterrupt):
             with output_errors(self.path / "state.npz"):
                 sim.save(self.path / "state.npz")
-        if self._pictures and (error is None or isinstance(error, UnstableError)):
-            self._summary["pictures"] = self._draw(sim)
-            self._write_summary()
+        if self._pictures and (first is None or isinstance(first, UnstableError)):
+            try:
+                self._summary["pictures"] = self._draw(sim)
+                self._write_summary()
+            except OutputError as failure:
+                first = first or failure
+        if first is not None and error is None:
+            raise first
 
     def _check(self) -> None:
         """Refuse a folder that cannot be used, before anything is written."""
@@ -163,8 +179,9 @@ class RunFolder:
     def _make_folders(self, made: list[Path]) -> None:
         """Make the folders that are missing, and add them to `made`, outermost first."""
         for folder in (*reversed(self.path.parents), self.path, *(self.path / name for name in OWN_FOLDERS)):
-            with output_errors(folder):
-                if not folder.exists():
+            # Another run may make the same parent at the same moment; then it is there, but not ours to remove.
+            with output_errors(folder), suppress(FileExistsError) if folder in self.path.parents else nullcontext():
+                if not folder.is_dir():
                     folder.mkdir()
                     made.append(folder)
 
@@ -196,6 +213,7 @@ class RunFolder:
             "outcome": outcome(error),
             "time": sim.time,
             "steps": sim.step_count,
+            "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
             "wall_time": time.perf_counter() - self._began,
             "frames": len(self._frames),

@@ -1,1 +1,9 @@
-"""Studies: one question per file, each answered by many runs of one scene."""
+"""Studies: many runs of one scene, compared: what accuracy costs, what a scene can do without, what a mesh changes."""
+
+from __future__ import annotations
+
+from membrane_rs.study.ablation import Ablation, ablate
+from membrane_rs.study.accuracy import Chart, chart
+from membrane_rs.study.mesh import FORMS, MeshRun, mesh_study, write_mesh_study
+
+__all__ = ["FORMS", "Ablation", "Chart", "MeshRun", "ablate", "chart", "mesh_study", "write_mesh_study"]

@@ -102,7 +102,12 @@ fn sheet() -> Model {
 /// The laws of model 1.
 fn laws() -> Vec<LawSpec> {
     vec![
-        LawSpec::Springs(SpringParameters { buckling: 100.0, buckling_on_creases: 1000.0, strain_limit: 1.0 }),
+        LawSpec::Springs(SpringParameters {
+            buckling: 100.0,
+            buckling_on_creases: 1000.0,
+            buckling_length: None,
+            strain_limit: 1.0,
+        }),
         LawSpec::SpringDamping(0.02),
         LawSpec::Creases(CreaseParameters {
             stiffness: 10.0,

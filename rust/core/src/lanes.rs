@@ -133,31 +133,6 @@ impl Lanes {
         Self(out)
     }
 
-    /// Eight numbers that stand in a row.
-    #[inline(always)]
-    pub fn read(column: &[f64], at: usize) -> Self {
-        let mut out = [0.0; LANES];
-        out.copy_from_slice(&column[at..at + LANES]);
-        Self(out)
-    }
-
-    /// Eight numbers from eight places.
-    #[inline(always)]
-    pub fn gather(column: &[f64], places: &[u32; LANES]) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = column[places[i] as usize];
-        }
-        Self(out)
-    }
-
-    /// Adds to eight numbers that stand in a row.
-    #[inline(always)]
-    pub fn add_to(self, column: &mut [f64], at: usize) {
-        let sum = Self::read(column, at) + self;
-        column[at..at + LANES].copy_from_slice(&sum.0);
-    }
-
     /// The sum over the lanes, in a fixed order.
     #[inline(always)]
     pub fn sum(self) -> f64 {

@@ -18,6 +18,7 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use crate::columns::{Columns, ColumnsMut};
 use crate::lanes::{LANES, Lanes, Point};
 use crate::state::Vectors;
 
@@ -199,12 +200,12 @@ pub struct Elements<const N: usize> {
     /// The caller's row of each lane of each group; `NONE` for a filler.
     origin: Vec<[u32; LANES]>,
     count: usize,
+    /// Above every node of every lane, fillers included: what `read` and `add` rely on.
+    node_bound: usize,
 }
 
 /// Groups in a batch.
 pub const BATCH: usize = 32;
-/// Runs whose first nodes lie within this many are stored together, shape by shape: a tile that stays in the cache.
-const TILE: u32 = 4096;
 
 impl<const N: usize> Elements<N> {
     /// Arranges elements of a scene with `node_count` nodes.
@@ -226,7 +227,7 @@ impl<const N: usize> Elements<N> {
                 groups.push((first.map(|node| node - back as u32), origin));
             }
         }
-        groups.sort_by_key(|(first, _)| first[0] / TILE);
+        groups.sort_by_key(|(first, _)| first[0]);
         alone.sort_by_key(|&row| elements[row as usize]);
         let (runs, mut origin): (Vec<_>, Vec<_>) = groups.into_iter().unzip();
         let mut loose = Vec::with_capacity(alone.len().div_ceil(LANES));
@@ -241,7 +242,10 @@ impl<const N: usize> Elements<N> {
             loose.push(nodes);
             origin.push(lanes);
         }
-        Self { runs, loose, origin, count: elements.len() }
+        let ends = runs.iter().flatten().map(|&first: &u32| first as usize + LANES);
+        let places = loose.iter().flatten().flatten().map(|&node: &u32| node as usize + 1);
+        let node_bound = ends.chain(places).max().unwrap_or(0);
+        Self { runs, loose, origin, count: elements.len(), node_bound }
     }
 
     /// Number of groups of eight.
@@ -291,15 +295,27 @@ impl<const N: usize> Elements<N> {
 
     /// The vectors of the nodes of a group, which is loose or not.
     #[inline(always)]
-    pub fn read<const LOOSE: bool>(&self, columns: [&[f64]; 3], group: usize) -> [Point; N] {
+    #[allow(unsafe_code)]
+    pub fn read<const LOOSE: bool>(&self, columns: Columns<'_>, group: usize) -> [Point; N] {
+        assert!(self.node_bound <= columns.rows());
         let mut points = [[Lanes::ZERO; 3]; N];
-        for k in 0..N {
-            for axis in 0..3 {
-                points[k][axis] = if LOOSE {
-                    Lanes::gather(columns[axis], &self.loose[group - self.runs.len()][k])
-                } else {
-                    Lanes::read(columns[axis], self.runs[group][k] as usize)
-                };
+        // SAFETY: nodes of runs and loose groups, all their lanes included, are below `node_bound`, and so below the number
+        // of rows of the columns; `axis` is below three.
+        unsafe {
+            if LOOSE {
+                let nodes = &self.loose[group - self.runs.len()];
+                for k in 0..N {
+                    for axis in 0..3 {
+                        points[k][axis] = columns.gather(axis, &nodes[k]);
+                    }
+                }
+            } else {
+                let first = self.runs[group];
+                for k in 0..N {
+                    for axis in 0..3 {
+                        points[k][axis] = columns.read(axis, first[k]);
+                    }
+                }
             }
         }
         points
@@ -307,28 +323,36 @@ impl<const N: usize> Elements<N> {
 
     /// Adds a vector to each node of a group, which is loose or not; those of fillers must be zero.
     #[inline(always)]
-    pub fn add<const LOOSE: bool>(&self, columns: &mut [&mut [f64]; 3], group: usize, vectors: [Point; N]) {
-        for k in 0..N {
-            for axis in 0..3 {
-                if LOOSE {
-                    let nodes = &self.loose[group - self.runs.len()][k];
-                    for lane in 0..LANES {
-                        columns[axis][nodes[lane] as usize] += vectors[k][axis].0[lane];
+    #[allow(unsafe_code)]
+    pub fn add<const LOOSE: bool>(&self, columns: &mut ColumnsMut<'_>, group: usize, vectors: [Point; N]) {
+        assert!(self.node_bound <= columns.rows());
+        // SAFETY: as in `read`.
+        unsafe {
+            if LOOSE {
+                let nodes = &self.loose[group - self.runs.len()];
+                for k in 0..N {
+                    for axis in 0..3 {
+                        columns.scatter(axis, &nodes[k], vectors[k][axis]);
                     }
-                } else {
-                    vectors[k][axis].add_to(columns[axis], self.runs[group][k] as usize);
+                }
+            } else {
+                let first = self.runs[group];
+                for k in 0..N {
+                    for axis in 0..3 {
+                        columns.add(axis, first[k], vectors[k][axis]);
+                    }
                 }
             }
         }
     }
 
     /// The vectors of the nodes of any group; for what is done once and not at every step.
-    pub fn read_any(&self, columns: [&[f64]; 3], group: usize) -> [Point; N] {
+    pub fn read_any(&self, columns: Columns<'_>, group: usize) -> [Point; N] {
         if group < self.runs.len() { self.read::<false>(columns, group) } else { self.read::<true>(columns, group) }
     }
 
     /// Adds a vector to each node of any group; for what is done once and not at every step.
-    pub fn add_any(&self, columns: &mut [&mut [f64]; 3], group: usize, vectors: [Point; N]) {
+    pub fn add_any(&self, columns: &mut ColumnsMut<'_>, group: usize, vectors: [Point; N]) {
         if group < self.runs.len() {
             self.add::<false>(columns, group, vectors);
         } else {
@@ -387,13 +411,12 @@ mod tests {
             }
         }
         // Adding one to both ends of every element counts each node's elements.
-        let mut counts = vec![0.0; 80];
-        let (mut y, mut z) = (counts.clone(), counts.clone());
+        let mut counts = Vectors::zeros(80);
         for (group, one) in elements.pack(0.0, |_| 1.0).into_iter().enumerate() {
             let one = [one, Lanes::ZERO, Lanes::ZERO];
-            elements.add_any(&mut [&mut counts, &mut y, &mut z], group, [one, one]);
+            elements.add_any(&mut ColumnsMut::of(&mut counts), group, [one, one]);
         }
-        for (node, count) in counts.iter().enumerate() {
+        for (node, count) in counts.column(0).iter().enumerate() {
             assert_eq!(*count, pairs.iter().flatten().filter(|&&end| end as usize == node).count() as f64);
         }
     }

@@ -42,13 +42,15 @@ pub struct Ledger {
     pub work: Vec<f64>,
     /// Largest change of any account at the checks so far \[J\].
     pub swing: f64,
+    /// What the method conserves in place of the energy, minus the energy, at the first step \[J\].
+    pub start_shift: f64,
 }
 
 impl Ledger {
     /// Opens the ledger.
     pub fn open(start: Accounts) -> Self {
         let work = vec![0.0; start.stored.len()];
-        Self { start, work, swing: 0.0 }
+        Self { start, work, swing: 0.0, start_shift: 0.0 }
     }
 
     /// Energy turned over so far, with the accounts as they are now \[J\].

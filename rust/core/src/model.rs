@@ -28,6 +28,8 @@ pub enum NegativeSprings {
     Clip,
     /// Keep them, to see the mesh fail.
     Keep,
+    /// The film is no net of springs: leave all spring constants at zero.
+    Unused,
 }
 
 /// A tension-only spring between two nodes: a piece of tether.
@@ -140,8 +142,11 @@ impl Assembly {
             for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(film.density * film.thickness)?) {
                 *mass += share;
             }
-            edge_stiffness = mesh.spring_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
-            treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
+            edge_stiffness = vec![0.0; mesh.edges.len()];
+            if model.negative_springs != NegativeSprings::Unused {
+                edge_stiffness = mesh.spring_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+                treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
+            }
         }
         let hinges = mesh.hinges(&model.creases)?;
         let links = [&mesh.edges[..], &ends, &model.bridges].concat();
@@ -180,7 +185,7 @@ impl Film {
 fn treat_negative(stiffness: &mut [f64], edges: &[[u32; 2]], rule: NegativeSprings) -> Result<()> {
     let count = stiffness.iter().filter(|&&k| k < 0.0).count();
     match rule {
-        NegativeSprings::Keep => Ok(()),
+        NegativeSprings::Keep | NegativeSprings::Unused => Ok(()),
         NegativeSprings::Clip => {
             stiffness.iter_mut().for_each(|k| *k = k.max(0.0));
             Ok(())
@@ -226,6 +231,10 @@ pub fn finite(what: &'static str, value: f64) -> Result<()> {
     within(what, value, true, "it must be finite")
 }
 
-fn within(what: &'static str, value: f64, inside: bool, range: &'static str) -> Result<()> {
+/// Refuses what is not finite or not `inside` its range.
+///
+/// # Errors
+/// `OutOfRange`.
+pub fn within(what: &'static str, value: f64, inside: bool, range: &'static str) -> Result<()> {
     if value.is_finite() && inside { Ok(()) } else { Err(Error::OutOfRange { what, value, range }) }
 }

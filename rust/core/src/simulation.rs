@@ -1,10 +1,12 @@
 //! The step loop; owns laws, method, state, ledger and watch.
 
+mod adaptive;
+mod diagnosis;
 mod watch;
 
 use crate::error::{Error, Result};
 use crate::forces::{self, Law, LawSpec, Readings, Spin};
-use crate::integrators::{self, Integrator, System};
+use crate::integrators::{self, Controller, Integrator, Memory, System, Tolerance};
 use crate::layout::Layout;
 use crate::ledger::{Accounts, Ledger};
 use crate::model::{Assembly, Model, non_negative, positive};
@@ -23,13 +25,22 @@ pub struct Settings {
     pub energy_tolerance: f64,
     /// Energy that the method may lose by itself, as a share of the energy turned over, before a run stops.
     pub loss_tolerance: f64,
+    /// Error of a step where no step is given and the method knows its error.
+    pub tolerance: Tolerance,
     /// The instructions that kernels run with; the bits of the results do not depend on it.
     pub width: Width,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin: 0.4, watch_interval: 32, energy_tolerance: 1e-2, loss_tolerance: 0.05, width: Width::widest() }
+        Self {
+            margin: 0.4,
+            watch_interval: 32,
+            energy_tolerance: 1e-2,
+            loss_tolerance: 0.05,
+            tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
+            width: Width::widest(),
+        }
     }
 }
 
@@ -42,6 +53,8 @@ struct Mechanics {
     masses: Vec<f64>,
     inverse_masses: Vec<f64>,
     evaluation_count: u64,
+    /// The last forces of each law without a potential, where the method asks for their work later [N].
+    resistances: Vec<Option<Vectors>>,
     width: Width,
 }
 
@@ -64,14 +77,48 @@ impl Sweep for Divide<'_> {
     }
 }
 
+/// Adds one array to another.
+struct Add<'a> {
+    from: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Sweep for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(self) {
+        self.to.iter_mut().zip(self.from).for_each(|(to, from)| *to += from);
+    }
+}
+
 impl System for Mechanics {
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
-        accelerations.fill(0.0);
-        for (law, power) in self.laws.iter().zip(powers) {
-            *power = law.add_forces(at, accelerations);
+        accelerations.as_mut_slice().fill(0.0);
+        for ((law, power), resistance) in self.laws.iter().zip(powers).zip(&mut self.resistances) {
+            *power = if let Some(resistance) = resistance {
+                resistance.as_mut_slice().fill(0.0);
+                let power = law.add_forces(at, resistance);
+                self.width.run(Add { from: resistance.as_slice(), to: accelerations.as_mut_slice() });
+                power
+            } else {
+                law.add_forces(at, accelerations)
+            };
         }
         self.width.run(Divide { columns: columns_mut(accelerations), inverse_masses: &self.inverse_masses });
         self.evaluation_count += 1;
+    }
+
+    fn rework(&self, velocities: &Vectors, powers: &mut [f64]) {
+        for (power, resistance) in powers.iter_mut().zip(&self.resistances) {
+            if let Some(resistance) = resistance {
+                *power = resistance.dot(velocities);
+            }
+        }
+    }
+
+    fn gyration(&self, time: f64) -> f64 {
+        self.laws.iter().map(|law| law.gyration(time)).sum()
     }
 }
 
@@ -90,6 +137,31 @@ pub struct Progress {
     pub velocities: Vec<[f64; 3]>,
     /// The ledger.
     pub ledger: Ledger,
+    /// What the method keeps from step to step: vectors per node, and numbers.
+    pub memory: (Vec<Vec<[f64; 3]>>, Vec<f64>),
+    /// Where steps are chosen by their error; positions, velocities and work are then those at the end of the last step.
+    pub adaptive: Option<AdaptiveProgress>,
+}
+
+/// What an adaptive run has beside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdaptiveProgress {
+    /// The end of the last step \[s\].
+    pub front: f64,
+    /// The instant that is shown, within that step \[s\].
+    pub shown: f64,
+    /// The step to come.
+    pub controller: Controller,
+}
+
+/// The state at a check that found nothing.
+struct Good {
+    time: f64,
+    step_count: u64,
+    state: State,
+    work: Vec<f64>,
+    accounts: Accounts,
+    memory: Memory,
 }
 
 /// A scene that can be stepped.
@@ -104,14 +176,15 @@ pub struct Simulation {
     step_count: u64,
     state: State,
     ledger: Ledger,
-    /// The state at the last check that found nothing.
-    good: (u64, State, Vec<f64>, Accounts),
+    good: Good,
+    adaptive: Option<adaptive::Adaptive>,
     /// The limit of the step at the start.
     start_limit: Limit,
 }
 
 impl Simulation {
-    /// Assembles a model and its laws. `dt` of `None` takes the stability limit times the margin.
+    /// Assembles a model and its laws. `dt` of `None` lets a method that knows its error choose each step by the
+    /// tolerance; others take the stability limit times the margin.
     ///
     /// # Errors
     /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` without `dt` where no step
@@ -131,7 +204,12 @@ impl Simulation {
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
+        let resistance = |law: &dyn Law| {
+            let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
+            is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
+        };
         let mechanics = Mechanics {
+            resistances: laws.iter().map(|law| resistance(law.as_ref())).collect(),
             laws,
             masses: assembly.masses,
             inverse_masses: assembly.inverse_masses,
@@ -140,7 +218,14 @@ impl Simulation {
         };
         let accounts = Accounts::take(&mechanics.laws, &mechanics.masses, 0.0, &state);
         let ledger = Ledger::open(accounts.clone());
-        let good = (0, state.clone(), ledger.work.clone(), accounts);
+        let good = Good {
+            time: 0.0,
+            step_count: 0,
+            state: state.clone(),
+            work: ledger.work.clone(),
+            accounts,
+            memory: Memory::default(),
+        };
         let mut simulation = Self {
             mechanics,
             layout: assembly.layout,
@@ -153,6 +238,7 @@ impl Simulation {
             state,
             ledger,
             good,
+            adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
         let limit = simulation.limit()?;
@@ -168,6 +254,10 @@ impl Simulation {
                 });
             }
             Some(dt) => dt,
+            None if simulation.integrator.embedded().is_some() => {
+                simulation.adapt(limit.dt)?;
+                0.0
+            }
             None if limit.dt.is_finite() => settings.margin * limit.dt,
             None => return Err(Error::NoStiffness),
         };
@@ -176,26 +266,35 @@ impl Simulation {
 
     /// Time \[s\].
     pub fn time(&self) -> f64 {
-        self.time_of(self.step_count)
+        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.shown)
     }
 
-    fn time_of(&self, step: u64) -> f64 {
-        self.origin + step as f64 * self.dt
-    }
-
-    /// The step \[s\].
+    /// The step \[s\]; of an adaptive run the one to be tried next.
     pub fn dt(&self) -> f64 {
-        self.dt
+        self.adaptive.as_ref().map_or(self.dt, |adaptive| adaptive.controller.dt)
     }
 
-    /// Changes the step; steps are counted anew from now, in the ledger's same accounts.
+    /// Changes the step; steps are counted anew from now, in the ledger's same accounts. An adaptive run tries it next.
     ///
     /// # Errors
     /// `OutOfRange`.
     pub fn set_dt(&mut self, dt: f64) -> Result<()> {
         positive("dt [s]", dt)?;
-        (self.origin, self.step_count, self.good.0, self.dt) = (self.time(), 0, 0, dt);
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.controller.dt = dt;
+            return Ok(());
+        }
+        (self.origin, self.step_count, self.good.step_count) = (self.time(), 0, 0);
+        if self.integrator.is_started() {
+            // What the method conserves changes with the step.
+            self.ledger.start_shift += self.energy_shift(dt) - self.energy_shift(self.dt);
+        }
+        self.dt = dt;
         Ok(())
+    }
+
+    fn energy_shift(&self, dt: f64) -> f64 {
+        self.integrator.energy_shift(&self.mechanics.masses, dt)
     }
 
     /// Steps taken since the time from which they are counted.
@@ -256,6 +355,8 @@ impl Simulation {
             velocities: self.layout.gather_vectors(velocities),
         };
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
+        self.integrator.recall(Memory::default());
+        self.restart_adaptive();
         self.ledger = Ledger::open(self.accounts());
         self.keep(self.ledger.start.clone());
         Ok(())
@@ -319,9 +420,14 @@ impl Simulation {
     /// `Unstable` where the watch stops the run; the state is then that of the last good check.
     pub fn step(&mut self, count: u64) -> Result<()> {
         for _ in 0..count {
-            let time = self.time();
-            self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
-            self.step_count += 1;
+            self.start_if_needed();
+            if self.adaptive.is_some() {
+                self.adaptive_step()?;
+            } else {
+                let time = self.time();
+                self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+                self.step_count += 1;
+            }
             if self.step_count.is_multiple_of(self.settings.watch_interval.max(1)) {
                 self.regular_check()?;
             }
@@ -329,82 +435,61 @@ impl Simulation {
         Ok(())
     }
 
-    /// Looks for values that are not finite, springs over their bound, and energy from nowhere, between two regular
-    /// checks: it leaves no trace in the ledger, so that looking on changes nothing.
-    ///
-    /// # Errors
-    /// `Unstable`; the state is then that of the last good regular check.
-    pub fn check(&mut self) -> Result<()> {
-        let now = self.accounts();
-        self.refuse_fault(&now)
-    }
-
-    fn regular_check(&mut self) -> Result<()> {
-        let now = self.accounts();
-        self.refuse_fault(&now)?;
-        self.ledger.swing = self.ledger.turned_over(&now);
-        self.keep(now);
-        Ok(())
-    }
-
-    fn refuse_fault(&mut self, now: &Accounts) -> Result<()> {
-        if let Some(watch::Fault { what, place, law, cure }) = self.fault(now) {
-            let (time, step) = (self.time(), self.step_count);
-            (self.step_count, self.state, self.ledger.work) = (self.good.0, self.good.1.clone(), self.good.2.clone());
-            return Err(Error::Unstable { time, step, good_time: self.time(), what, place, law, cure });
+    fn start_if_needed(&mut self) {
+        if !self.integrator.is_started() {
+            let time = self.time();
+            self.integrator.start(&mut self.mechanics, time, &self.state);
+            self.ledger.start_shift = self.energy_shift(self.dt);
         }
-        Ok(())
-    }
-
-    fn keep(&mut self, accounts: Accounts) {
-        self.good.0 = self.step_count;
-        self.good.1.positions.copy_from(&self.state.positions);
-        self.good.1.velocities.copy_from(&self.state.velocities);
-        self.good.2.copy_from_slice(&self.ledger.work);
-        self.good.3 = accounts;
     }
 
     fn instant(&self) -> Instant<'_> {
         Instant { time: self.time(), positions: &self.state.positions, velocities: &self.state.velocities }
     }
 
-    fn good_instant(&self) -> Instant<'_> {
-        Instant {
-            time: self.time_of(self.good.0),
-            positions: &self.good.1.positions,
-            velocities: &self.good.1.velocities,
-        }
-    }
-
     /// The progress, to be saved.
     pub fn progress(&self) -> Progress {
+        let memory = self.integrator.memory();
+        let vectors = memory.vectors.iter().map(|vectors| self.layout.scatter_vectors(vectors)).collect();
+        let (state, work) = self.front();
         Progress {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
             origin: self.origin,
-            positions: self.positions(),
-            velocities: self.velocities(),
-            ledger: self.ledger.clone(),
+            positions: self.layout.scatter_vectors(&state.positions),
+            velocities: self.layout.scatter_vectors(&state.velocities),
+            ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
+            memory: (vectors, memory.numbers),
+            adaptive: self.adaptive_progress(),
         }
     }
 
     /// Continues from a saved progress of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` where it is of another model, `NotFinite`.
+    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
-        for (found, expected) in
-            [(progress.ledger.work.len(), self.laws().len()), (progress.ledger.start.stored.len(), self.laws().len())]
-        {
-            if found != expected {
-                return Err(Error::LengthMismatch { what: "the saved ledger", found, expected, per: "law" });
-            }
+        let nodes = self.mechanics.masses.len();
+        let length = |what, found: usize, expected: usize, per| {
+            if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
+        };
+        length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
+        length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
+        for rows in &progress.memory.0 {
+            length("the saved memory of the method", rows.len(), nodes, "node")?;
         }
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;
         self.ledger = progress.ledger.clone();
+        let vectors = progress.memory.0.iter().map(|rows| self.layout.gather_vectors(rows)).collect();
+        if !self.integrator.recall(Memory { vectors, numbers: progress.memory.1.clone() }) {
+            let (found, expected) = (progress.memory.1.len(), self.laws().len());
+            return Err(Error::LengthMismatch { what: "the saved memory of the method", found, expected, per: "law" });
+        }
+        self.resume_adaptive(progress.adaptive.as_ref())?;
         self.keep(self.accounts());
+        self.show_saved(progress.adaptive.as_ref());
         Ok(())
     }
 

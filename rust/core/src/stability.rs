@@ -6,7 +6,7 @@
 
 mod damped;
 
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::error::{Error, Result};
 use crate::forces::Law;
@@ -31,10 +31,21 @@ pub struct Limit {
     pub node: usize,
 }
 
+/// An oscillator's numbers: x'' = -omega^2 x - c x'.
+#[derive(Debug, Clone, Copy)]
+struct Mode {
+    omega: f64,
+    damping: f64,
+}
+
+/// A product with a matrix: adds it to the second argument.
+type Product<'a> = &'a dyn Fn(&Vectors, &mut Vectors);
+
 /// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
 struct Linear<'a> {
-    stiffness: &'a dyn Fn(&Vectors, &mut Vectors),
-    damping: &'a dyn Fn(&Vectors, &mut Vectors),
+    stiffness: Product<'a>,
+    damping: Product<'a>,
+    /// The roots of the inverse masses.
     roots: &'a [f64],
     /// By how much the frame's turning can shift a frequency \[rad/s\].
     turning: f64,
@@ -58,39 +69,44 @@ pub fn limit(
     let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
     let (square, stiffest) = largest(&stiffness, &roots)?;
     let (rate, most_damped) = largest(&damping, &roots)?;
-    let turning = laws.iter().map(|law| law.turning(at)).fold(0.0, f64::max);
-    let largest_frequency = square.max(0.0).sqrt();
+    // Coriolis acts with 2 Omega; what turns against the frame turns faster by Omega.
+    let turning_of = |law: &dyn Law| 0.5 * law.gyration(at.time).abs();
+    let turning = laws.iter().map(|law| turning_of(law.as_ref())).fold(0.0, f64::max);
+    let omega = square.max(0.0).sqrt();
     let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
     let (dt, mode, pace) = if rate > 0.0 {
-        damped::worst(integrator, &system, [stiffest, most_damped], largest_frequency.max(rate))?
+        let start = [stiffest, most_damped];
+        match integrator.damping_weight() {
+            Some(weight) => damped::worst_of_sum(integrator, &system, start, weight)?,
+            None => damped::worst(integrator, &system, start, omega.max(rate))?,
+        }
     } else {
-        let root = Complex::new(0.0, largest_frequency);
-        (largest_step(integrator, &[root], turning), stiffest, largest_frequency)
+        (largest_step(integrator, Mode { omega: omega + turning, damping: 0.0 }), stiffest, omega)
     };
     // The law with the largest share of the mode's stiffness and damping; the frame's, where its turning is faster.
     let share = |law: &dyn Law| {
         let elastic = quotient(&|p, out| law.add_stiffness_product(at, p, out), &roots, &mode);
         let viscous = quotient(&|p, out| law.add_damping_product(at, p, out), &roots, &mode);
-        elastic + pace * viscous + law.turning(at) * law.turning(at)
+        elastic + pace * viscous + turning_of(law).powi(2)
     };
     let law =
         laws.iter().max_by(|a, b| share(a.as_ref()).total_cmp(&share(b.as_ref()))).map_or("nothing", |law| law.name());
     let node = (0..mode.nrows())
         .max_by(|&i, &j| mode.row(i).norm_squared().total_cmp(&mode.row(j).norm_squared()))
         .unwrap_or(0);
-    Ok(Limit { dt, largest_frequency, law, node })
+    Ok(Limit { dt, largest_frequency: omega, law, node })
 }
 
-/// The largest step up to which `integrator` lets no solution exp(root t) grow, each root shifted by the frame's
-/// turning \[s\].
-fn largest_step(integrator: &dyn Integrator, roots: &[Complex<f64>], turning: f64) -> f64 {
-    let shifted = |root: &Complex<f64>| Complex::new(root.re.min(0.0), root.im.abs() + turning);
-    let roots: Vec<Complex<f64>> = roots.iter().map(shifted).collect();
-    let size = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
+/// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
+fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
+    let Mode { omega, damping } = mode;
+    // The larger of the roots of lambda^2 + damping lambda + omega^2.
+    let half = 0.5 * damping;
+    let size = if half > omega { half + (half * half - omega * omega).sqrt() } else { omega };
     if size == 0.0 {
         return f64::INFINITY;
     }
-    let stable = |z: f64| roots.iter().all(|root| integrator.amplification(root * (z / size)) <= 1.0 + 1e-12);
+    let stable = |z: f64| integrator.growth(omega, damping, z / size) <= 1.0 + 1e-12;
     // Out from zero to the first unstable point, then bisect: beyond it may lie stable islands that no one should use.
     let mut high = 0.01;
     while stable(high) && high < 1e3 {
@@ -104,8 +120,13 @@ fn largest_step(integrator: &dyn Integrator, roots: &[Complex<f64>], turning: f6
     low / size
 }
 
+/// The limits of `integrator` on the imaginary axis, in omega dt, and on the negative real one, in damping dt.
+pub fn axis_limits(integrator: &dyn Integrator) -> [f64; 2] {
+    [Mode { omega: 1.0, damping: 0.0 }, Mode { omega: 0.0, damping: 1.0 }].map(|mode| largest_step(integrator, mode))
+}
+
 /// out = M^-1/2 A M^-1/2 q
-fn apply(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], q: &Vectors) -> Vectors {
+fn apply(product: Product<'_>, roots: &[f64], q: &Vectors) -> Vectors {
     let scaled = |mut v: Vectors| {
         for mut column in v.column_iter_mut() {
             column.iter_mut().zip(roots).for_each(|(value, root)| *value *= root);
@@ -118,12 +139,12 @@ fn apply(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], q: &Vectors) -
 }
 
 /// q . (M^-1/2 A M^-1/2) q for a unit vector q.
-fn quotient(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], q: &Vectors) -> f64 {
+fn quotient(product: Product<'_>, roots: &[f64], q: &Vectors) -> f64 {
     q.dot(&apply(product, roots, q))
 }
 
 /// The largest eigenvalue of M^-1/2 A M^-1/2 and its unit eigenvector.
-fn largest(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64]) -> Result<(f64, Vectors)> {
+fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, Vectors)> {
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     let mut found: f64 = 0.0;
     let mut weights = DVector::from_element(1, 1.0);
@@ -163,7 +184,7 @@ fn largest(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64]) -> Result<(f
 }
 
 /// Lanczos's three-term recurrence; `visit` gets each basis vector, its diagonal entry and the next off-diagonal one.
-fn walk(product: &dyn Fn(&Vectors, &mut Vectors), roots: &[f64], mut visit: impl FnMut(&Vectors, f64, f64) -> bool) {
+fn walk(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&Vectors, f64, f64) -> bool) {
     // A fixed start with a part along every mode: the fractional parts of multiples of the golden ratio.
     let mut q =
         Vectors::from_fn(roots.len(), |i, axis| ((3 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
@@ -198,13 +219,24 @@ mod tests {
 
     #[test]
     fn limits_on_the_axes_are_those_of_the_textbook() {
-        let rk4 = by_name("rk4", 1, 0, crate::width::Width::Baseline).unwrap();
-        let imaginary = largest_step(rk4.as_ref(), &[Complex::new(0.0, 1.0)], 0.0);
-        assert!((imaginary - 8.0_f64.sqrt()).abs() < 1e-6, "{imaginary}");
-        let real = largest_step(rk4.as_ref(), &[Complex::new(-1.0, 0.0)], 0.0);
-        assert!((real - 2.785_293_563_405_28).abs() < 1e-6, "{real}");
-        let turning = largest_step(rk4.as_ref(), &[Complex::new(0.0, 1.0)], 1.0);
-        assert!((turning - 2.0_f64.sqrt()).abs() < 1e-6, "{turning}");
+        let known =
+            [("rk4", 8.0_f64.sqrt(), 2.785_293_563_4), ("leapfrog", 2.0, 1.0), ("dopri5", 0.997_189, 3.306_568)];
+        for (name, on_imaginary_axis, on_real_axis) in known {
+            let method = by_name(name, 1, 0, crate::width::Width::Baseline).unwrap();
+            let [imaginary, real] = axis_limits(method.as_ref());
+            assert!((imaginary - on_imaginary_axis).abs() < 1e-4, "{name}: {imaginary}");
+            assert!((real - on_real_axis).abs() < 1e-4, "{name}: {real}");
+        }
+    }
+
+    #[test]
+    fn damping_shortens_the_step_of_leapfrog_by_the_closed_form() {
+        let leapfrog = by_name("leapfrog", 1, 0, crate::width::Width::Baseline).unwrap();
+        for ratio in [0.0, 0.02, 0.1, 0.5, 1.0, 2.0, 10.0] {
+            let found = largest_step(leapfrog.as_ref(), Mode { omega: 3.0, damping: 6.0 * ratio });
+            let exact = 2.0 * ((4.0 * ratio * ratio + 1.0).sqrt() - 2.0 * ratio) / 3.0;
+            assert!((found / exact - 1.0).abs() < 1e-5, "zeta {ratio}: {found} {exact}");
+        }
     }
 
     #[test]

@@ -3,8 +3,8 @@
 
 mod common;
 
-use membrane_core::forces::{LawSpec, SpringParameters};
-use membrane_core::integrators;
+use membrane_core::forces::{LawSpec, Spin, SpringParameters};
+use membrane_core::integrators::{self, Tolerance};
 use membrane_core::model::{Cord, Model};
 use membrane_core::simulation::{Settings, Simulation};
 use membrane_core::width::Width;
@@ -48,10 +48,9 @@ fn each_method_has_its_stated_order_and_cost() {
             let dt = 10.0 / steps as f64;
             let mut simulation = Simulation::new(oscillator(0.3), &[], name, Some(dt), unwatched()).unwrap();
             simulation.step(steps).unwrap();
-            assert_eq!(
-                simulation.evaluation_count(),
-                steps * u64::from(simulation.integrator().evaluations_per_step())
-            );
+            let method = simulation.integrator();
+            let expected = steps * u64::from(method.evaluations_per_step()) + u64::from(method.evaluations_at_start());
+            assert_eq!(simulation.evaluation_count(), expected);
             (simulation.positions()[1][0] - 2.0 - 0.3 * 10.0_f64.cos()).abs()
         };
         let ratio = error(200) / error(400);
@@ -60,18 +59,30 @@ fn each_method_has_its_stated_order_and_cost() {
     }
 }
 
+/// Steps after which a mode that holds a thousandth of the motion has grown threefold and more at 1.02 of the limit.
+fn steps_to_see(simulation: &Simulation, damping: f64) -> u64 {
+    let limit = simulation.limit().unwrap();
+    let growth = simulation.integrator().growth(limit.largest_frequency, damping, 1.02 * limit.dt);
+    assert!(growth > 1.0);
+    (3e3_f64.ln() / growth.ln()).ceil() as u64 + 100
+}
+
 #[test]
 fn each_method_is_stable_just_below_its_predicted_limit_and_not_just_above() {
     for name in integrators::names() {
-        for (model, what) in [(chain(1, 0.5, 1.0, 1e-6), "oscillator"), (chain(40, 7.0, 0.3, 1e-6), "chain")] {
-            let new = |dt| Simulation::new(model.clone(), &[], name, dt, unwatched()).unwrap();
-            let predicted = new(None).limit().unwrap().dt;
+        for (model, what) in [(chain(1, 0.5, 1.0, 1e-6), "oscillator"), (chain(8, 7.0, 0.3, 1e-6), "chain")] {
+            let new = |dt| Simulation::new(model.clone(), &[], name, Some(dt), unwatched()).unwrap();
+            let first = new(0.01);
+            let predicted = first.limit().unwrap().dt;
+            let steps = steps_to_see(&first, 0.0);
             let grows = |dt: f64| {
-                let mut simulation = new(Some(dt));
+                let mut simulation = new(dt);
                 let before = simulation.accounts().kinetic;
-                simulation.step(2000).unwrap();
-                let after = simulation.accounts().kinetic;
-                after.is_nan() || after > 10.0 * before
+                simulation.step(steps).unwrap();
+                // The energy of leapfrog swings: at 0.99 of its limit fiftyfold.
+                let after = simulation.accounts();
+                let after = after.kinetic + after.stored.iter().sum::<f64>() - simulation.ledger().start.stored[0];
+                after.is_nan() || after > 1e3 * before
             };
             assert!(!grows(0.99 * predicted), "{name}, {what}: grows below its limit");
             assert!(grows(1.02 * predicted), "{name}, {what}: bounded beyond its limit");
@@ -102,51 +113,197 @@ fn rk4_loses_amplitude_as_predicted() {
 
 #[test]
 fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
-    for ratio in [0.02, 0.5, 2.0] {
-        let laws = [LawSpec::SpringDamping(ratio)];
-        let mut simulation = Simulation::new(oscillator(0.3), &laws, "rk4", None, unwatched()).unwrap();
-        let limit = simulation.limit().unwrap().dt;
-        simulation.set_dt(0.02 * limit).unwrap();
-        simulation.step(500).unwrap();
-        let error = simulation.ledger().error(&simulation.accounts());
-        assert!(error.abs() < 1e-6, "zeta {ratio}: energy balance {error:e}");
-        let stable = |dt: f64| {
-            let mut simulation = Simulation::new(oscillator(1e-6), &laws, "rk4", Some(dt), unwatched()).unwrap();
-            simulation.step(2000).unwrap();
-            amplitude(&simulation) < 1e-5
-        };
-        assert!(stable(0.99 * limit) && !stable(1.02 * limit), "zeta {ratio}: limit {limit}");
+    for (name, allowed) in [("rk4", 1e-6), ("leapfrog", 1e-3), ("dopri5", 1e-6)] {
+        for ratio in [0.02, 0.5, 2.0] {
+            let laws = [LawSpec::SpringDamping(ratio)];
+            let new = |offset, dt| Simulation::new(oscillator(offset), &laws, name, Some(dt), unwatched()).unwrap();
+            let limit = new(0.3, 0.01).limit().unwrap().dt;
+            let mut simulation = new(0.3, 0.02 * limit);
+            simulation.step(500).unwrap();
+            let error = simulation.ledger().error(&simulation.accounts());
+            assert!(error.abs() < allowed, "{name}, zeta {ratio}: energy balance {error:e}");
+            // Two cords of k = 1/2, each with its dashpot: c = 2 (2 zeta sqrt(k m)).
+            let steps = steps_to_see(&new(0.3, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
+            let stable = |dt: f64| {
+                let mut simulation = new(1e-6, dt);
+                simulation.step(steps).unwrap();
+                amplitude(&simulation) < 1e-5
+            };
+            assert!(stable(0.99 * limit) && !stable(1.02 * limit), "{name}, zeta {ratio}: limit {limit}");
+        }
     }
+}
+
+/// Masses that swing in all directions in a frame that turns ever faster, with dashpots, friction and weight.
+fn everything() -> (Model, Vec<LawSpec>) {
+    let mut model = chain(3, 7.0, 1.0, 0.0);
+    model.velocities = common::Dice(7).vectors(5, 0.5);
+    let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
+    let laws = vec![LawSpec::SpringDamping(0.5), spin, LawSpec::MassDamping(0.4), LawSpec::Gravity([0.3, -0.2, 0.4])];
+    (model, laws)
+}
+
+#[test]
+fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
+    let (model, laws) = everything();
+    let run = |name: &str, steps: u64| {
+        let dt = 2.0 / steps as f64;
+        let mut simulation = Simulation::new(model.clone(), &laws, name, Some(dt), unwatched()).unwrap();
+        simulation.step(steps).unwrap();
+        simulation
+    };
+    let exact = run("dopri5", 4000);
+    for name in integrators::names() {
+        let errors = [160, 320].map(|steps| {
+            let found = run(name, steps);
+            let apart = |a: Vec<[f64; 3]>, b: Vec<[f64; 3]>| {
+                a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            };
+            let of_work: Vec<f64> =
+                found.ledger().work.iter().zip(&exact.ledger().work).map(|(a, b)| (a - b).abs()).collect();
+            [
+                apart(found.positions(), exact.positions()),
+                apart(found.velocities(), exact.velocities()),
+                of_work.iter().fold(0.0, |a, b| a.max(*b)),
+                found.ledger().surplus(&found.accounts()).abs(),
+            ]
+        });
+        let order = f64::from(integrators::by_name(name, 1, 0, Width::Baseline).unwrap().order());
+        for (k, what) in ["position", "velocity", "work", "energy"].iter().enumerate() {
+            let measured = (errors[0][k] / errors[1][k]).log2();
+            let is_met = if k < 2 { (measured - order).abs() < 0.25 } else { measured > order - 0.3 };
+            assert!(is_met, "{name}: measured order of {what} {measured} ({:e})", errors[1][k]);
+        }
+    }
+}
+
+#[test]
+fn a_method_that_keeps_energy_keeps_it_for_a_hundred_thousand_oscillations() {
+    // One mass that whirls in all directions: several frequencies, no chaos.
+    let mut model = chain(1, 7.0, 1.0, 0.0);
+    model.velocities[1] = [0.3, 0.5, 0.2];
+    let laws = [LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.0 })];
+    let mut seen = 0;
+    for name in integrators::names() {
+        let mut simulation = Simulation::new(model.clone(), &laws, name, Some(0.01), unwatched()).unwrap();
+        if !simulation.integrator().keeps_energy() {
+            continue;
+        }
+        seen += 1;
+        let limit = simulation.limit().unwrap();
+        simulation.set_dt(0.25 * limit.dt).unwrap();
+        let period = std::f64::consts::TAU / limit.largest_frequency;
+        let steps = (1e5 * period / simulation.dt()) as u64;
+        let mut swings = Vec::new();
+        for _ in 0..100 {
+            let mut worst: f64 = 0.0;
+            for _ in 0..100 {
+                simulation.step(steps / 10_000).unwrap();
+                worst = worst.max(simulation.ledger().surplus(&simulation.accounts()).abs());
+            }
+            swings.push(worst / simulation.ledger().start.kinetic);
+        }
+        let (first, last) = (&swings[..10], &swings[90..]);
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / 10.0;
+        assert!(mean(first) < 0.2 && (mean(last) / mean(first) - 1.0).abs() < 0.1, "{name}: {first:?} {last:?}");
+    }
+    assert!(seen > 0);
 }
 
 #[test]
 fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
-    let new = || {
-        Simulation::new(
-            chain(30, 7.0, 0.3, 0.3),
-            &[LawSpec::SpringDamping(0.02)],
-            "rk4",
-            Some(0.05),
-            Settings::default(),
-        )
-        .unwrap()
+    for name in integrators::names() {
+        let new = || {
+            let spin = LawSpec::Spin(Spin { rate: 0.05, acceleration: 0.001 });
+            let laws = [LawSpec::SpringDamping(0.02), spin];
+            Simulation::new(chain(30, 7.0, 0.3, 0.3), &laws, name, Some(0.005), Settings::default()).unwrap()
+        };
+        let (mut whole, mut first, mut second) = (new(), new(), new());
+        whole.step(1000).unwrap();
+        first.step(337).unwrap();
+        second.resume(&first.progress()).unwrap();
+        second.step(663).unwrap();
+        assert_eq!(whole.progress(), second.progress(), "{name}");
+    }
+}
+
+fn adaptive(model: Model, laws: &[LawSpec], relative: f64) -> Simulation {
+    let tolerance = Tolerance { relative, length: 0.1, speed: 1.0 };
+    Simulation::new(model, laws, "dopri5", None, Settings { tolerance, ..Settings::default() }).unwrap()
+}
+
+#[test]
+fn an_adaptive_run_gives_the_same_bits_whole_or_in_pieces_wherever_someone_looks() {
+    let (model, laws) = everything();
+    let new = || adaptive(model.clone(), &laws, 1e-6);
+    let (mut whole, mut cut) = (new(), new());
+    assert!(whole.is_adaptive() && whole.reach(5.0, u64::MAX).unwrap());
+    for k in 1..=500 {
+        if k % 50 == 0 {
+            let saved = cut.progress();
+            cut = new();
+            cut.resume(&saved).unwrap();
+            assert_eq!(cut.progress(), saved);
+        }
+        assert!(cut.reach(0.01 * f64::from(k), u64::MAX).unwrap());
+        assert_eq!(cut.time(), 0.01 * f64::from(k));
+    }
+    assert_eq!(whole.progress(), cut.progress());
+    assert_eq!(whole.positions(), cut.positions());
+    assert_eq!(whole.accounts(), cut.accounts());
+    assert!(!whole.reach(50.0, 3).unwrap());
+    cut.step(3).unwrap();
+    assert_eq!(whole.progress(), cut.progress());
+}
+
+#[test]
+fn an_adaptive_run_errs_in_proportion_to_its_tolerance_also_between_steps() {
+    let worst = |relative: f64| {
+        let mut simulation = adaptive(oscillator(0.3), &[], relative);
+        let mut worst: f64 = 0.0;
+        for k in 1..=400 {
+            let time = 0.05 * f64::from(k);
+            simulation.reach(time, u64::MAX).unwrap();
+            worst = worst.max((simulation.positions()[1][0] - 2.0 - 0.3 * time.cos()).abs());
+        }
+        let tries = simulation.step_count() + simulation.rejected_count();
+        assert_eq!(simulation.evaluation_count(), 1 + 6 * tries);
+        (worst, simulation.evaluation_count())
     };
-    let (mut whole, mut first, mut second) = (new(), new(), new());
-    whole.step(1000).unwrap();
-    first.step(337).unwrap();
-    second.resume(&first.progress()).unwrap();
-    second.step(663).unwrap();
-    assert_eq!(whole.progress(), second.progress());
+    let ((coarse, few), (fine, many)) = (worst(1e-5), worst(1e-8));
+    assert!(fine < 1e-6 && coarse < 1e-3 && (1e2..1e4).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+    // 1000^(1/5) = 4 times the work.
+    assert!((2.5..6.0).contains(&(many as f64 / few as f64)), "{few} {many}");
+}
+
+#[test]
+fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_gives_up_where_none_is_small_enough() {
+    // Two tip masses fall freely until their cords catch them.
+    let mut model = oscillator(0.0);
+    model.cords.iter_mut().for_each(|cord| (cord.rest_length, cord.stiffness) = (4.0, 1e6));
+    model.velocities[1] = [0.0, 1.0, 0.0];
+    let mut simulation = adaptive(model, &[], 1e-8);
+    simulation.reach(10.0, u64::MAX).unwrap();
+    assert!(simulation.rejected_count() > 0);
+    let error = simulation.ledger().error(&simulation.accounts());
+    assert!(error.abs() < 1e-4, "{error:e}");
+    let mut hopeless = adaptive(everything().0, &[], 1e-300);
+    let text = hopeless.reach(1.0, u64::MAX).unwrap_err().to_string();
+    assert!(text.contains("no step is small enough"), "{text}");
+    assert_eq!(hopeless.time(), 0.0);
 }
 
 #[test]
 fn a_step_too_large_is_stopped_with_time_place_law_and_cure() {
-    let mut simulation = Simulation::new(chain(30, 7.0, 0.3, 0.3), &[], "rk4", Some(0.5), Settings::default()).unwrap();
-    let text = simulation.step(10_000).unwrap_err().to_string();
-    for word in ["t = ", "step ", "node", "tethers", "above the stability limit"] {
-        assert!(text.contains(word), "{text}");
+    for name in integrators::names() {
+        let model = chain(30, 7.0, 0.3, 0.3);
+        let mut simulation = Simulation::new(model, &[], name, Some(0.5), Settings::default()).unwrap();
+        let text = simulation.step(10_000).unwrap_err().to_string();
+        for word in ["t = ", "step ", "node", "tethers", "above the stability limit"] {
+            assert!(text.contains(word), "{name}: {text}");
+        }
+        assert!(simulation.positions().iter().flatten().all(|value| value.is_finite()));
     }
-    assert!(simulation.positions().iter().flatten().all(|value| value.is_finite()));
 }
 
 #[test]
@@ -160,9 +317,13 @@ fn what_cannot_be_stepped_is_refused() {
     }
     assert!(refuse(oscillator(0.0), &[], "rk4", Some(1e3)).contains("times the stability limit"));
     let loose = Model { cords: Vec::new(), ..oscillator(0.0) };
-    assert!(refuse(loose, &[], "rk4", None).contains("give dt"));
+    for name in ["rk4", "leapfrog"] {
+        assert!(refuse(loose.clone(), &[], name, None).contains("give dt"));
+    }
+    adaptive(loose, &[], 1e-6).reach(1.0, u64::MAX).unwrap();
     let massless = Model { extra_masses: vec![1.0, 0.0, 1.0], ..oscillator(0.0) };
     assert!(refuse(massless, &[], "rk4", None).contains("node 1"));
-    let bad = SpringParameters { buckling: f64::NAN, buckling_on_creases: 1.0, strain_limit: 0.1 };
+    let bad =
+        SpringParameters { buckling: f64::NAN, buckling_on_creases: 1.0, buckling_length: None, strain_limit: 0.1 };
     assert!(refuse(oscillator(0.0), &[LawSpec::Springs(bad)], "rk4", None).contains("buckling"));
 }

@@ -3,19 +3,22 @@
 
 mod common;
 
-use common::{Dice, every_law, sheet};
-use membrane_core::forces::{LawSpec, Spin};
+use common::{Dice, every_law, every_law_with, films, sheet};
+use membrane_core::forces::{self, LawSpec, Spin};
+use membrane_core::model::Assembly;
 use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::state::{Instant, Vectors};
+use membrane_core::width::Width;
 
-/// A sheet of 4 x 3 squares of 1 cm, every law on, crumpled by `size`.
-fn crumpled(seed: u64, size: f64) -> Simulation {
+/// A sheet of 4 x 3 squares of 1 cm of this film, every law on, crumpled by `size`.
+fn crumpled(film: LawSpec, seed: u64, size: f64) -> Simulation {
     let mut dice = Dice(seed);
     let mut model = sheet(4, 3, 0.01);
     for (point, kick) in model.positions.iter_mut().zip(dice.vectors(100, size)) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
     }
     model.velocities = dice.vectors(model.positions.len(), 1.0);
-    Simulation::new(model, &every_law(), "rk4", Some(1e-12), Settings::default()).unwrap()
+    Simulation::new(model, &every_law_with(film), "rk4", Some(1e-12), Settings::default()).unwrap()
 }
 
 fn energy(simulation: &Simulation, law: usize) -> f64 {
@@ -29,8 +32,8 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 #[test]
 fn every_conservative_force_is_the_gradient_of_its_energy() {
     let mut tested = 0;
-    for seed in 0..6 {
-        let mut simulation = crumpled(seed, 0.004);
+    for (seed, film) in (0..6).flat_map(|seed| films().map(|(_, film)| (seed, film))) {
+        let mut simulation = crumpled(film, seed, 0.004);
         let (x, rest) = (simulation.positions(), vec![[0.0; 3]; simulation.positions().len()]);
         // At rest, so that velocity-dependent forces (Coriolis) are silent.
         simulation.set_motion(&x, &rest).unwrap();
@@ -70,14 +73,17 @@ fn every_conservative_force_is_the_gradient_of_its_energy() {
             simulation.set_motion(&x, &rest).unwrap();
         }
     }
-    assert_eq!(tested, 6 * 4 * 7);
+    assert_eq!(tested, 2 * 6 * 4 * 7);
 }
 
 #[test]
 fn internal_laws_leave_no_force_and_no_torque() {
-    let simulation = crumpled(7, 0.004);
-    let x = simulation.positions();
-    for name in ["springs", "spring_damping", "creases", "tethers", "bridges"] {
+    let cases = films().into_iter().flat_map(|(name, film)| {
+        [name, "spring_damping", "creases", "tethers", "bridges"].map(|name| (name, film.clone()))
+    });
+    for (name, film) in cases {
+        let simulation = crumpled(film, 7, 0.004);
+        let x = simulation.positions();
         let forces = simulation.forces(Some(name)).unwrap();
         let size: f64 = forces.iter().flatten().map(|f| f.abs()).sum();
         assert!(size > 0.0, "{name} exerts no force in this test");
@@ -107,35 +113,79 @@ fn a_rigid_motion_of_the_flat_sheet_meets_no_resistance() {
             [axis[1] * p[2] - axis[2] * p[1] + 1.0, axis[2] * p[0] - axis[0] * p[2], axis[0] * p[1] - axis[1] * p[0]]
         })
         .collect();
-    let mut simulation = Simulation::new(model, &every_law(), "rk4", Some(1e-12), Settings::default()).unwrap();
-    simulation.set_motion(&positions, &velocities).unwrap();
     // What the same film bears at a strain of one, as the measure of nothing.
     let strong = common::FILM.youngs_modulus * common::FILM.thickness * 0.01;
-    for name in ["springs", "spring_damping"] {
+    let cases = films().into_iter().flat_map(|(name, film)| [name, "spring_damping"].map(|name| (name, film.clone())));
+    for (name, film) in cases {
+        let laws = every_law_with(film);
+        let mut simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-12), Settings::default()).unwrap();
+        simulation.set_motion(&positions, &velocities).unwrap();
         let forces = simulation.forces(Some(name)).unwrap();
         let most = forces.iter().flatten().fold(0.0, |most: f64, f| most.max(f.abs()));
         assert!(most < 1e-11 * strong, "{name}: {most:e}");
     }
     // Flat creases pull towards their natural angle, but their energy is that of the flat sheet before the motion.
+    let mut simulation = Simulation::new(model, &every_law(), "rk4", Some(1e-12), Settings::default()).unwrap();
+    simulation.set_motion(&positions, &velocities).unwrap();
     let flat = Simulation::new(sheet(4, 3, 0.01), &every_law(), "rk4", Some(1e-12), Settings::default()).unwrap();
     assert!((energy(&simulation, 2) / energy(&flat, 2) - 1.0).abs() < 1e-12);
 }
 
 #[test]
 fn the_power_of_each_law_is_what_its_forces_do() {
-    let mut simulation = crumpled(3, 0.004);
-    // The laws' own account over one tiny step, against F.v at its start.
-    let expected: Vec<(&str, f64)> = ["spring_damping", "air_drag", "mass_damping"]
-        .map(|name| (name, dot(&simulation.forces(Some(name)).unwrap(), &simulation.velocities())))
-        .to_vec();
-    simulation.step(1).unwrap();
-    let dt = simulation.dt();
-    for (name, power) in expected {
-        let k = simulation.laws().iter().position(|law| law.name() == name).unwrap();
-        let done = simulation.ledger().work[k] / dt;
-        assert!(power != 0.0 && (done / power - 1.0).abs() < 1e-2, "{name}: {done} {power}");
-        if name != "air_drag" {
-            assert!(power < 0.0, "{name} must take energy out");
+    for (_, film) in films() {
+        let mut simulation = crumpled(film, 3, 0.004);
+        // The laws' own account over one tiny step, against F.v at its start.
+        let expected: Vec<(&str, f64)> = ["spring_damping", "air_drag", "mass_damping"]
+            .map(|name| (name, dot(&simulation.forces(Some(name)).unwrap(), &simulation.velocities())))
+            .to_vec();
+        simulation.step(1).unwrap();
+        let dt = simulation.dt();
+        for (name, power) in expected {
+            let k = simulation.laws().iter().position(|law| law.name() == name).unwrap();
+            let done = simulation.ledger().work[k] / dt;
+            assert!(power != 0.0 && (done / power - 1.0).abs() < 1e-2, "{name}: {done} {power}");
+            if name != "air_drag" {
+                assert!(power < 0.0, "{name} must take energy out");
+            }
+        }
+    }
+}
+
+#[test]
+fn stiffness_and_damping_products_are_the_slopes_of_the_forces() {
+    // A flat sheet at rest, taut: the forces are linear to first order in what moves and how fast.
+    let model = sheet(4, 3, 0.01);
+    let way = Dice(11).vectors(model.positions.len(), 1.0);
+    for (name, film) in films() {
+        let laws = [film, LawSpec::SpringDamping(0.02)];
+        let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
+        let built = forces::build(&laws, &assembly).unwrap();
+        // Stretched a little, so that nothing buckles within the step of the difference.
+        let start: Vec<_> = model.positions.iter().map(|p| [1.001 * p[0], 1.001 * p[1], 0.0]).collect();
+        let at_rest = assembly.layout.gather_vectors(&vec![[0.0; 3]; start.len()]);
+        let flat: Vec<_> = way.iter().map(|w| [w[0], w[1], 0.0]).collect();
+        let (x, p) = (assembly.layout.gather_vectors(&start), assembly.layout.gather_vectors(&flat));
+        for (law, is_stiffness) in [(0, true), (1, false)] {
+            let force = |s: f64| {
+                let (positions, velocities) =
+                    if is_stiffness { (&x + &p * s, at_rest.clone()) } else { (x.clone(), &p * s) };
+                let mut out = Vectors::zeros(start.len());
+                built[law].add_forces(Instant { time: 0.0, positions: &positions, velocities: &velocities }, &mut out);
+                out
+            };
+            let step = 1e-7;
+            let slope = (force(-step) - force(step)) / (2.0 * step);
+            let mut product = Vectors::zeros(start.len());
+            let at = Instant { time: 0.0, positions: &x, velocities: &at_rest };
+            if is_stiffness {
+                built[law].add_stiffness_product(at, &p, &mut product);
+            } else {
+                built[law].add_damping_product(at, &p, &mut product);
+            }
+            // The geometric part, of the order of the strain, is left out of the stiffness.
+            let (apart, size) = ((&slope - &product).norm(), product.norm());
+            assert!(size > 0.0 && apart < 5e-3 * size, "{name}, law {law}: {apart:e} of {size:e}");
         }
     }
 }

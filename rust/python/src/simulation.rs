@@ -2,12 +2,16 @@
 
 use std::time::{Duration, Instant};
 
+use membrane_core::Error;
 use membrane_core::forces::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Readings, Spin, SpoolContactParameters, SpringParameters,
+    TriangleParameters,
 };
+use membrane_core::integrators::{Controller, Tolerance, by_name, names};
 use membrane_core::ledger::{Accounts, Ledger};
 use membrane_core::model::{Cord, Film, Model, NegativeSprings};
-use membrane_core::simulation::{Progress, Settings, Simulation as Core};
+use membrane_core::simulation::{AdaptiveProgress, Progress, Settings, Simulation as Core};
+use membrane_core::stability::axis_limits;
 use membrane_core::width::Width;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -20,14 +24,26 @@ use crate::errors::{wrong_type, wrong_value};
 type ByLaw = Vec<(&'static str, f64)>;
 /// Strain and whether buckled, per spring.
 type SpringArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+/// Principal strains and state, per triangle.
+type TriangleArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>);
 
 /// How long the core steps between two looks for Ctrl-C.
 const BREATH: Duration = Duration::from_millis(20);
 
-/// The names of the integrators.
+/// Name, order, evaluations per step and at the start, whether energy is kept, whether the error is known, limits on the axes.
+type Facts = (&'static str, u32, u32, u32, bool, bool, f64, f64);
+
+/// What is known of each integrator.
 #[pyfunction]
-pub(crate) fn integrators() -> Vec<&'static str> {
-    membrane_core::integrators::names().collect()
+pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
+    let facts = |name| {
+        let mut method = checked(by_name(name, 1, 0, Width::Baseline))?;
+        let [imaginary, real] = axis_limits(method.as_ref());
+        let is_embedded = method.embedded().is_some();
+        let (per_step, at_start) = (method.evaluations_per_step(), method.evaluations_at_start());
+        Ok((name, method.order(), per_step, at_start, method.keeps_energy(), is_embedded, imaginary, real))
+    };
+    names().map(facts).collect()
 }
 
 /// A scene in the core's hands. Arrays go in and come out in the caller's numbering.
@@ -49,6 +65,14 @@ fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
         "springs" => LawSpec::Springs(SpringParameters {
             buckling: get(p, kind, "buckling")?,
             buckling_on_creases: get(p, kind, "buckling_on_creases")?,
+            buckling_length: get(p, kind, "buckling_length")?,
+            strain_limit: get(p, kind, "strain_limit")?,
+        }),
+        "triangles" => LawSpec::Triangles(TriangleParameters {
+            compression: get(p, kind, "compression")?,
+            buckling: get(p, kind, "buckling")?,
+            buckling_on_creases: get(p, kind, "buckling_on_creases")?,
+            buckling_length: get(p, kind, "buckling_length")?,
             strain_limit: get(p, kind, "strain_limit")?,
         }),
         "spring_damping" => LawSpec::SpringDamping(get(p, kind, "ratio")?),
@@ -94,12 +118,28 @@ impl Simulation {
     }
 }
 
+/// Calls `go` with ever more steps, up to a breath's worth, until it says that it is done.
+fn in_breaths(py: Python<'_>, mut go: impl FnMut(u64) -> Result<bool, Error> + Send) -> PyResult<()> {
+    let mut batch: u64 = 1;
+    loop {
+        let start = Instant::now();
+        let is_done = checked(py.detach(|| go(batch)))?;
+        py.check_signals()?;
+        if is_done {
+            return Ok(());
+        }
+        if start.elapsed() < BREATH / 2 {
+            batch = batch.saturating_mul(2);
+        }
+    }
+}
+
 #[pymethods]
 impl Simulation {
     #[new]
     #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
         extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
-        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, width=None))]
+        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, width=None))]
     #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -126,6 +166,7 @@ impl Simulation {
         watch_interval: u64,
         energy_tolerance: f64,
         loss_tolerance: f64,
+        tolerance: (f64, f64, f64),
         width: Option<&str>,
     ) -> PyResult<Self> {
         let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
@@ -158,6 +199,7 @@ impl Simulation {
                 "refuse" => NegativeSprings::Refuse,
                 "clip" => NegativeSprings::Clip,
                 "keep" => NegativeSprings::Keep,
+                "unused" => NegativeSprings::Unused,
                 other => {
                     return Err(wrong_value(format!("negative = {other:?} is not known; choose refuse, clip or keep")));
                 }
@@ -179,7 +221,9 @@ impl Simulation {
                 wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
             })?,
         };
-        let settings = Settings { margin, watch_interval, energy_tolerance, loss_tolerance, width };
+        let (relative, length, speed) = tolerance;
+        let tolerance = Tolerance { relative, length, speed };
+        let settings = Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, width };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
     }
 
@@ -205,6 +249,16 @@ impl Simulation {
     #[getter]
     fn evaluation_count(&self) -> u64 {
         self.core.evaluation_count()
+    }
+
+    #[getter]
+    fn is_adaptive(&self) -> bool {
+        self.core.is_adaptive()
+    }
+
+    #[getter]
+    fn rejected_count(&self) -> u64 {
+        self.core.rejected_count()
     }
 
     #[getter]
@@ -277,6 +331,16 @@ impl Simulation {
         found.map(|(strain, buckled)| (PyArray1::from_vec(py, strain), PyArray1::from_vec(py, buckled)))
     }
 
+    /// (principal Green strains (m, 2), state (m,): 0 taut, 1 wrinkled, 2 slack) of the triangles, or None without the law.
+    fn triangle_readings<'py>(&self, py: Python<'py>) -> PyResult<Option<TriangleArrays<'py>>> {
+        let found = self.reading("triangles", |readings| {
+            if let Readings::Triangles { strain, state } = readings { Some((strain, state)) } else { None }
+        });
+        let Some((strain, state)) = found else { return Ok(None) };
+        let strain: Vec<Vec<f64>> = strain.into_iter().map(|pair| pair.to_vec()).collect();
+        Ok(Some((PyArray2::from_vec2(py, &strain)?, PyArray1::from_vec(py, state))))
+    }
+
     /// Crease angles [rad], or None without the law.
     fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let found = self
@@ -292,16 +356,20 @@ impl Simulation {
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
     fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
-        let (mut left, mut batch) = (count, 1);
-        while left > 0 {
+        let mut left = count;
+        in_breaths(py, |batch| {
             let now = batch.min(left);
-            let start = Instant::now();
-            checked(py.detach(|| self.core.step(now)))?;
             left -= now;
-            batch = if start.elapsed() < BREATH / 2 { now.saturating_mul(2) } else { now };
-            py.check_signals()?;
+            self.core.step(now).map(|()| left == 0)
+        })
+    }
+
+    /// Steps an adaptive run until `time` [s] and shows that instant; Ctrl-C as with `step`.
+    fn reach(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
+        if !self.core.is_adaptive() {
+            return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
         }
-        Ok(())
+        in_breaths(py, |batch| self.core.reach(time, batch))
     }
 
     /// Looks for a fault now, beside the regular checks.
@@ -322,6 +390,19 @@ impl Simulation {
         saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
         saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
         saved.set_item("swing", progress.ledger.swing)?;
+        saved.set_item("start_shift", progress.ledger.start_shift)?;
+        let (kept, numbers) = progress.memory;
+        saved.set_item("memory_count", kept.len())?;
+        if !kept.is_empty() {
+            saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
+            saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
+        }
+        if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
+            let numbers = [front, shown, controller.dt, controller.last_error];
+            saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
+            saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
+            saved.set_item("rejected_count", controller.rejected_count)?;
+        }
         Ok(saved)
     }
 
@@ -333,13 +414,43 @@ impl Simulation {
             kinetic: get(saved, WHAT, "start_kinetic")?,
             stored: numbers("start_stored", &array("start_stored")?)?,
         };
+        let count: usize = get(saved, WHAT, "memory_count")?;
+        let mut memory = (Vec::new(), Vec::new());
+        if count > 0 {
+            let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
+            let nodes = kept.len().checked_div(count).unwrap_or_default();
+            if nodes * count != kept.len() {
+                return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
+            }
+            let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
+            memory = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
+        }
+        let adaptive = if saved.contains("adaptive_numbers")? {
+            let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
+            let &[front, shown, dt, last_error] = numbers.as_slice() else {
+                return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
+            };
+            let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
+            let rejected_count = get(saved, WHAT, "rejected_count")?;
+            let controller = Controller { dt, last_error, was_rejected, rejected_count };
+            Some(AdaptiveProgress { front, shown, controller })
+        } else {
+            None
+        };
         let progress = Progress {
             step_count: get(saved, WHAT, "step_count")?,
             evaluation_count: get(saved, WHAT, "evaluation_count")?,
             origin: get(saved, WHAT, "origin")?,
             positions: rows("positions", &array("positions")?)?,
             velocities: rows("velocities", &array("velocities")?)?,
-            ledger: Ledger { start, work: numbers("work", &array("work")?)?, swing: get(saved, WHAT, "swing")? },
+            ledger: Ledger {
+                start,
+                work: numbers("work", &array("work")?)?,
+                swing: get(saved, WHAT, "swing")?,
+                start_shift: get(saved, WHAT, "start_shift")?,
+            },
+            memory,
+            adaptive,
         };
         checked(self.core.resume(&progress))
     }

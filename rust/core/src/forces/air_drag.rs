@@ -7,11 +7,12 @@
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 use super::{Law, Spin};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, cross, dot, scale, sub, sum};
 use crate::layout::{BATCH, Elements};
 use crate::model::{Assembly, non_negative, positive};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// Specific gas constant of air \[J/(kg K)\].
@@ -85,9 +86,9 @@ fn drag(factor: Lanes, normal: Point, wind: Point) -> Point {
 /// Adds the drag to the forces, and gives its power in the frame.
 struct Resist<'a> {
     drag: &'a AirDrag,
-    positions: [&'a [f64]; 3],
-    velocities: [&'a [f64]; 3],
-    forces: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    forces: ColumnsMut<'a>,
     rate: f64,
 }
 
@@ -136,17 +137,17 @@ impl Law for AirDrag {
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
         self.width.run(Resist {
             drag: self,
-            positions: columns(at.positions),
-            velocities: columns(at.velocities),
-            forces: columns_mut(forces),
+            positions: Columns::of(at.positions),
+            velocities: Columns::of(at.velocities),
+            forces: ColumnsMut::of(forces),
             rate: self.spin.rate_at(at.time),
         })
     }
 
     /// The derivative of |S . V| V by V.
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, v, p) = (columns(at.positions), columns(at.velocities), columns(p));
-        let mut out = columns_mut(out);
+        let (x, v, p) = (Columns::of(at.positions), Columns::of(at.velocities), Columns::of(p));
+        let mut out = ColumnsMut::of(out);
         let rate = Lanes::all(self.spin.rate_at(at.time));
         for group in 0..self.elements.group_count() {
             let [r, v, p] = [x, v, p].map(|columns| self.elements.read_any(columns, group));

@@ -5,10 +5,11 @@
 //! Linear, and without the direction that a spring of no length would lack.
 
 use super::Law;
+use crate::columns::{Columns, ColumnsMut};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// The law: all links, of one stiffness, eight to a group.
@@ -28,15 +29,15 @@ impl Bridges {
     }
 
     fn pull(&self, positions: &Vectors, out: &mut Vectors, sign: f64) {
-        self.width.run(Pull { bridges: self, positions: columns(positions), out: columns_mut(out), sign });
+        self.width.run(Pull { bridges: self, positions: Columns::of(positions), out: ColumnsMut::of(out), sign });
     }
 }
 
 /// Adds sign k (x_j - x_i) to the first end of each link, and its opposite to the second.
 struct Pull<'a> {
     bridges: &'a Bridges,
-    positions: [&'a [f64]; 3],
-    out: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    out: ColumnsMut<'a>,
     sign: f64,
 }
 
@@ -77,7 +78,7 @@ impl Law for Bridges {
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let x = columns(at.positions);
+        let x = Columns::of(at.positions);
         let energies = (0..self.elements.group_count()).map(|group| {
             let [a, b] = self.elements.read_any(x, group);
             let d = sub(b, a);

@@ -18,12 +18,13 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{Law, Readings};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, cross, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh;
 use crate::model::{Assembly, finite, non_negative};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// Parameters of the creases.
@@ -147,7 +148,7 @@ impl Creases {
         })
     }
 
-    fn wings(&self, x: [&[f64]; 3], group: usize) -> Wings {
+    fn wings(&self, x: Columns<'_>, group: usize) -> Wings {
         Wings::new(self.elements.read_any(x, group), self.sign[group])
     }
 
@@ -165,8 +166,8 @@ impl Creases {
 /// Adds -dU/dx to the forces.
 struct Open<'a> {
     creases: &'a Creases,
-    positions: [&'a [f64]; 3],
-    forces: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
 }
 
 impl Open<'_> {
@@ -221,12 +222,12 @@ impl Law for Creases {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Open { creases: self, positions: columns(at.positions), forces: columns_mut(forces) });
+        self.width.run(Open { creases: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
         0.0
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let x = columns(at.positions);
+        let x = Columns::of(at.positions);
         let energies = (0..self.elements.group_count()).map(|group| {
             let wings = self.wings(x, group);
             let weight = wings.square_c / (wings.square_c + self.softening[0][group]) * wings.square_d
@@ -238,8 +239,8 @@ impl Law for Creases {
 
     /// kappa max(1, gamma) g g^T, with g the gradient of the angle, each wing's part times its weight: the stiffness in contact.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, p) = (columns(at.positions), columns(p));
-        let mut out = columns_mut(out);
+        let (x, p) = (Columns::of(at.positions), Columns::of(p));
+        let mut out = ColumnsMut::of(out);
         for group in 0..self.elements.group_count() {
             let wings = self.wings(x, group);
             let at_c = scale(wings.length / (wings.square_c + self.softening[0][group]), wings.normal_c);
@@ -254,7 +255,7 @@ impl Law for Creases {
     }
 
     fn readings(&self, at: Instant<'_>) -> Readings {
-        let x = columns(at.positions);
+        let x = Columns::of(at.positions);
         let angles = (0..self.elements.group_count()).map(|group| self.wings(x, group).angle);
         Readings::Creases { angle: self.elements.unpack(angles) }
     }

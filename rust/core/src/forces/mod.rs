@@ -2,13 +2,17 @@
 
 mod air_drag;
 mod bridges;
+mod buckling;
 mod creases;
+mod flat_triangles;
 mod gravity;
 mod mass_damping;
 mod rotating_frame;
 mod spool_contact;
 mod spring_damping;
 mod springs;
+mod triangle_damping;
+mod triangles;
 
 use crate::error::Result;
 use crate::model::Assembly;
@@ -19,6 +23,7 @@ pub use creases::CreaseParameters;
 pub use rotating_frame::Spin;
 pub use spool_contact::SpoolContactParameters;
 pub use springs::SpringParameters;
+pub use triangles::TriangleParameters;
 
 /// A law: what it does to nodes that are where they are and move as they move.
 ///
@@ -30,6 +35,11 @@ pub trait Law: Send + Sync {
     /// Adds the forces \[N\], and returns the rate at which the law changes the mechanical energy \[W\]: the power
     /// of forces without a potential, plus the partial time derivative of a potential that depends on time.
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64;
+
+    /// The rate w \[1/s\] where the law's forces hold m w (v_y, -v_x, 0), which does no work; methods may treat it apart.
+    fn gyration(&self, _time: f64) -> f64 {
+        0.0
+    }
 
     /// Whether the law's forces derive from a potential (which may depend on time).
     fn is_conservative(&self) -> bool;
@@ -44,11 +54,6 @@ pub trait Law: Send + Sync {
 
     /// Adds C p, with C the damping matrix \[N\] for velocities p \[m/s\].
     fn add_damping_product(&self, _at: Instant<'_>, _p: &Vectors, _out: &mut Vectors) {}
-
-    /// By how much the law can shift a frequency without stiffness, as a turning frame does \[rad/s\].
-    fn turning(&self, _at: Instant<'_>) -> f64 {
-        0.0
-    }
 
     /// The first element that is beyond the bound its user set.
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
@@ -90,6 +95,13 @@ pub enum Readings {
         /// Shorter than the critical length.
         buckled: Vec<bool>,
     },
+    /// Triangles of film: principal strains, and what the film does.
+    Triangles {
+        /// Principal Green strains, larger first.
+        strain: Vec<[f64; 2]>,
+        /// 0 taut, 1 wrinkled, 2 slack.
+        state: Vec<u8>,
+    },
     /// Creases: the crease angle, pi flat, 0 shut \[rad\].
     Creases {
         /// Crease angle \[rad\].
@@ -102,7 +114,9 @@ pub enum Readings {
 pub enum LawSpec {
     /// In-plane elasticity with buckling, eqs. (1) and (2).
     Springs(SpringParameters),
-    /// Dashpots along all springs; the damping ratio.
+    /// In-plane elasticity by triangles that wrinkle, in place of springs.
+    Triangles(TriangleParameters),
+    /// Dashpots along all springs, or the same in triangles where there are those; the damping ratio.
     SpringDamping(f64),
     /// Crease stiffness and contact of the wings, eqs. (3) and (4).
     Creases(CreaseParameters),
@@ -130,11 +144,15 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 /// `OutOfRange` for a parameter, `DampingOnNegativeSpring`, `DegenerateTriangle`.
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let spin = spin_of(specs);
+    let has_triangles = specs.iter().any(|spec| matches!(spec, LawSpec::Triangles(_)));
     let mut laws: Vec<Box<dyn Law>> = Vec::new();
     for spec in specs {
         laws.push(match *spec {
             LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly)?),
-            LawSpec::SpringDamping(ratio) => Box::new(spring_damping::SpringDamping::new(ratio, assembly)?),
+            LawSpec::Triangles(parameters) => Box::new(triangles::Triangles::new(parameters, assembly)?),
+            LawSpec::SpringDamping(ratio) => {
+                Box::new(spring_damping::SpringDamping::new(ratio, has_triangles, assembly)?)
+            }
             LawSpec::Creases(parameters) => Box::new(creases::Creases::new(parameters, assembly)?),
             LawSpec::AirDrag(parameters) => Box::new(air_drag::AirDrag::new(parameters, spin, assembly)?),
             LawSpec::Spin(spin) => Box::new(rotating_frame::RotatingFrame::new(spin, assembly)?),

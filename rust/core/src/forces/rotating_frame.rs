@@ -102,16 +102,15 @@ impl Law for RotatingFrame {
         acceleration * powers.sum::<f64>()
     }
 
+    fn gyration(&self, time: f64) -> f64 {
+        2.0 * self.spin.rate_at(time)
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let rate = self.spin.rate_at(at.time);
         let [x, y, _] = columns(at.positions);
         let inertia: f64 = (0..self.masses.len()).map(|i| self.masses[i] * (x[i] * x[i] + y[i] * y[i])).sum();
         -0.5 * rate * rate * inertia
-    }
-
-    /// Seen from the frame, what turns against it turns faster by Omega.
-    fn turning(&self, at: Instant<'_>) -> f64 {
-        self.spin.rate_at(at.time).abs()
     }
 
     fn cure(&self) -> &'static str {

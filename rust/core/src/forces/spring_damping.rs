@@ -2,15 +2,18 @@
 //!
 //!     c = 2 zeta sqrt(k m),  m = (m_i + m_j)/2   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
 //!
-//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing.
+//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing. A film of triangles in
+//! place of springs is damped by its rate of strain instead (see `triangle_damping`).
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 use super::Law;
+use super::triangle_damping::TriangleDamping;
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::{BATCH, Elements};
 use crate::model::{Assembly, non_negative};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// The law: one dashpot per spring, eight to a group.
@@ -18,13 +21,16 @@ pub(super) struct SpringDamping {
     elements: Elements<2>,
     /// c [N s/m].
     coefficient: Vec<Lanes>,
+    /// Damping of the film where it is no net of springs.
+    film: Option<TriangleDamping>,
     width: Width,
 }
 
 impl SpringDamping {
-    pub(super) fn new(ratio: f64, assembly: &Assembly) -> Result<Self> {
+    pub(super) fn new(ratio: f64, has_triangles: bool, assembly: &Assembly) -> Result<Self> {
         non_negative("damping ratio", ratio)?;
-        let film = assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied());
+        let edges = if has_triangles { &[] } else { &assembly.mesh.edges[..] };
+        let film = edges.iter().copied().zip(assembly.edge_stiffness.iter().copied());
         let springs: Vec<_> =
             film.chain(assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness))).collect();
         if let Some(&(edge, stiffness)) = springs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
@@ -36,26 +42,29 @@ impl SpringDamping {
             let [i, j] = pairs[row].map(|node| assembly.masses[node as usize]);
             2.0 * ratio * (springs[row].1 * 0.5 * (i + j)).sqrt()
         });
-        Ok(Self { elements, coefficient, width: assembly.width })
+        let film = if has_triangles { Some(TriangleDamping::new(ratio, assembly)?) } else { None };
+        Ok(Self { elements, coefficient, film, width: assembly.width })
     }
 
     fn resist(&self, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
-        self.width.run(Resist {
-            damping: self,
-            positions: columns(x),
-            velocities: columns(v),
-            out: columns_mut(out),
-            sign,
-        })
+        let by_film = self.film.as_ref().map_or(0.0, |film| film.resist(x, v, out, sign));
+        by_film
+            + self.width.run(Resist {
+                damping: self,
+                positions: Columns::of(x),
+                velocities: Columns::of(v),
+                out: ColumnsMut::of(out),
+                sign,
+            })
     }
 }
 
 /// Adds -sign C v to `out`, and gives the power of -C v on v.
 struct Resist<'a> {
     damping: &'a SpringDamping,
-    positions: [&'a [f64]; 3],
-    velocities: [&'a [f64]; 3],
-    out: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    out: ColumnsMut<'a>,
     sign: f64,
 }
 
@@ -109,7 +118,8 @@ impl Law for SpringDamping {
     }
 
     fn share_in_runs(&self) -> Option<f64> {
-        Some(self.elements.share_in_runs())
+        let elements = self.elements.share_in_runs();
+        Some(self.film.as_ref().map_or(elements, TriangleDamping::share_in_runs))
     }
 
     fn cure(&self) -> &'static str {

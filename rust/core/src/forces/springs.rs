@@ -10,20 +10,20 @@
 //!
 //!     l_cr = L - alpha pi^2 h^2 / (12 L)   [m],     N(l) = k (max(l, l_cr) - L)   [N], tension positive
 //!
-//! A tether is the same law with l_cr = L: it bears no compression.
+//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law with l_cr = L: it bears no compression.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
-
-use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::buckling::Buckling;
 use super::{Excess, Law, Readings};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
-use crate::mesh::{self, Mesh};
-use crate::model::{Assembly, non_negative, positive};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::mesh::Mesh;
+use crate::model::{Assembly, positive};
+use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
 /// Parameters of the membrane's springs.
@@ -33,6 +33,8 @@ pub struct SpringParameters {
     pub buckling: f64,
     /// alpha on edges that are creases.
     pub buckling_on_creases: f64,
+    /// Length in place of each spring's own in eq. (2) \[m\]; `None`: its own.
+    pub buckling_length: Option<f64>,
     /// Tensile strain at which a run stops.
     pub strain_limit: f64,
 }
@@ -89,21 +91,17 @@ impl Mesh {
 impl Springs {
     /// The springs of the film.
     pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly) -> Result<Self> {
-        non_negative("buckling of the springs", parameters.buckling)?;
-        non_negative("buckling of the springs on creases", parameters.buckling_on_creases)?;
-        positive("strain limit of the springs", parameters.strain_limit)?;
-        let mut alpha = vec![parameters.buckling; assembly.mesh.edges.len()];
-        for hinge in &assembly.hinges {
-            alpha[hinge.edge as usize] = parameters.buckling_on_creases;
-        }
-        let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
-        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(alpha);
-        let springs = springs.map(|((&nodes, &stiffness), alpha)| {
-            let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let span = mesh::sub(b, a);
-            let rest_length = mesh::dot(span, span).sqrt();
-            let critical_length = rest_length - alpha * PI * PI * thickness * thickness / (12.0 * rest_length);
-            Spring { nodes, stiffness, rest_length, critical_length, strain_limit: parameters.strain_limit }
+        let SpringParameters { buckling, buckling_on_creases, buckling_length, strain_limit } = parameters;
+        positive("strain limit of the springs", strain_limit)?;
+        let buckling = Buckling { parameter: buckling, on_creases: buckling_on_creases, length: buckling_length };
+        let shortenings = buckling.shortenings(assembly)?;
+        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(shortenings);
+        let springs = springs.map(|((&nodes, &stiffness), (rest_length, shortening))| Spring {
+            nodes,
+            stiffness,
+            rest_length,
+            critical_length: rest_length - shortening,
+            strain_limit,
         });
         Ok(Self::arranged("springs", &springs.collect::<Vec<_>>(), assembly))
     }
@@ -138,14 +136,14 @@ impl Springs {
     }
 
     /// The vector from the first to the second end of each spring of a group, and its length [m].
-    fn span(&self, x: [&[f64]; 3], group: usize) -> (Point, Lanes) {
+    fn span(&self, x: Columns<'_>, group: usize) -> (Point, Lanes) {
         let [a, b] = self.elements.read_any(x, group);
         let d = sub(b, a);
         (d, dot(d, d).sqrt())
     }
 
     fn groups<T>(&self, at: Instant<'_>, take: impl Fn(usize, Lanes) -> T) -> impl Iterator<Item = T> {
-        let x = columns(at.positions);
+        let x = Columns::of(at.positions);
         (0..self.elements.group_count()).map(move |group| take(group, self.span(x, group).1))
     }
 }
@@ -153,8 +151,8 @@ impl Springs {
 /// Adds the springs' tensions to the forces.
 struct Pull<'a> {
     springs: &'a Springs,
-    positions: [&'a [f64]; 3],
-    forces: [&'a mut [f64]; 3],
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
 }
 
 impl Pull<'_> {
@@ -194,7 +192,7 @@ impl Law for Springs {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Pull { springs: self, positions: columns(at.positions), forces: columns_mut(forces) });
+        self.width.run(Pull { springs: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
         0.0
     }
 
@@ -210,8 +208,8 @@ impl Law for Springs {
 
     /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, p) = (columns(at.positions), columns(p));
-        let mut out = columns_mut(out);
+        let (x, p) = (Columns::of(at.positions), Columns::of(p));
+        let mut out = ColumnsMut::of(out);
         for group in 0..self.elements.group_count() {
             let (d, l) = self.span(x, group);
             let [a, b] = self.elements.read_any(p, group);

@@ -2,6 +2,9 @@
 //!
 //! A method sees a system that fills accelerations at (t, x, v), and nothing else: no law, no mesh.
 
+mod controller;
+mod dopri5;
+mod leapfrog;
 mod rk4;
 
 use nalgebra::Complex;
@@ -10,10 +13,26 @@ use crate::error::{Error, Result};
 use crate::state::{Instant, State, Vectors};
 use crate::width::Width;
 
+pub use controller::Controller;
+
 /// What is integrated: x'' = a(t, x, v).
 pub trait System {
     /// Fills the accelerations \[m/s2\], and for each law the power by which it changes the mechanical energy \[W\].
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]);
+    /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
+    fn gyration(&self, time: f64) -> f64;
+    /// Replaces the power of each law without a potential by that of its last forces on `velocities`; for methods that
+    /// say `evaluates_elsewhere`.
+    fn rework(&self, velocities: &Vectors, powers: &mut [f64]);
+}
+
+/// What a method keeps from one step to the next beside the state; empty before its first step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Memory {
+    /// One vector per node each, in the core's numbering.
+    pub vectors: Vec<Vectors>,
+    /// Whatever else.
+    pub numbers: Vec<f64>,
 }
 
 /// A method with its stages preallocated.
@@ -24,16 +43,101 @@ pub trait Integrator: Send + Sync {
     fn order(&self) -> u32;
     /// Evaluations of the accelerations per step.
     fn evaluations_per_step(&self) -> u32;
-    /// |R(z)|, the factor by which a step multiplies a solution exp(lambda t), z = lambda dt.
-    fn amplification(&self, z: Complex<f64>) -> f64;
+    /// Evaluations before the first step, and after positions or velocities were set.
+    fn evaluations_at_start(&self) -> u32 {
+        0
+    }
+    /// Whether the energy of an undamped motion stays bounded, however long it lasts.
+    fn keeps_energy(&self) -> bool {
+        false
+    }
+    /// Whether forces are evaluated with velocities that differ from those they work on.
+    fn evaluates_elsewhere(&self) -> bool {
+        false
+    }
+    /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
+    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64;
+    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping < 4 for every shape that a scene can take;
+    /// `None` for one that multiplies each solution exp(lambda t) by a function of lambda dt.
+    fn damping_weight(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether a step can be taken without `start`.
+    fn is_started(&self) -> bool {
+        true
+    }
+    /// Evaluates what the first step needs.
+    fn start(&mut self, _system: &mut dyn System, _time: f64, _state: &State) {}
     /// Advances `state` from `time` by `dt`, and adds to `work` the integral of each law's power \[J\].
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]);
+
+    /// What the method conserves in place of the energy, minus the energy, as far as it is known \[J\].
+    fn energy_shift(&self, _masses: &[f64], _dt: f64) -> f64 {
+        0.0
+    }
+    /// What is kept from step to step.
+    fn memory(&self) -> Memory {
+        Memory::default()
+    }
+    /// Takes up a memory; an empty one asks for a new start. Whether it fits.
+    fn recall(&mut self, memory: Memory) -> bool {
+        memory == Memory::default()
+    }
+    /// The method as one that knows its own error.
+    fn embedded(&mut self) -> Option<&mut dyn Embedded> {
+        None
+    }
+}
+
+/// A method that estimates the error of its step, and knows the motion within it.
+pub trait Embedded {
+    /// Tries a step from `state`, and gives its error; 1 is what `tolerance` allows. Not finite where the step blew up.
+    fn attempt(&mut self, system: &mut dyn System, from: Start<'_>, dt: f64, tolerance: &Tolerance) -> f64;
+    /// Takes the step that was tried last.
+    fn accept(&mut self, state: &mut State, work: &mut [f64]);
+    /// The motion and the work at `time` within the last accepted step, which ended at `end`.
+    fn between(&self, end: Start<'_>, time: f64) -> (State, Vec<f64>);
+}
+
+/// Where a step starts or ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
+    /// Time \[s\].
+    pub time: f64,
+    /// Motion.
+    pub state: &'a State,
+    /// Work of each law so far \[J\].
+    pub work: &'a [f64],
+}
+
+/// The error that one step may make on any node: `relative` (length^2 + |x|^2)^1/2 in position, `relative` (speed^2 +
+/// |v|^2)^1/2 in velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Without dimension.
+    pub relative: f64,
+    /// Distance from the origin below which the tolerance is absolute \[m\].
+    pub length: f64,
+    /// Speed below which it is \[m/s\].
+    pub speed: f64,
+}
+
+/// The larger |R(lambda dt)| of the two solutions exp(lambda t) of x'' = -omega^2 x - damping x'.
+fn growth_of(stability_function: impl Fn(Complex<f64>) -> Complex<f64>, omega: f64, damping: f64, dt: f64) -> f64 {
+    let root = Complex::new(0.25 * damping * damping - omega * omega, 0.0).sqrt();
+    let size = |lambda: Complex<f64>| stability_function(lambda * dt).norm();
+    size(root - 0.5 * damping).max(size(-root - 0.5 * damping))
 }
 
 type Maker = fn(nodes: usize, laws: usize, width: Width) -> Box<dyn Integrator>;
 
 /// The one list: name and maker.
-const INTEGRATORS: &[(&str, Maker)] = &[("rk4", |nodes, laws, width| Box::new(rk4::Rk4::new(nodes, laws, width)))];
+const INTEGRATORS: &[(&str, Maker)] = &[
+    ("rk4", |nodes, laws, width| Box::new(rk4::Rk4::new(nodes, laws, width))),
+    ("leapfrog", |nodes, laws, width| Box::new(leapfrog::Leapfrog::new(nodes, laws, width))),
+    ("dopri5", |nodes, laws, width| Box::new(dopri5::Dopri5::new(nodes, laws, width))),
+];
 
 /// The names in the list.
 pub fn names() -> impl Iterator<Item = &'static str> {

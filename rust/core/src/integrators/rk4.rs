@@ -12,7 +12,7 @@
 
 use nalgebra::Complex;
 
-use super::{Integrator, System};
+use super::{Integrator, System, growth_of};
 use crate::state::{Instant, State, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -95,9 +95,9 @@ impl Integrator for Rk4 {
         4
     }
 
-    fn amplification(&self, z: Complex<f64>) -> f64 {
+    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         let one = Complex::new(1.0, 0.0);
-        (one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0)))).norm()
+        growth_of(|z| one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0))), omega, damping, dt)
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {

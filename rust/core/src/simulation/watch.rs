@@ -1,189 +1,104 @@
-//! The watch: what is wrong with a run, where, by which law, and what to do about it.
-//!
-//! A run is wrong where a value is not finite, where an element is beyond the bound that its user set, where energy
-//! has appeared from nowhere, and where the method itself has eaten more of it than its user allows. The cause that is told is,
-//! in this order: a step above the limit; a limit that fell below the step as the shape changed; the law
-//! that failed, and the law that fed it.
+//! The watch: when it looks, how it finds the first fault, and the way back to the last good state. What is wrong and
+//! why is said in `diagnosis`.
 
-use super::{Simulation, State};
+use super::Simulation;
+use super::diagnosis::Fault;
+use crate::error::{Error, Result};
 use crate::ledger::Accounts;
-use crate::stability;
-
-/// Share of the largest account that the balance may be off by, whatever was turned over: a disc that merely spins turns
-/// nothing over, but its dashpots' work is of the order of (Omega dt)^2 of its energy in each turn.
-const FLOOR: f64 = 1e-5;
-
-/// What is told of a fault.
-pub(super) struct Fault {
-    pub(super) what: String,
-    pub(super) place: String,
-    pub(super) law: String,
-    pub(super) cure: String,
-}
+use crate::state::{Instant, Vectors};
 
 impl Simulation {
-    /// What is wrong now.
-    pub(super) fn fault(&self, now: &Accounts) -> Option<Fault> {
-        self.not_finite(now).or_else(|| self.beyond_bound(now)).or_else(|| self.out_of_balance(now))
+    /// Looks for values that are not finite, springs over their bound, and energy from nowhere, between two regular
+    /// checks: it leaves no trace in the ledger, so that looking on changes nothing.
+    ///
+    /// # Errors
+    /// `Unstable`; the state is then that of the last good regular check.
+    pub fn check(&mut self) -> Result<()> {
+        let now = self.accounts();
+        self.refuse_fault(&now)
     }
 
-    fn not_finite(&self, now: &Accounts) -> Option<Fault> {
-        let State { positions, velocities } = &self.state;
-        let row = (0..positions.nrows()).find(|&i| !(positions.row(i).sum() + velocities.row(i).sum()).is_finite())?;
-        let what = "a position or velocity is no longer finite".to_owned();
-        Some(self.told(what, self.node(row), self.most_changed(now), now))
+    pub(super) fn regular_check(&mut self) -> Result<()> {
+        let now = self.accounts();
+        self.refuse_fault(&now)?;
+        self.ledger.swing = self.ledger.turned_over(&now);
+        self.keep(now);
+        Ok(())
     }
 
-    fn beyond_bound(&self, now: &Accounts) -> Option<Fault> {
-        let (k, excess) = self
-            .mechanics
-            .laws
-            .iter()
-            .enumerate()
-            .find_map(|(k, law)| law.first_excess(self.instant()).map(|excess| (k, excess)))?;
-        let [i, j] = excess.nodes.map(|node| self.layout.outward(node as usize));
-        Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
-    }
-
-    /// Energy from nowhere: more than there was at the start and has come in. Less strictly: books that do not balance,
-    /// because the method eats the vibrations that its step hardly resolves, or because work of damping that it
-    /// hardly resolves is booked wrongly.
-    fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
-        let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
-        // What rounding and the books of a motion that merely goes on may be off by: a fraction of the largest account.
-        let floor = FLOOR * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
-        let loose = self.settings.loss_tolerance * turned_over + floor;
-        let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
-        let created = surplus + taken;
-        if surplus.is_nan() || created > self.settings.energy_tolerance * turned_over + floor {
-            let what = format!(
-                "{created:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
-                percent(created)
-            );
-            return Some(self.told(what, self.fastest(), self.most_changed(now), now));
+    fn refuse_fault(&mut self, now: &Accounts) -> Result<()> {
+        let Some(mut fault) = self.fault(now) else {
+            return Ok(());
+        };
+        // Books that do not balance have no first instant; what is wrong for certain has.
+        if self.adaptive.is_none() && fault.is_certain {
+            fault = self.first_fault().unwrap_or(fault);
         }
-        if surplus > loose {
-            let work = &self.ledger.work;
-            let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
-            let what = format!(
-                "{surplus:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
-                percent(surplus)
-            );
-            return Some(self.hardly_resolved(what, law, "an honest balance needs it to be"));
-        }
-        if surplus < -loose {
-            let what = format!(
-                "{:.3e} J are gone that no law took, {:.3} % of the energy turned over so far",
-                -surplus,
-                percent(surplus)
-            );
-            let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
-            return Some(self.hardly_resolved(what, law, "so the method damps it"));
+        Err(self.set_back(fault))
+    }
+
+    /// Takes the steps since the last good check once more, with a check after each, and stops at the first fault. By the
+    /// regular check what went wrong has often spread; here it is still where it began.
+    fn first_fault(&mut self) -> Option<Fault> {
+        let last = self.step_count;
+        self.rewind();
+        while self.step_count < last {
+            let (time, before) = (self.time(), self.state.clone());
+            self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+            self.step_count += 1;
+            let now = self.accounts();
+            if now.total().is_finite() {
+                if let Some(fault) = self.certain_fault(&now) {
+                    return Some(fault);
+                }
+            } else if let Some((k, node, size)) =
+                self.largest_force(Instant { time, positions: &before.positions, velocities: &before.velocities })
+            {
+                let place = format!("node {}, on which that law acts with {size:.3e} N", self.layout.outward(node));
+                return Some(self.told("a position or velocity is no longer finite".to_owned(), place, Some(k), &now));
+            }
         }
         None
     }
 
-    /// The step is too long for what is fastest in the scene; above its limit that is the cause.
-    fn hardly_resolved(&self, what: String, law: Option<usize>, so: &str) -> Fault {
-        let own = law.map_or("no law", |k| self.mechanics.laws[k].name());
-        let cure = self.step_above_limit(law).unwrap_or_else(|| {
-            format!(
-                "its step of {:.3e} s, {:.2} of the stability limit, hardly resolves what is fastest here, {so}: use a smaller dt, or allow a larger energy_loss",
-                self.dt,
-                self.dt / self.start_limit.dt
-            )
-        });
-        Fault { what, place: self.fastest(), law: own.to_owned(), cure: format!("{}: {cure}", self.integrator.name()) }
-    }
-
-    fn fastest(&self) -> String {
-        let speeds: Vec<f64> = self.state.velocities.row_iter().map(|row| row.norm_squared()).collect();
-        let fastest = (0..speeds.len()).max_by(|&i, &j| speeds[i].total_cmp(&speeds[j])).unwrap_or(0);
-        format!(
-            "{} is fastest at {:.3e} m/s",
-            self.node(fastest),
-            speeds.get(fastest).map_or(0.0, |speed| speed.sqrt())
-        )
-    }
-
-    fn told(&self, what: String, place: String, law: Option<usize>, now: &Accounts) -> Fault {
-        let cure = self.cure(law, now);
-        Fault { what, place, law: law.map_or("no law", |k| self.mechanics.laws[k].name()).to_owned(), cure }
-    }
-
-    fn node(&self, row: usize) -> String {
-        format!("node {}", self.layout.outward(row))
-    }
-
-    /// The law whose energy or work changed most since the last good check; since the start, where that is not finite.
-    fn most_changed(&self, now: &Accounts) -> Option<usize> {
-        let (_, _, good_work, good) = &self.good;
-        let recent: Vec<f64> = (0..good_work.len())
-            .map(|k| (now.stored[k] - good.stored[k]).abs() + (self.ledger.work[k] - good_work[k]).abs())
-            .collect();
-        let all_finite = recent.iter().all(|change| change.is_finite());
-        let start = &self.ledger.start;
-        let before = |k: usize| (good.stored[k] - start.stored[k]).abs() + good_work[k].abs();
-        let change = |k: usize| if all_finite { recent[k] } else { before(k) };
-        (0..recent.len()).max_by(|&a, &b| change(a).total_cmp(&change(b)))
-    }
-
-    /// The law that has given most energy to the others since the start.
-    fn source(&self, now: &Accounts) -> Option<usize> {
-        (0..now.stored.len())
-            .filter(|&k| self.given(k, now).is_finite() && self.given(k, now) > 0.0)
-            .max_by(|&a, &b| self.given(a, now).total_cmp(&self.given(b, now)))
-    }
-
-    /// What a law has given to the others since the start [J].
-    fn given(&self, law: usize, now: &Accounts) -> f64 {
-        self.ledger.start.stored[law] - now.stored[law] + self.ledger.work[law]
-    }
-
-    fn cure(&self, law: Option<usize>, now: &Accounts) -> String {
-        if let Some(words) = self.step_above_limit(law) {
-            return words;
+    /// The law with the largest finite force at `at`, the node it acts on, and the force [N].
+    fn largest_force(&self, at: Instant<'_>) -> Option<(usize, usize, f64)> {
+        let mut largest: Option<(usize, usize, f64)> = None;
+        for (k, law) in self.mechanics.laws.iter().enumerate() {
+            let mut forces = Vectors::zeros(at.positions.nrows());
+            law.add_forces(at, &mut forces);
+            for (node, force) in forces.row_iter().enumerate() {
+                let size = force.norm();
+                if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
+                    largest = Some((k, node, size));
+                }
+            }
         }
-        let laws = &self.mechanics.laws;
-        let own = law.map_or("check the scene", |k| laws[k].cure());
-        let source = self.source(now);
-        if self.ledger.start.kinetic - now.kinetic > source.map_or(0.0, |k| self.given(k, now)) {
-            return format!("the energy came from the velocities at the start: start slower; or {own}");
-        }
-        match source.filter(|source| Some(*source) != law) {
-            Some(source) => format!("the energy came from {}: {}; or {own}", laws[source].name(), laws[source].cure()),
-            None => own.to_owned(),
-        }
+        largest
     }
 
-    /// In words, where the step was above its limit at the start, or has come to be.
-    fn step_above_limit(&self, law: Option<usize>) -> Option<String> {
-        let (laws, start) = (&self.mechanics.laws, &self.start_limit);
-        let cure_of = |name: &str| {
-            let found = laws.iter().find(|law| law.name() == name).or(law.map(|k| &laws[k]));
-            found.map_or("", |law| law.cure())
-        };
-        if self.dt > start.dt {
-            let cure = cure_of(start.law);
-            return Some(format!(
-                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; or {}",
-                self.dt,
-                start.dt,
-                self.part(start),
-                cure.strip_prefix("use a smaller dt, ").or(cure.strip_prefix("use a smaller dt or ")).unwrap_or(cure)
-            ));
-        }
-        let limit =
-            stability::limit(self.integrator.as_ref(), laws, self.good_instant(), &self.mechanics.inverse_masses);
-        let now = limit.ok().filter(|now| self.dt > now.dt)?;
-        Some(format!(
-            "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {}",
-            start.dt,
-            now.dt,
-            self.dt,
-            self.part(&now),
-            cure_of(now.law)
-        ))
+    /// Back to the last good check, with a method of fixed steps.
+    fn rewind(&mut self) {
+        let good = &self.good;
+        (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
+        self.integrator.recall(good.memory.clone());
+    }
+
+    /// Sets the state back to that of the last good check, and says why.
+    pub(super) fn set_back(&mut self, fault: Fault) -> Error {
+        let Fault { what, place, law, cure, .. } = fault;
+        let (time, step) = (self.time(), self.step_count);
+        self.rewind();
+        let good_time = self.good.time;
+        self.set_back_adaptive(good_time);
+        Error::Unstable { time, step, good_time, what, place, law, cure }
+    }
+
+    pub(super) fn keep(&mut self, accounts: Accounts) {
+        (self.good.time, self.good.step_count) = (self.time(), self.step_count);
+        self.good.state.positions.copy_from(&self.state.positions);
+        self.good.state.velocities.copy_from(&self.state.velocities);
+        self.good.work.copy_from_slice(&self.ledger.work);
+        (self.good.accounts, self.good.memory) = (accounts, self.integrator.memory());
     }
 }

@@ -7,7 +7,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::{Linear, apply, largest_step};
+use super::{Linear, Mode, apply, largest, largest_step, quotient};
 use crate::error::{Error, Result};
 use crate::integrators::Integrator;
 use crate::state::Vectors;
@@ -19,6 +19,8 @@ const STORAGE: usize = 24_000_000;
 const FOLLOWED: usize = 2;
 /// Most steps of the QR iteration for each vector.
 const QR_STEPS: usize = 60;
+/// Most rounds of `worst_of_sum`.
+const MOST_SUMS: usize = 20;
 /// Relative change of the step over `CALM` rounds at which it counts as found.
 const TOLERANCE: f64 = 1e-4;
 const CALM: usize = 4;
@@ -127,6 +129,52 @@ impl Subspace<'_> {
     }
 }
 
+/// The oscillator that has this root, and with it its conjugate, or nothing that grows.
+fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
+    let decay = -root.re.min(0.0);
+    if root.im == 0.0 {
+        Mode { omega: turning, damping: decay }
+    } else {
+        Mode { omega: root.norm() + turning, damping: 2.0 * decay }
+    }
+}
+
+/// As `worst`, for a method whose limit is dt^2 k + w dt c = 4 with the k and c of any vector, not only of a solution:
+/// the largest eigenvalue of K + w/dt C sets it. Its vector gives the next dt, from above.
+pub(super) fn worst_of_sum(
+    integrator: &dyn Integrator,
+    system: &Linear<'_>,
+    start: [Vectors; 2],
+    weight: f64,
+) -> Result<(f64, Vectors, f64)> {
+    let Linear { stiffness, damping, roots, turning } = *system;
+    let limit_of = |shape: &Vectors| {
+        let (k, c) = (quotient(stiffness, roots, shape), quotient(damping, roots, shape));
+        largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + turning, damping: c.max(0.0) })
+    };
+    let [mut mode, other] = start;
+    let mut dt = limit_of(&mode);
+    let other_dt = limit_of(&other);
+    if other_dt < dt {
+        (dt, mode) = (other_dt, other);
+    }
+    for _ in 0..MOST_SUMS {
+        let sum = |p: &Vectors, out: &mut Vectors| {
+            let mut resistance = Vectors::zeros(p.nrows());
+            damping(p, &mut resistance);
+            stiffness(p, out);
+            *out += resistance * (weight / dt);
+        };
+        let (_, shape) = largest(&sum, roots)?;
+        let next = limit_of(&shape);
+        if next.is_nan() || next >= dt * (1.0 - 1e-6) {
+            break;
+        }
+        (dt, mode) = (next, shape);
+    }
+    Ok((dt, mode, weight / dt))
+}
+
 /// The largest stable step \[s\], the mode that sets it, and the size of its root \[1/s\].
 pub(super) fn worst(
     integrator: &dyn Integrator,
@@ -148,7 +196,7 @@ pub(super) fn worst(
         let mut steps: Vec<(f64, Complex<f64>)> = space
             .eigenvalues(scale)
             .into_iter()
-            .map(|root| (largest_step(integrator, &[root], system.turning), root))
+            .map(|root| (largest_step(integrator, mode_of(root, system.turning)), root))
             .collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (dt, root) = steps[0];

@@ -3,6 +3,7 @@
 
 use membrane_core::forces::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
+    TriangleParameters,
 };
 use membrane_core::model::{Cord, Film, Model};
 
@@ -63,10 +64,20 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
     }
 }
 
-/// One of every law that a scene can choose.
+/// One of every law that a scene can choose; the film is a net of springs.
 pub fn every_law() -> Vec<LawSpec> {
+    every_law_with(springs())
+}
+
+/// The films that a scene chooses from, by name.
+pub fn films() -> [(&'static str, LawSpec); 2] {
+    [("springs", springs()), ("triangles", triangles())]
+}
+
+/// One of every law that a scene can choose, with this film.
+pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
     vec![
-        springs(),
+        film,
         LawSpec::SpringDamping(0.02),
         creases(1.0),
         drag(),
@@ -78,7 +89,22 @@ pub fn every_law() -> Vec<LawSpec> {
 }
 
 pub fn springs() -> LawSpec {
-    LawSpec::Springs(SpringParameters { buckling: 100.0, buckling_on_creases: 1000.0, strain_limit: 1e9 })
+    LawSpec::Springs(SpringParameters {
+        buckling: 100.0,
+        buckling_on_creases: 1000.0,
+        buckling_length: None,
+        strain_limit: 1e9,
+    })
+}
+
+pub fn triangles() -> LawSpec {
+    LawSpec::Triangles(TriangleParameters {
+        compression: 0.1,
+        buckling: 100.0,
+        buckling_on_creases: 1000.0,
+        buckling_length: None,
+        strain_limit: 1e9,
+    })
 }
 
 pub fn creases(natural_angle: f64) -> LawSpec {

@@ -1,0 +1,253 @@
+"""The integrators side by side: orders, limits, energy, and the release of model 1. Takes some minutes.
+
+python benchmarks/integrators.py            # prints the tables
+python benchmarks/integrators.py --write    # puts them into docs/integrators.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from membrane_rs import (
+    Gravity,
+    MassDamping,
+    RunSettings,
+    Scene,
+    Simulation,
+    Spin,
+    SpringDamping,
+    Tether,
+    integrators,
+    scenes,
+)
+from membrane_rs.laws import Law
+from numpy.typing import NDArray
+
+DOCS = Path(__file__).parent.parent / "docs" / "integrators.md"
+BEGIN, END = "<!-- benchmarks/integrators.py: begin -->", "<!-- benchmarks/integrators.py: end -->"
+Floats = NDArray[np.float64]
+
+OMEGA = 10.0
+"""Of 1 kg on a cord of 100 N/m [rad/s]; its weight of 10 N stretches the cord by 0.1 m."""
+UNWATCHED = RunSettings(until=1.0, watch=10**9)
+
+
+def cord(laws: Sequence[Law], axial_stiffness: float = 100.0, run: RunSettings = UNWATCHED) -> Scene:
+    """1 kg on a massless cord of 1 m along x."""
+    ends = {"start": (0.0, 0.0, 0.0), "end": (1.0, 0.0, 0.0)}
+    part = Tether(**ends, segments=1, axial_stiffness=axial_stiffness, linear_density=0.0, tip_mass=1.0)  # type: ignore[arg-type]
+    return Scene(None, None, list(laws), [replace(part, strain_limit=1e9)], run=run)
+
+
+def released(
+    scene: Scene, name: str, dt: float | None, position: Sequence[float], velocity: Sequence[float]
+) -> Simulation:
+    """The mass at `position` (3,) [m] with `velocity` (3,) [m/s]."""
+    sim = Simulation(scene, name, dt)
+    sim.positions = [[0.0, 0.0, 0.0], list(position)]
+    sim.velocities = [[0.0, 0.0, 0.0], list(velocity)]
+    return sim
+
+
+def slope(errors: Callable[[int], float], counts: Sequence[int]) -> float:
+    """Order of convergence: the slope of error against step, fitted."""
+    found = [errors(count) for count in counts]
+    return float(-np.polyfit(np.log(counts), np.log(found), 1)[0])
+
+
+def smooth_error(name: str, count: int) -> float:
+    """Error on a linear oscillator, against its closed form at omega t = 5, after `count` steps [m]."""
+    sim = released(cord([Gravity((10.0, 0.0, 0.0))]), name, 0.5 / count, (1.11, 0.0, 0.0), (0.0, 0.0, 0.0))
+    sim.step(count)
+    exact = (1.1 + 0.01 * math.cos(5.0), -0.01 * OMEGA * math.sin(5.0))
+    return math.hypot(sim.positions[1, 0] - exact[0], (sim.velocities[1, 0] - exact[1]) / OMEGA)
+
+
+def damped_order(name: str) -> float:
+    """On a mass whirled by a hub, with a dashpot of half the critical damping, friction and Coriolis force."""
+    laws: list[Law] = [Spin(1.0, 0.1), SpringDamping(0.5), MassDamping(1.0)]
+    motion = ((1.4, 0.3, 0.1), (0.5, 1.0, -0.5))
+
+    def end(name: str, count: int) -> Floats:
+        sim = released(cord(laws), name, 0.5 / count, *motion)
+        sim.step(count)
+        place: Floats = sim.positions[1]
+        return place
+
+    exact = end("dopri5", 4000)
+    return slope(lambda count: float(np.linalg.norm(end(name, count) - exact)), (100, 200, 400))
+
+
+def bounce(time: float) -> float:
+    """Where the mass is that falls from 1.3 m: an arc of a cosine, free flight, and again [m]."""
+    taut = math.acos(-0.5) / OMEGA
+    speed = 0.2 * OMEGA * math.sin(OMEGA * taut)
+    flight = 2 * speed / 10.0
+    phase = (time + taut) % (2 * taut + flight)
+    if phase < 2 * taut:
+        return 1.1 + 0.2 * math.cos(OMEGA * (phase - taut))
+    since = phase - 2 * taut
+    return 1.0 - speed * since + 5.0 * since * since
+
+
+def kinked_error(name: str, count: int) -> float:
+    """Error on a cord that goes slack and taut four times: the force has a kink there, as that of buckling and contact
+    has. It hangs on where in the step the kink falls, so the root mean square over 24 steps is taken [m].
+    """
+    squares = []
+    for extra in range(24):
+        steps = count + extra * count // 48
+        sim = released(cord([Gravity((10.0, 0.0, 0.0))]), name, 1.9 / steps, (1.3, 0.0, 0.0), (0.0, 0.0, 0.0))
+        sim.step(steps)
+        squares.append((sim.positions[1, 0] - bounce(1.9)) ** 2)
+    return math.sqrt(float(np.mean(squares)))
+
+
+def limit(grows: Callable[[float], bool], predicted: float) -> float:
+    """The step at which growth sets in, by bisection around the predicted one."""
+    low, high = 0.9 * predicted, 1.1 * predicted
+    while high / low > 1.001:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if grows(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+def imaginary_limit(name: str, predicted: float) -> float:
+    """Measured limit of omega dt on an undamped oscillation."""
+
+    def grows(z: float) -> bool:
+        scene = cord([Gravity((10.0, 0.0, 0.0))])
+        sim = released(scene, name, z / OMEGA, (1.1 + 1e-9, 0.0, 0.0), (0.0, 0.0, 0.0))
+        sizes = np.empty(30_000)
+        for k in range(len(sizes)):
+            sim.step()
+            sizes[k] = abs(sim.positions[1, 0] - 1.1)
+        # A blow-up ends in a swing of the slack cord, or in no number.
+        return not bool(sizes[-5000:].max() <= min(1.05 * sizes[:300].max(), 1e-6))
+
+    return limit(grows, predicted)
+
+
+def real_limit(name: str, predicted: float) -> float:
+    """Measured limit of rate times dt on pure friction."""
+
+    def grows(z: float) -> bool:
+        scene = cord([MassDamping(1.0)], axial_stiffness=1e-15)
+        sim = released(scene, name, z, (1.0, 0.0, 0.0), (0.0, 1e-9, 0.0))
+        sim.step(2000)
+        return bool(abs(sim.velocities[1, 1]) > 1e-9)
+
+    return limit(grows, predicted)
+
+
+def energy_error(name: str, oscillations: int) -> float:
+    """Worst energy error over the last oscillations of an undamped one, at omega dt = 1/2, as a share of its energy."""
+    sim = released(cord([Gravity((10.0, 0.0, 0.0))]), name, 0.5 / OMEGA, (1.15, 0.0, 0.0), (0.0, 0.0, 0.0))
+    energy = 0.5 * (OMEGA * 0.05) ** 2
+    start = math.fsum(sim.energies().values())
+    sim.step(round(oscillations * 4 * math.pi) - 40)
+    worst = 0.0
+    for _ in range(40):
+        sim.step()
+        off = (math.fsum(sim.energies().values()) - start) / energy
+        worst = off if abs(off) > abs(worst) else worst
+    return worst
+
+
+def facts_table() -> str:
+    """What each method states, and what was measured."""
+    head = (
+        "method",
+        "order",
+        "smooth",
+        "damped, Coriolis",
+        "kinked",
+        "evaluations a step",
+        "limit, imaginary axis",
+        "measured",
+        "limit, real axis",
+        "measured",
+    )
+    lines = [head, ("---", *["---:"] * (len(head) - 1))]
+    for name, facts in integrators().items():
+        measured = (
+            slope(lambda count, name=name: smooth_error(name, count), (50, 100, 200)),  # type: ignore[misc]
+            damped_order(name),
+            slope(lambda count, name=name: kinked_error(name, count), (400, 800, 1600, 3200)),  # type: ignore[misc]
+        )
+        orders = (f"{order:.2f}" for order in measured)
+        axes = (
+            f"{facts.imaginary_limit:.3f}",
+            f"{imaginary_limit(name, facts.imaginary_limit):.3f}",
+            f"{facts.real_limit:.3f}",
+            f"{real_limit(name, facts.real_limit):.3f}",
+        )
+        lines.append((name, str(facts.order), *orders, str(facts.evaluations), *axes))
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def cost_table(smooth: int = 600, kinked: int = 4800) -> str:
+    """Errors at equal cost."""
+    lines = [f"| error [m] | smooth, {smooth:,} evaluations | kinked, {kinked:,} evaluations |", "|---|---:|---:|"]
+    for name, facts in integrators().items():
+        errors = smooth_error(name, smooth // facts.evaluations), kinked_error(name, kinked // facts.evaluations)
+        lines.append(f"| {name} | {errors[0]:.1e} | {errors[1]:.1e} |")
+    return "\n".join(lines) + "\n"
+
+
+def energy_table() -> str:
+    """What becomes of an undamped oscillation's energy."""
+    counts = (100, 1000, 10_000, 100_000)
+    lines = ["| energy error after | " + " | ".join(f"{count:,}" for count in counts) + " oscillations |"]
+    lines.append("|---|" + "---:|" * len(counts))
+    for name in integrators():
+        lines.append(f"| {name} | " + " | ".join(f"{100 * energy_error(name, n):+.3g} %" for n in counts) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def release_table(until: float = 5e-3) -> str:
+    """The first 5 ms of model 1's release, the hardest: what it costs, and what becomes of the energy."""
+    scene = scenes.load("okuizumi-model-1")
+    limits = {name: Simulation(scene, name, 1e-7).stable_dt() for name in integrators()}
+    runs: list[tuple[str, str, float | None, float]] = [
+        (f"{name}, {share:g} of its limit", name, share * limits[name], 1e-6)
+        for name in integrators()
+        for share in (0.4, 0.5, 0.8)
+    ]
+    runs += [(f"dopri5, tolerance {tolerance:g}", "dopri5", None, tolerance) for tolerance in (1e-3, 1e-4, 1e-5, 1e-6)]
+    lines = [
+        "| model 1, first 5 ms | step [us] | steps (rejected) | evaluations | energy error |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for label, name, dt, tolerance in runs:
+        sim = Simulation(replace(scene, run=replace(scene.run, tolerance=tolerance)), name, dt)
+        try:
+            sim.run(until=until, frames=2, samples=2)
+            error = f"{100 * sim.ledger()['error']:+.4f} %"
+        except ArithmeticError:
+            error = f"stopped at {1e3 * sim.time:.2f} ms"
+        step = 1e6 * sim.time / max(sim.step_count, 1)
+        counts = f"{sim.step_count:,} ({sim.rejected_count:,}) | {sim.evaluation_count:,}"
+        lines.append(f"| {label} | {step:.2f} | {counts} | {error} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Measure, print, and write if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/integrators.md")
+    options = parser.parse_args()
+    text = "\n".join((facts_table(), cost_table(), energy_table(), release_table()))
+    print(text)
+    if options.write:
+        before, _, rest = DOCS.read_text(encoding="utf-8").partition(BEGIN)
+        DOCS.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{rest.partition(END)[2]}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""A scene with something left out: each law, each part, and cords of fewer segments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from membrane_rs.errors import InputError
+from membrane_rs.parts import Part, Tether, Tethers
+from membrane_rs.scene import Scene
+from membrane_rs.simulation import Simulation
+
+COARSER = 4
+"""By how much the segments of a cord are fewer, where that is tried."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A scene without one thing.
+
+    Attributes
+    ----------
+    name : str
+        What was left out, or put in its place.
+    place : (str, int)
+        Where it stands in the scene: "laws" or "parts", and its index.
+    scene : Scene or None
+        None where it cannot be left out.
+    reason : str
+        Then why.
+    other : Part or None
+        What stands in its place.
+    """
+
+    name: str
+    place: tuple[str, int]
+    scene: Scene | None = None
+    reason: str = ""
+    other: Part | None = None
+
+
+def variants(scene: Scene) -> list[Variant]:
+    """Every law left out, every part, and every cord with a quarter of its segments, in the order of the scene."""
+    found = [Variant(f"law {law.kind}", ("laws", k)) for k, law in enumerate(scene.laws)]
+    kinds = [part.kind for part in scene.parts]
+    for k, part in enumerate(scene.parts):
+        number = f" {kinds[:k].count(part.kind)}" if kinds.count(part.kind) > 1 else ""
+        found.append(Variant(f"part {part.kind}{number}", ("parts", k)))
+        if isinstance(part, (Tether, Tethers)) and part.segments > 1:
+            segments = max(1, part.segments // COARSER)
+            name = f"all but {segments} of {part.segments} segments in part {part.kind}{number}"
+            found.append(Variant(name, ("parts", k), other=replace(part, segments=segments)))
+    return [_built(scene, variant) for variant in found]
+
+
+def without(scene: Scene, chosen: Sequence[Variant]) -> Scene:
+    """The scene without several things at once.
+
+    Raises
+    ------
+    SceneError
+        They hold each other: what is left is no scene.
+    """
+    gone = {variant.place: variant.other for variant in chosen}
+    laws = [law for k, law in enumerate(scene.laws) if ("laws", k) not in gone]
+    parts = [gone.get(("parts", k), part) for k, part in enumerate(scene.parts)]
+    return replace(scene, laws=laws, parts=[part for part in parts if part is not None])
+
+
+def _built(scene: Scene, variant: Variant) -> Variant:
+    """The variant with its scene, or with the reason why there is none."""
+    try:
+        left = without(scene, [variant])
+        if len(scene.assemble().fixed) and not len(left.assemble().fixed):
+            return replace(variant, reason="it alone holds the scene; without it nothing is held fast")
+        Simulation(left)
+    except InputError as error:
+        return replace(variant, reason=str(error))
+    return replace(variant, scene=left)

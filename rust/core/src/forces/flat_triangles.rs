@@ -1,0 +1,130 @@
+//! Triangles that were flat: deformation gradient, Green's strain, plane stress, and the pull of a stress on the nodes.
+//! What the elasticity of a film of triangles and its damping share.
+
+use crate::error::Result;
+use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
+use crate::layout::Elements;
+use crate::mesh;
+use crate::model::Assembly;
+
+/// Flat triangles, eight to a group, and how strain follows from where their nodes are.
+pub(super) struct Flat {
+    pub(super) elements: Elements<3>,
+    /// The gradient's columns are f1 = p u, f2 = q u + r v, with u and v the sides from the first node [1/m].
+    p: Vec<Lanes>,
+    q: Vec<Lanes>,
+    r: Vec<Lanes>,
+    /// E_Y h A0 [J]; 0 in lanes without a triangle.
+    pub(super) stiffness: Vec<Lanes>,
+    pub(super) nu: Lanes,
+}
+
+/// A flat triangle in its own frame, taken from its lowest node: turned by a third of a turn, it is the same triangle.
+pub(super) struct Corners {
+    /// The caller's numbers.
+    pub(super) nodes: [u32; 3],
+    /// The first node at the origin, the second on axis 1 [m].
+    pub(super) points: [[f64; 2]; 3],
+    /// Edges opposite to the corners.
+    pub(super) edges: [u32; 3],
+}
+
+impl Corners {
+    pub(super) fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
+        assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
+            let inside = assembly.layout.inward(nodes);
+            let lowest = (0..3).min_by_key(|&k| inside[k]).unwrap_or(0);
+            let [nodes, edges] = [nodes, edges].map(|mut corners| {
+                corners.rotate_left(lowest);
+                corners
+            });
+            let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+            let (u, v) = (mesh::sub(b, a), mesh::sub(c, a));
+            let (side, normal) = (mesh::dot(u, u).sqrt(), mesh::cross(u, v));
+            let apex = [mesh::dot(u, v) / side, mesh::dot(normal, normal).sqrt() / side];
+            Self { nodes, points: [[0.0; 2], [side, 0.0], apex], edges }
+        })
+    }
+
+    /// t t of the unit vector t along the side opposite to each corner: 11, 22, 12.
+    pub(super) fn directions(&self) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|k| {
+            let [[x, y], [to_x, to_y]] = [self.points[(k + 1) % 3], self.points[(k + 2) % 3]];
+            let (dx, dy) = (to_x - x, to_y - y);
+            let square = dx * dx + dy * dy;
+            [dx * dx / square, dy * dy / square, dx * dy / square]
+        })
+    }
+}
+
+/// A symmetric 2 x 2 tensor: 11, 22, 12.
+pub(super) type Tensor = [Lanes; 3];
+
+impl Flat {
+    /// The triangles of the mesh.
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`.
+    pub(super) fn new(assembly: &Assembly) -> Result<Self> {
+        let corners: Vec<Corners> = Corners::all(assembly).collect();
+        let inside: Vec<[u32; 3]> = corners.iter().map(|corners| assembly.layout.inward(corners.nodes)).collect();
+        let elements = Elements::new(&inside, assembly.masses.len());
+        let (stretch, nu) =
+            assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
+        let mut rows = Vec::with_capacity(corners.len());
+        for (triangle, corners) in corners.iter().enumerate() {
+            let area = assembly.mesh.area(triangle)?;
+            let [_, [side, _], [along, height]] = corners.points;
+            rows.push([1.0 / side, -along / (side * height), 1.0 / height, stretch * area]);
+        }
+        Ok(Self {
+            p: elements.pack(1.0, |row| rows[row][0]),
+            q: elements.pack(0.0, |row| rows[row][1]),
+            r: elements.pack(1.0, |row| rows[row][2]),
+            stiffness: elements.pack(0.0, |row| rows[row][3]),
+            nu: Lanes::all(nu),
+            elements,
+        })
+    }
+
+    /// The columns of the gradient of a vector at the nodes.
+    #[inline(always)]
+    pub(super) fn gradient(&self, group: usize, [a, b, c]: [Point; 3]) -> [Point; 2] {
+        let (u, v) = (sub(b, a), sub(c, a));
+        [scale(self.p[group], u), sum(scale(self.q[group], u), scale(self.r[group], v))]
+    }
+
+    /// What stress s, times E_Y h A0, pulls the nodes by: the negative derivative of the strain energy.
+    #[inline(always)]
+    pub(super) fn pull(&self, group: usize, [f1, f2]: [Point; 2], s: Tensor) -> [Point; 3] {
+        let k = self.stiffness[group];
+        let [s11, s22, s12] = [k * s[0], k * s[1], k * s[2]];
+        let along_1 = sum(scale(s11, f1), scale(s12, f2));
+        let along_2 = sum(scale(s12, f1), scale(s22, f2));
+        let at_b = sum(scale(self.p[group], along_1), scale(self.q[group], along_2));
+        let at_c = scale(self.r[group], along_2);
+        [sum(at_b, at_c), negate(at_b), negate(at_c)]
+    }
+
+    /// The stress of a film that does not wrinkle, over E_Y.
+    #[inline(always)]
+    pub(super) fn stress(&self, e: Tensor) -> Tensor {
+        let one = Lanes::all(1.0);
+        let shear = one / (one + self.nu);
+        let factor = shear / (one - self.nu);
+        [factor * (e[0] + self.nu * e[1]), factor * (e[1] + self.nu * e[0]), shear * e[2]]
+    }
+}
+
+/// Green's strain of a gradient.
+#[inline(always)]
+pub(super) fn strain([f1, f2]: [Point; 2]) -> Tensor {
+    let (half, one) = (Lanes::all(0.5), Lanes::all(1.0));
+    [half * (dot(f1, f1) - one), half * (dot(f2, f2) - one), half * dot(f1, f2)]
+}
+
+/// The change of Green's strain as the gradient changes by `rate`.
+#[inline(always)]
+pub(super) fn strain_rate([f1, f2]: [Point; 2], [g1, g2]: [Point; 2]) -> Tensor {
+    [dot(f1, g1), dot(f2, g2), Lanes::all(0.5) * (dot(f1, g2) + dot(f2, g1))]
+}

@@ -1,0 +1,347 @@
+//! The embedded pair of orders 5 and 4 of Dormand and Prince (1980), DOPRI5, with the continuous extension of Shampine
+//! (1986) as given by Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.6:
+//!
+//!     y(t + theta dt) = y0 + theta (D + (1 - theta) (B + theta (C + (1 - theta) E)))
+//!     D = y1 - y0,   B = dt k1 - D,   C = D - dt k7 - B,   E = dt sum d_i k_i
+//!
+//! Six evaluations a step: the seventh stage is the first of the next step. Order 5; order 4 between steps.
+//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5/120 + z^6/600; stable to 3.307 on the negative real axis, and to 1.0
+//! only on the imaginary one.
+//! With a step given it takes that step. Without one, the difference of the two orders steers the step (`controller`).
+//! Storage: 19 vectors per node beside the state, and four more between steps.
+
+use nalgebra::Complex;
+
+use super::{Embedded, Integrator, Memory, Start, System, Tolerance, growth_of};
+use crate::state::{Instant, State, Vectors, columns};
+use crate::width::{Sweep, Width};
+
+const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
+/// Row k: what stage k + 1 takes of the stages before it. The last row holds the weights of order 5.
+const MATRIX: [&[f64]; 6] = [
+    &[1.0 / 5.0],
+    &[3.0 / 40.0, 9.0 / 40.0],
+    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+    &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+    &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Weights of order 5 minus those of order 4.
+const ERROR: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
+/// d_i of the continuous extension.
+const BETWEEN: [f64; 7] = [
+    -12715105075.0 / 11282082432.0,
+    0.0,
+    87487479700.0 / 32700410799.0,
+    -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0,
+    -1453857185.0 / 822651844.0,
+    69997945.0 / 29380423.0,
+];
+
+/// The method and its stages.
+pub(super) struct Dopri5 {
+    /// Velocity and acceleration at each stage, and each law's power.
+    velocities: [Vectors; 7],
+    accelerations: [Vectors; 7],
+    powers: [Vec<f64>; 7],
+    /// The stage's position; at last the end of the step. Its velocity is that of the last stage.
+    position: Vectors,
+    error: [Vectors; 2],
+    /// Whether the last stage is the derivative at the state's own instant.
+    is_fresh: bool,
+    is_started: bool,
+    time: f64,
+    dt: f64,
+    within: Option<Within>,
+    width: Width,
+}
+
+/// What the continuous extension needs beside both ends' states and derivatives.
+struct Within {
+    time: f64,
+    dt: f64,
+    start: State,
+    acceleration: Vectors,
+    /// E for position and velocity.
+    bend: [Vectors; 2],
+    /// For each law: work and power at the start, E.
+    laws: Vec<[f64; 3]>,
+}
+
+impl Dopri5 {
+    pub(super) fn new(nodes: usize, laws: usize, width: Width) -> Self {
+        let zeros = || std::array::from_fn(|_| Vectors::zeros(nodes));
+        Self {
+            velocities: zeros(),
+            accelerations: zeros(),
+            powers: std::array::from_fn(|_| vec![0.0; laws]),
+            position: Vectors::zeros(nodes),
+            error: std::array::from_fn(|_| Vectors::zeros(nodes)),
+            is_fresh: false,
+            is_started: false,
+            time: 0.0,
+            dt: 0.0,
+            within: None,
+            width,
+        }
+    }
+
+    fn stages(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &State) {
+        if self.is_fresh {
+            self.accelerations.swap(0, 6);
+            self.powers.swap(0, 6);
+            self.is_fresh = false;
+        }
+        (self.time, self.dt) = (time, dt);
+        self.velocities[0].copy_from(&state.velocities);
+        for (k, row) in MATRIX.iter().enumerate() {
+            let (before, after) = self.velocities.split_at_mut(k + 1);
+            let width = self.width;
+            sum(width, Some(&state.positions), dt, row, before, &mut self.position);
+            sum(width, Some(&state.velocities), dt, row, &self.accelerations, &mut after[0]);
+            let at = Instant { time: time + NODES[k + 1] * dt, positions: &self.position, velocities: &after[0] };
+            system.accelerate(at, &mut self.accelerations[k + 1], &mut self.powers[k + 1]);
+        }
+    }
+
+    fn finish(&mut self, state: &mut State, work: &mut [f64]) {
+        state.positions.copy_from(&self.position);
+        state.velocities.copy_from(&self.velocities[6]);
+        for (law, work) in work.iter_mut().enumerate() {
+            *work += self.dt * self.of_law(MATRIX[5], law);
+        }
+        self.is_fresh = true;
+    }
+
+    fn of_law(&self, weights: &[f64], law: usize) -> f64 {
+        weights.iter().zip(&self.powers).map(|(weight, powers)| weight * powers[law]).sum()
+    }
+}
+
+/// out = start + dt sum of weights and terms.
+fn sum(width: Width, start: Option<&Vectors>, dt: f64, weights: &[f64], terms: &[Vectors], out: &mut Vectors) {
+    let used: Vec<(f64, &[f64])> = weights
+        .iter()
+        .zip(terms)
+        .filter(|(weight, _)| **weight != 0.0)
+        .map(|(weight, term)| (dt * weight, term.as_slice()))
+        .collect();
+    if let Some(start) = start {
+        out.copy_from(start);
+    } else {
+        out.fill(0.0);
+    }
+    for pair in used.chunks(2) {
+        let out = out.as_mut_slice();
+        match *pair {
+            [first, second] => width.run(Add { terms: [first, second], out }),
+            [first] => width.run(Add { terms: [first], out }),
+            _ => {}
+        }
+    }
+}
+
+/// Adds weighted terms, from the first to the last.
+struct Add<'a, const N: usize> {
+    terms: [(f64, &'a [f64]); N],
+    out: &'a mut [f64],
+}
+
+impl<const N: usize> Sweep for Add<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep(self) {
+        let n = self.out.len();
+        let terms = self.terms.map(|(weight, term)| (weight, &term[..n]));
+        for i in 0..n {
+            let mut value = self.out[i];
+            for (weight, term) in terms {
+                value += weight * term[i];
+            }
+            self.out[i] = value;
+        }
+    }
+}
+
+/// The largest square of error over allowed error, over all nodes; not finite where any is not.
+struct Worst<'a> {
+    error: [&'a [f64]; 3],
+    value: [&'a [f64]; 3],
+    floor: f64,
+}
+
+impl Sweep for Worst<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn sweep(self) -> f64 {
+        let ([ex, ey, ez], [x, y, z]) = (self.error, self.value);
+        let floor = self.floor * self.floor;
+        let (mut worst, mut all) = (0.0_f64, 0.0);
+        for i in 0..ex.len() {
+            let square = ex[i] * ex[i] + ey[i] * ey[i] + ez[i] * ez[i];
+            let share = square / (floor + (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
+            worst = worst.max(share);
+            // `max` passes over what is not a number; a sum does not.
+            all += share;
+        }
+        if all.is_finite() { worst } else { f64::INFINITY }
+    }
+}
+
+impl Embedded for Dopri5 {
+    fn attempt(&mut self, system: &mut dyn System, from: Start<'_>, dt: f64, tolerance: &Tolerance) -> f64 {
+        self.stages(system, from.time, dt, from.state);
+        let [of_position, of_velocity] = &mut self.error;
+        sum(self.width, None, dt, &ERROR, &self.velocities, of_position);
+        sum(self.width, None, dt, &ERROR, &self.accelerations, of_velocity);
+        let worst = |error: &Vectors, value: &Vectors, floor: f64| {
+            self.width.run(Worst { error: columns(error), value: columns(value), floor })
+        };
+        let shares = [
+            worst(of_position, &self.position, tolerance.length),
+            worst(of_velocity, &self.velocities[6], tolerance.speed),
+        ];
+        shares[0].max(shares[1]).sqrt() / tolerance.relative
+    }
+
+    fn accept(&mut self, state: &mut State, work: &mut [f64]) {
+        let bend = [&self.velocities, &self.accelerations].map(|terms| {
+            let mut bend = Vectors::zeros(self.position.nrows());
+            sum(self.width, None, self.dt, &BETWEEN, terms, &mut bend);
+            bend
+        });
+        let laws = work.iter().enumerate();
+        let laws = laws.map(|(law, work)| [*work, self.powers[0][law], self.dt * self.of_law(&BETWEEN, law)]).collect();
+        self.within = Some(Within {
+            time: self.time,
+            dt: self.dt,
+            start: state.clone(),
+            acceleration: self.accelerations[0].clone(),
+            bend,
+            laws,
+        });
+        self.finish(state, work);
+    }
+
+    fn between(&self, end: Start<'_>, time: f64) -> (State, Vec<f64>) {
+        let Some(within) = &self.within else {
+            return (end.state.clone(), end.work.to_vec());
+        };
+        let Within { dt, start, acceleration, bend, laws, .. } = within;
+        let theta = (time - within.time) / dt;
+        let blend = |y0: f64, y1: f64, k1: f64, k7: f64, e: f64| {
+            let d = y1 - y0;
+            let b = dt * k1 - d;
+            let c = d - dt * k7 - b;
+            y0 + theta * (d + (1.0 - theta) * (b + theta * (c + (1.0 - theta) * e)))
+        };
+        let all = |y0: &Vectors, y1: &Vectors, k1: &Vectors, k7: &Vectors, e: &Vectors| {
+            Vectors::from_fn(y0.nrows(), |i, axis| {
+                let at = (i, axis);
+                blend(y0[at], y1[at], k1[at], k7[at], e[at])
+            })
+        };
+        let last = &self.accelerations[6];
+        let (x0, v0, x1, v1) = (&start.positions, &start.velocities, &end.state.positions, &end.state.velocities);
+        let state =
+            State { positions: all(x0, x1, v0, v1, &bend[0]), velocities: all(v0, v1, acceleration, last, &bend[1]) };
+        let work =
+            laws.iter().enumerate().map(|(law, [w0, p0, e])| blend(*w0, end.work[law], *p0, self.powers[6][law], *e));
+        (state, work.collect())
+    }
+}
+
+impl Integrator for Dopri5 {
+    fn name(&self) -> &'static str {
+        "dopri5"
+    }
+
+    fn order(&self) -> u32 {
+        5
+    }
+
+    fn evaluations_per_step(&self) -> u32 {
+        6
+    }
+
+    fn evaluations_at_start(&self) -> u32 {
+        1
+    }
+
+    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+        let one = Complex::new(1.0, 0.0);
+        let r = |z: Complex<f64>| {
+            one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0 * (one + z / 5.0 * (one + z / 5.0)))))
+        };
+        growth_of(r, omega, damping, dt)
+    }
+
+    fn is_started(&self) -> bool {
+        self.is_started
+    }
+
+    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+        let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
+        system.accelerate(at, &mut self.accelerations[6], &mut self.powers[6]);
+        (self.is_started, self.is_fresh, self.within) = (true, true, None);
+    }
+
+    fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
+        self.stages(system, time, dt, state);
+        self.finish(state, work);
+    }
+
+    fn memory(&self) -> Memory {
+        if !self.is_started {
+            return Memory::default();
+        }
+        let mut memory = Memory { vectors: vec![self.accelerations[6].clone()], numbers: self.powers[6].clone() };
+        if let Some(within) = &self.within {
+            let [bend_x, bend_v] = &within.bend;
+            let kept = [&within.start.positions, &within.start.velocities, &within.acceleration, bend_x, bend_v];
+            memory.vectors.extend(kept.map(Clone::clone));
+            memory.numbers.extend([within.time, within.dt]);
+            memory.numbers.extend(within.laws.iter().flatten());
+        }
+        memory
+    }
+
+    fn recall(&mut self, memory: Memory) -> bool {
+        let Memory { mut vectors, numbers } = memory;
+        self.within = None;
+        (self.is_started, self.is_fresh) = (!vectors.is_empty(), true);
+        if !self.is_started {
+            return numbers.is_empty();
+        }
+        let laws = self.powers[6].len();
+        let fits = [(1, laws), (6, 4 * laws + 2)].contains(&(vectors.len(), numbers.len()));
+        if !fits {
+            return false;
+        }
+        self.powers[6].copy_from_slice(&numbers[..laws]);
+        let mut kept = vectors.drain(1..);
+        if let (Some(positions), Some(velocities), Some(acceleration), Some(bend_x), Some(bend_v)) =
+            (kept.next(), kept.next(), kept.next(), kept.next(), kept.next())
+        {
+            self.within = Some(Within {
+                time: numbers[laws],
+                dt: numbers[laws + 1],
+                start: State { positions, velocities },
+                acceleration,
+                bend: [bend_x, bend_v],
+                laws: numbers[laws + 2..].chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect(),
+            });
+        }
+        drop(kept);
+        self.accelerations[6].copy_from(&vectors[0]);
+        true
+    }
+
+    fn embedded(&mut self) -> Option<&mut dyn Embedded> {
+        Some(self)
+    }
+}

@@ -1,0 +1,166 @@
+//! Steps chosen by their error, for methods that know it.
+//!
+//! The run steps ahead of the instant that is shown, and shows what the method knows between the ends of its last step. So
+//! no instant at which someone looks cuts a step, and results do not depend on who looks when.
+
+use super::{AdaptiveProgress, Simulation};
+use crate::error::{Error, Result};
+use crate::integrators::{Controller, Embedded, Start};
+use crate::model::positive;
+use crate::state::State;
+
+/// The first step where nothing is stiff \[s\]; it grows fivefold per step from there.
+const FIRST_STEP: f64 = 1e-6;
+
+pub(super) struct Adaptive {
+    /// The end of the last step \[s\].
+    front: f64,
+    /// The instant that is shown \[s\].
+    pub(super) shown: f64,
+    /// State and work at the front, while an earlier instant is shown.
+    ahead: Option<(State, Vec<f64>)>,
+    pub(super) controller: Controller,
+    first_dt: f64,
+}
+
+impl Simulation {
+    /// Whether steps are chosen by their error.
+    pub fn is_adaptive(&self) -> bool {
+        self.adaptive.is_some()
+    }
+
+    /// Tries that were rejected because of their error.
+    pub fn rejected_count(&self) -> u64 {
+        self.adaptive.as_ref().map_or(0, |adaptive| adaptive.controller.rejected_count)
+    }
+
+    pub(super) fn adapt(&mut self, limit: f64) -> Result<()> {
+        let tolerance = self.settings.tolerance;
+        positive("tolerance", tolerance.relative)?;
+        positive("length of the tolerance [m]", tolerance.length)?;
+        positive("speed of the tolerance [m/s]", tolerance.speed)?;
+        let first_dt = if limit.is_finite() { self.settings.margin * limit } else { FIRST_STEP };
+        self.adaptive =
+            Some(Adaptive { front: 0.0, shown: 0.0, ahead: None, controller: Controller::new(first_dt), first_dt });
+        Ok(())
+    }
+
+    /// Steps until `time` is passed, at most `most` times, then shows that instant. Whether it came so far.
+    ///
+    /// # Errors
+    /// As `step`.
+    pub fn reach(&mut self, time: f64, most: u64) -> Result<bool> {
+        for _ in 0..most {
+            match &self.adaptive {
+                Some(adaptive) if adaptive.front < time => self.step(1)?,
+                _ => break,
+            }
+        }
+        let is_there = self.adaptive.as_ref().is_some_and(|adaptive| adaptive.front >= time);
+        if is_there {
+            self.show(time);
+        }
+        Ok(is_there)
+    }
+
+    /// One accepted step from the front.
+    pub(super) fn adaptive_step(&mut self) -> Result<()> {
+        self.show_front();
+        let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
+        let time = adaptive.front;
+        loop {
+            let dt = adaptive.controller.dt;
+            if dt <= f64::EPSILON * adaptive.first_dt.max(time) {
+                break;
+            }
+            let Some(method) = self.integrator.embedded() else { return Ok(()) };
+            let from = Start { time, state: &self.state, work: &self.ledger.work };
+            let error = method.attempt(&mut self.mechanics, from, dt, &self.settings.tolerance);
+            if adaptive.controller.judge(error) {
+                method.accept(&mut self.state, &mut self.ledger.work);
+                adaptive.front = time + dt;
+                adaptive.shown = adaptive.front;
+                self.step_count += 1;
+                return Ok(());
+            }
+        }
+        let what = format!("no step is small enough for the tolerance of {:e}", self.settings.tolerance.relative);
+        let now = self.accounts();
+        let place = "the last step tried was below rounding".to_owned();
+        let mut fault = self.told(what, place, self.most_changed(&now), &now);
+        fault.cure += "; or allow a larger error per step";
+        Err(self.set_back(fault))
+    }
+
+    /// Goes back to the front, from where steps are taken.
+    fn show_front(&mut self) {
+        if let Some(adaptive) = &mut self.adaptive
+            && let Some((state, work)) = adaptive.ahead.take()
+        {
+            (self.state, self.ledger.work, adaptive.shown) = (state, work, adaptive.front);
+        }
+    }
+
+    fn show(&mut self, time: f64) {
+        self.show_front();
+        let Some(adaptive) = &mut self.adaptive else { return };
+        if time < adaptive.front
+            && let Some(method) = self.integrator.embedded()
+        {
+            let end = Start { time: adaptive.front, state: &self.state, work: &self.ledger.work };
+            let (state, work) = Embedded::between(method, end, time);
+            adaptive.ahead =
+                Some((std::mem::replace(&mut self.state, state), std::mem::replace(&mut self.ledger.work, work)));
+            adaptive.shown = time;
+        }
+    }
+
+    /// State and work at the end of the last step.
+    pub(super) fn front(&self) -> (&State, &[f64]) {
+        let ahead = self.adaptive.as_ref().and_then(|adaptive| adaptive.ahead.as_ref());
+        ahead.map_or((&self.state, &self.ledger.work), |(state, work)| (state, work))
+    }
+
+    /// The shown instant becomes the front.
+    pub(super) fn restart_adaptive(&mut self) {
+        if let Some(adaptive) = &mut self.adaptive {
+            (adaptive.front, adaptive.ahead) = (adaptive.shown, None);
+        }
+    }
+
+    pub(super) fn set_back_adaptive(&mut self, time: f64) {
+        if let Some(adaptive) = &mut self.adaptive {
+            (adaptive.front, adaptive.shown, adaptive.ahead) = (time, time, None);
+            adaptive.controller =
+                Controller { rejected_count: adaptive.controller.rejected_count, ..Controller::new(adaptive.first_dt) };
+        }
+    }
+
+    pub(super) fn adaptive_progress(&self) -> Option<AdaptiveProgress> {
+        let adaptive = self.adaptive.as_ref()?;
+        Some(AdaptiveProgress { front: adaptive.front, shown: adaptive.shown, controller: adaptive.controller })
+    }
+
+    pub(super) fn resume_adaptive(&mut self, saved: Option<&AdaptiveProgress>) -> Result<()> {
+        match (&mut self.adaptive, saved) {
+            (Some(adaptive), Some(saved)) => {
+                positive("saved step [s]", saved.controller.dt)?;
+                (adaptive.front, adaptive.shown, adaptive.controller) = (saved.front, saved.front, saved.controller);
+                Ok(())
+            }
+            (None, None) => Ok(()),
+            (adaptive, _) => Err(Error::LengthMismatch {
+                what: "the saved step control",
+                found: usize::from(saved.is_some()),
+                expected: usize::from(adaptive.is_some()),
+                per: "run whose steps are chosen by their error",
+            }),
+        }
+    }
+
+    pub(super) fn show_saved(&mut self, saved: Option<&AdaptiveProgress>) {
+        if let Some(saved) = saved {
+            self.show(saved.shown);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The diagnosis: what is wrong with a run, where, by which law, and what to do about it.
+//!
+//! A run is wrong where a value is not finite, where an element is beyond the bound that its user set, where energy
+//! has appeared from nowhere, and where the method itself has eaten more of it than its user allows. The cause that is told is,
+//! in this order: a step above the limit; a limit that fell below the step as the shape changed; the law
+//! that failed, and the law that fed it.
+
+use super::Simulation;
+use crate::ledger::Accounts;
+use crate::stability;
+use crate::state::{Instant, State};
+
+/// Share of the largest account that the balance may be off by, whatever was turned over: a disc that merely spins turns
+/// nothing over, but its dashpots' work is of the order of (Omega dt)^2 of its energy in each turn.
+const FLOOR: f64 = 1e-5;
+
+/// What is told of a fault.
+pub(super) struct Fault {
+    pub(super) what: String,
+    pub(super) place: String,
+    pub(super) law: String,
+    pub(super) cure: String,
+    /// False for books that do not balance, which may be the step's coarseness alone.
+    pub(super) is_certain: bool,
+}
+
+impl Simulation {
+    /// What is wrong now.
+    pub(super) fn fault(&self, now: &Accounts) -> Option<Fault> {
+        self.certain_fault(now).or_else(|| self.out_of_balance(now))
+    }
+
+    /// What is wrong for certain: no number, beyond a bound, or energy from nowhere.
+    pub(super) fn certain_fault(&self, now: &Accounts) -> Option<Fault> {
+        self.not_finite(now).or_else(|| self.beyond_bound(now)).or_else(|| self.created(now))
+    }
+
+    fn not_finite(&self, now: &Accounts) -> Option<Fault> {
+        let State { positions, velocities } = &self.state;
+        let row = (0..positions.nrows()).find(|&i| !(positions.row(i).sum() + velocities.row(i).sum()).is_finite())?;
+        let what = "a position or velocity is no longer finite".to_owned();
+        Some(self.told(what, self.node(row), self.most_changed(now), now))
+    }
+
+    fn beyond_bound(&self, now: &Accounts) -> Option<Fault> {
+        let (k, excess) = self
+            .mechanics
+            .laws
+            .iter()
+            .enumerate()
+            .find_map(|(k, law)| law.first_excess(self.instant()).map(|excess| (k, excess)))?;
+        let [i, j] = excess.nodes.map(|node| self.layout.outward(node as usize));
+        Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
+    }
+
+    /// Surplus of energy [J], the energy turned over, and what the books may be off by whatever was turned over.
+    ///
+    /// A method that keeps energy keeps it but for a swing, which stays below what is turned over as long as the step is
+    /// below its limit, and grows beyond it above. What it conserves instead has no such swing: what both show counts.
+    fn balance(&self, now: &Accounts) -> (f64, f64, f64) {
+        let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
+        let floor = FLOOR * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
+        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + floor || surplus.is_nan() {
+            return (surplus, turned_over, floor);
+        }
+        let kept = surplus + self.energy_shift(self.dt) - self.ledger.start_shift;
+        let both = if surplus > 0.0 { surplus.min(kept).max(0.0) } else { surplus.max(kept).min(0.0) };
+        (both, turned_over, floor)
+    }
+
+    /// Energy from nowhere: more than there was at the start and has come in.
+    fn created(&self, now: &Accounts) -> Option<Fault> {
+        let (surplus, turned_over, floor) = self.balance(now);
+        let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
+        let created = surplus + taken;
+        if !surplus.is_nan() && created <= self.settings.energy_tolerance * turned_over + floor {
+            return None;
+        }
+        let what = format!(
+            "{created:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
+            100.0 * created / turned_over
+        );
+        Some(self.told(what, self.fastest(), self.most_changed(now), now))
+    }
+
+    /// Books that do not balance, because the method eats the vibrations that its step hardly resolves, or because work
+    /// of damping that it hardly resolves is booked wrongly.
+    fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
+        let (surplus, turned_over, floor) = self.balance(now);
+        let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
+        let loose = self.settings.loss_tolerance * turned_over + floor;
+        if surplus > loose {
+            let work = &self.ledger.work;
+            let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
+            let what = format!(
+                "{surplus:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
+                percent(surplus)
+            );
+            return Some(self.hardly_resolved(what, law, "an honest balance needs it to be"));
+        }
+        if surplus < -loose {
+            let what = format!(
+                "{:.3e} J are gone that no law took, {:.3} % of the energy turned over so far",
+                -surplus,
+                percent(surplus)
+            );
+            let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
+            return Some(self.hardly_resolved(what, law, "so the method damps it"));
+        }
+        None
+    }
+
+    /// The step is too long for what is fastest in the scene; above its limit that is the cause.
+    fn hardly_resolved(&self, what: String, law: Option<usize>, so: &str) -> Fault {
+        let own = law.map_or("no law", |k| self.mechanics.laws[k].name());
+        let cure = self.step_above_limit(law).unwrap_or_else(|| {
+            format!(
+                "its step of {:.3e} s, {:.2} of the stability limit, hardly resolves what is fastest here, {so}: use a smaller dt, or allow a larger energy_loss",
+                self.dt(),
+                self.dt() / self.start_limit.dt
+            )
+        });
+        Fault {
+            what,
+            place: self.fastest(),
+            law: own.to_owned(),
+            cure: format!("{}: {cure}", self.integrator.name()),
+            is_certain: false,
+        }
+    }
+
+    fn fastest(&self) -> String {
+        let speeds: Vec<f64> = self.state.velocities.row_iter().map(|row| row.norm_squared()).collect();
+        let fastest = (0..speeds.len()).max_by(|&i, &j| speeds[i].total_cmp(&speeds[j])).unwrap_or(0);
+        format!(
+            "{} is fastest at {:.3e} m/s",
+            self.node(fastest),
+            speeds.get(fastest).map_or(0.0, |speed| speed.sqrt())
+        )
+    }
+
+    pub(super) fn told(&self, what: String, place: String, law: Option<usize>, now: &Accounts) -> Fault {
+        let cure = self.cure(law, now);
+        Fault {
+            what,
+            place,
+            law: law.map_or("no law", |k| self.mechanics.laws[k].name()).to_owned(),
+            cure,
+            is_certain: true,
+        }
+    }
+
+    fn node(&self, row: usize) -> String {
+        format!("node {}", self.layout.outward(row))
+    }
+
+    /// The law whose energy or work changed most since the last good check; since the start, where that is not finite.
+    pub(super) fn most_changed(&self, now: &Accounts) -> Option<usize> {
+        let (good_work, good) = (&self.good.work, &self.good.accounts);
+        let recent: Vec<f64> = (0..good_work.len())
+            .map(|k| (now.stored[k] - good.stored[k]).abs() + (self.ledger.work[k] - good_work[k]).abs())
+            .collect();
+        let all_finite = recent.iter().all(|change| change.is_finite());
+        let start = &self.ledger.start;
+        let before = |k: usize| (good.stored[k] - start.stored[k]).abs() + good_work[k].abs();
+        let change = |k: usize| if all_finite { recent[k] } else { before(k) };
+        (0..recent.len()).max_by(|&a, &b| change(a).total_cmp(&change(b)))
+    }
+
+    /// The law that has given most energy to the others since the start.
+    fn source(&self, now: &Accounts) -> Option<usize> {
+        (0..now.stored.len())
+            .filter(|&k| self.given(k, now).is_finite() && self.given(k, now) > 0.0)
+            .max_by(|&a, &b| self.given(a, now).total_cmp(&self.given(b, now)))
+    }
+
+    /// What a law has given to the others since the start [J].
+    fn given(&self, law: usize, now: &Accounts) -> f64 {
+        self.ledger.start.stored[law] - now.stored[law] + self.ledger.work[law]
+    }
+
+    fn cure(&self, law: Option<usize>, now: &Accounts) -> String {
+        if let Some(words) = self.step_above_limit(law) {
+            return words;
+        }
+        let laws = &self.mechanics.laws;
+        let own = law.map_or("check the scene", |k| laws[k].cure());
+        let source = self.source(now);
+        if self.ledger.start.kinetic - now.kinetic > source.map_or(0.0, |k| self.given(k, now)) {
+            return format!("the energy came from the velocities at the start: start slower; or {own}");
+        }
+        match source.filter(|source| Some(*source) != law) {
+            Some(source) => format!("the energy came from {}: {}; or {own}", laws[source].name(), laws[source].cure()),
+            None => own.to_owned(),
+        }
+    }
+
+    /// In words, where the step was above its limit at the start, or has come to be.
+    fn step_above_limit(&self, law: Option<usize>) -> Option<String> {
+        let (laws, start) = (&self.mechanics.laws, &self.start_limit);
+        let cure_of = |name: &str| {
+            let found = laws.iter().find(|law| law.name() == name).or(law.map(|k| &laws[k]));
+            found.map_or("", |law| law.cure())
+        };
+        if self.dt > start.dt {
+            let cure = cure_of(start.law);
+            return Some(format!(
+                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; or {}",
+                self.dt,
+                start.dt,
+                self.part(start),
+                cure.strip_prefix("use a smaller dt, ").or(cure.strip_prefix("use a smaller dt or ")).unwrap_or(cure)
+            ));
+        }
+        let State { positions, velocities } = &self.good.state;
+        let good = Instant { time: self.good.time, positions, velocities };
+        let limit = stability::limit(self.integrator.as_ref(), laws, good, &self.mechanics.inverse_masses);
+        let now = limit.ok().filter(|now| self.dt > now.dt)?;
+        Some(format!(
+            "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {}",
+            start.dt,
+            now.dt,
+            self.dt,
+            self.part(&now),
+            cure_of(now.law)
+        ))
+    }
+}

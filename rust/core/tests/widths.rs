@@ -1,0 +1,74 @@
+//! The same bits at every vector width, and nothing allocated or left out because of the layout.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod common;
+
+use common::{Dice, every_law, sheet};
+use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::width::Width;
+
+fn crumpled(width: Width) -> Simulation {
+    let mut model = sheet(19, 13, 0.01);
+    for (point, kick) in model.positions.iter_mut().zip(Dice(1).vectors(1000, 2e-4)) {
+        (0..3).for_each(|axis| point[axis] += kick[axis]);
+    }
+    model.velocities = Dice(2).vectors(model.positions.len(), 0.1);
+    Simulation::new(model, &every_law(), "rk4", Some(1e-6), Settings { width, ..Settings::default() }).unwrap()
+}
+
+#[test]
+fn a_trajectory_has_the_same_bits_at_every_width() {
+    let mut baseline = crumpled(Width::Baseline);
+    baseline.step(500).unwrap();
+    for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+        let mut simulation = crumpled(width);
+        simulation.step(500).unwrap();
+        assert_eq!(simulation.progress(), baseline.progress(), "{}", width.name());
+    }
+}
+
+#[test]
+fn a_sheet_in_rows_falls_into_runs() {
+    for law in crumpled(Width::Baseline).laws() {
+        let least = if law.name() == "tethers" || law.name() == "bridges" { 0.0 } else { 0.9 };
+        assert!(law.share_in_runs().is_none_or(|share| share >= least), "{}: {:?}", law.name(), law.share_in_runs());
+    }
+}
+
+#[test]
+fn the_callers_numbering_changes_no_force() {
+    // The same sheet with its nodes numbered at random: other runs, the same forces but for rounding.
+    let plain = {
+        let mut model = sheet(9, 7, 0.01);
+        model
+            .positions
+            .iter_mut()
+            .zip(Dice(3).vectors(1000, 2e-4))
+            .for_each(|(p, k)| (0..3).for_each(|a| p[a] += k[a]));
+        model
+    };
+    let n = plain.reference.len();
+    let mut shuffled: Vec<u32> = (0..n as u32).collect();
+    let mut dice = Dice(4);
+    (1..n).rev().for_each(|i| shuffled.swap(i, ((dice.roll() + 1.0) / 2.0 * (i + 1) as f64) as usize));
+    let renamed = |node: u32| if (node as usize) < n { shuffled[node as usize] } else { node };
+    let mut other = plain.clone();
+    for (old, &new) in shuffled.iter().enumerate() {
+        other.reference[new as usize] = plain.reference[old];
+        other.positions[new as usize] = plain.positions[old];
+    }
+    other.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.creases.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.bridges.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
+    let new = |model| Simulation::new(model, &every_law(), "rk4", Some(1e-6), Settings::default()).unwrap();
+    let (plain, other) = (new(plain), new(other));
+    for law in plain.laws() {
+        let (a, b) = (plain.forces(Some(law.name())).unwrap(), other.forces(Some(law.name())).unwrap());
+        let size = a.iter().flatten().fold(0.0, |most: f64, f| most.max(f.abs()));
+        for (old, force) in a.iter().enumerate() {
+            let twin = b[renamed(old as u32) as usize];
+            (0..3).for_each(|axis| assert!((force[axis] - twin[axis]).abs() <= 1e-12 * size, "{}", law.name()));
+        }
+    }
+}

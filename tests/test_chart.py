@@ -1,0 +1,195 @@
+"""The chart of accuracy against work: known orders, failed steps, floors, the cheapest method."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scenes
+from membrane_rs.simulation import integrators
+from membrane_rs.study import Chart, chart
+from membrane_rs.study.accuracy import position_error
+from membrane_rs.study.ladder import Point, cheapest, measured_order
+from membrane_rs.study.trial import SHIFT, course, ensemble, run
+from PIL import Image
+from small_scenes import hanging_strip, refused
+
+
+@pytest.fixture(scope="module")
+def disc() -> Chart:
+    """A disc that rings in its plane: smooth, so that every method shows its order."""
+    return chart(scenes.load("spinning-disc"), until=0.02, steps=5, repeats=1)
+
+
+def test_every_method_climbs_the_ladder(disc: Chart) -> None:
+    assert list(disc.orders) == list(integrators())
+    for name in integrators():
+        points = disc.rungs(name)
+        assert len(points) == 7
+        shares = [point.share for point in points]
+        assert shares == sorted(shares, reverse=True)
+        assert shares[0] > 1.0 > shares[2]
+        assert points[-1].evaluations > points[2].evaluations
+
+
+def test_order_of_rk4_on_a_smooth_motion_is_four(disc: Chart) -> None:
+    assert disc.orders["rk4"]["position"] == pytest.approx(4.0, abs=0.1)
+    errors = [p.errors["position"] for p in disc.rungs("rk4") if p.share < 1.0]
+    assert errors == sorted(errors, reverse=True)
+    assert disc.reference_errors["position"] < 0.1 * errors[-1]
+    assert math.isnan(disc.floors["position"])
+
+
+def test_steps_beyond_the_limit_are_marked_where_the_watch_stops_them(disc: Chart) -> None:
+    worst = disc.rungs("rk4")[0]
+    assert worst.failure is not None
+    assert worst.failed_at is not None
+    assert 0.0 < worst.failed_at <= disc.until
+    assert math.isnan(worst.errors["position"])
+    assert all(point.failure is None for point in disc.points if point.share < 1.0)
+
+
+def test_the_cheapest_method_is_named(disc: Chart) -> None:
+    best = disc.best["evaluations"]
+    assert best is not None
+    assert best.integrator in integrators()
+    assert disc.best["seconds"] is not None
+    assert f"{best.integrator} with dt = {best.dt:.3g} s" in disc.summary()
+
+
+def test_a_chart_is_written(disc: Chart, tmp_path: Path) -> None:
+    disc.save(tmp_path / "new" / "folder")
+    folder = tmp_path / "new" / "folder"
+    with (folder / "chart.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["dt"]) for row in rows] == [point.dt for point in disc.points]
+    assert float(rows[-1]["position_error"]) == disc.points[-1].errors["position"]
+    data = json.loads((folder / "chart.json").read_text())
+    assert data["reference"] == "rk4"
+    assert len(data["points"]) == len(disc.points)
+    assert data["points"][0]["errors"]["position"] is None
+    assert "membrane_rs" in data["versions"]
+    with Image.open(folder / "chart.png") as picture:
+        assert picture.width > 1000
+        assert len(picture.convert("L").getcolors() or []) > 10
+    assert sorted(path.name for path in folder.iterdir()) == ["chart.csv", "chart.json", "chart.png"]
+
+
+def test_curves_have_a_floor_from_perturbed_starts(tmp_path: Path) -> None:
+    found = chart(hanging_strip(), ["rk4"], 0.02, steps=2, curves=True, members=2, repeats=1, instants=20, wanted=1e-30)
+    assert list(found.labels) == ["rate", "phase"]
+    assert all(0.0 < found.floors[name] < 1e-6 for name in found.labels)
+    assert found.best == {"evaluations": None, "seconds": None}
+    text = found.summary()
+    assert "no method of the ladder reaches it" in text
+    assert "cannot be told apart" in text
+    found.save(tmp_path)
+    with Image.open(tmp_path / "chart.png") as picture:
+        assert picture.height > 800  # two rows of panels
+
+
+def test_one_ensemble_is_like_the_next() -> None:
+    where = course(hanging_strip(), 0.01, 2)
+    dt = Simulation(where.scene).dt
+    first, second = (ensemble(where, "rk4", dt, 2, shapes=True) for _ in range(2))
+    for one, other in zip(first, second, strict=True):
+        assert (one.shapes == other.shapes).all()
+    apart = [float(np.abs(member.shapes[-1] - first[0].shapes[-1]).max()) for member in first[1:]]
+    assert 0.1 * SHIFT < min(apart) < max(apart) < 1e-6
+    assert apart[0] != apart[1]
+
+
+def test_a_course_shifts_what_is_free_and_keeps_what_is_held() -> None:
+    where = course(hanging_strip(), 0.01, 3)
+    held = where.scene.assemble().fixed
+    shift = where.shifted(0).start - where.start
+    assert (shift[held] == 0.0).all()
+    assert 0.1 * SHIFT < np.abs(shift).max() < 10 * SHIFT
+    assert where.interval / where.step_near(1e-4) == pytest.approx(round(where.interval / 1e-4))
+    assert where.step_near(1.0) == where.interval
+
+
+def test_a_course_settles_the_scene_once_for_all() -> None:
+    scene = hanging_strip()
+    settling = replace(scene, run=RunSettings(until=0.1, settle=0.02))
+    where = course(settling, 0.01, 2)
+    assert not np.allclose(where.start, scene.assemble().positions)
+    assert where.scene.run.settle == 0.0
+    trial = run(where, "rk4", 1e-4)
+    assert trial.failure is None
+    assert trial.times[-1] == pytest.approx(0.01)
+
+
+def test_a_run_that_stops_is_a_result() -> None:
+    where = course(scenes.load("spinning-tether"), 0.1, 10)
+    trial = run(where, "rk4", 1.3 * Simulation(where.scene, "rk4").stable_dt(), shapes=True)
+    assert isinstance(trial.failure, UnstableError)
+    assert len(trial.times) == len(trial.shapes) < 10
+
+
+def point(name: str, dt: float, error: float, evaluations: int, share: float = 0.2) -> Point:
+    """A rung with an error, or stopped (NaN)."""
+    failed = math.isnan(error)
+    return Point(
+        name, dt, share, 1, evaluations, 1e-6 * evaluations, {"position": error}, "stopped" if failed else None, None
+    )
+
+
+def test_measured_order_is_the_slope_clear_of_the_bounds() -> None:
+    points = [point("a", dt, 3.0 * dt**2, 1) for dt in (0.4, 0.2, 0.1)]
+    assert measured_order(points, "position", 0.0) == pytest.approx(2.0)
+    assert math.isnan(measured_order(points, "position", 0.2))
+    assert math.isnan(measured_order([replace(p, share=0.9) for p in points], "position", 0.0))
+    assert math.isnan(measured_order([point("a", 0.1, math.nan, 1)] * 3, "position", 0.0))
+
+
+def test_the_cheapest_lies_between_two_rungs() -> None:
+    low = [point("low", 0.1 / 2**k, 1e-2 / 4**k, 100 * 2**k) for k in range(6)]
+    high = [point("high", 0.1 / 2**k, 1e-1 / 16**k, 400 * 2**k) for k in range(6)]
+    rungs = {"low": low, "high": high}
+    rough, fine = (cheapest(rungs, "position", wanted, "evaluations") for wanted in (5e-3, 1e-6))
+    assert rough is not None
+    assert fine is not None
+    assert (rough.integrator, fine.integrator) == ("low", "high")
+    assert rough.cost == pytest.approx(100 * math.sqrt(2.0))
+    assert rough.dt == pytest.approx(0.1 / math.sqrt(2.0))
+    assert cheapest(rungs, "position", 1e-12, "seconds") is None
+
+
+def test_a_rung_counts_only_with_all_finer_ones_and_below_the_limit() -> None:
+    lucky = [point("a", 0.4, 1e-9, 10, share=1.2), point("a", 0.2, 1e-9, 20), point("a", 0.1, 1e-2, 40)]
+    assert cheapest({"a": lucky}, "position", 1e-3, "evaluations") is None
+    stopped = [point("a", 0.4, math.nan, 10), point("a", 0.2, 1e-9, 20)]
+    best = cheapest({"a": stopped}, "position", 1e-3, "evaluations")
+    assert best is not None
+    assert (best.dt, best.cost) == (0.2, 20)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"methods": ["rk5"]}, "did you mean 'rk4'"),
+        ({"until": 0.0}, "until = 0.0: must be greater than 0"),
+        ({"until": math.nan}, "until = nan"),
+        ({"steps": 0}, "steps = 0: must be 1 or above"),
+        ({"members": -1}, "ensemble = -1: must be 0 or above"),
+        ({"repeats": 0}, "repeats = 0: must be 1 or above"),
+        ({"wanted": 0.0}, "error = 0.0: must be greater than 0"),
+        ({"instants": -1}, "instants = -1: must be 1 or above"),
+    ],
+)
+def test_wrong_numbers_are_refused(given: dict[str, Any], words: str) -> None:
+    refused(lambda: chart(hanging_strip(), **({"until": 0.01} | given)), InputError, words)
+
+
+def test_a_scene_at_rest_has_no_relative_error() -> None:
+    where = course(hanging_strip(), 0.01, 1)
+    trial = run(where, "rk4", 1e-4, shapes=True)
+    rest = replace(trial, shapes=where.start[None])
+    refused(lambda: position_error(trial, rest, where.start), InputError, "nothing moves")
