@@ -10,8 +10,10 @@ use crate::ledger::Accounts;
 use crate::stability;
 use crate::state::{Instant, State};
 
-/// Share of the largest account that the balance may be off by, whatever was turned over: a disc that merely spins turns
-/// nothing over, but its dashpots' work is of the order of (Omega dt)^2 of its energy in each turn.
+/// Share of the largest account that rounding may make.
+const ROUNDING: f64 = 1e-9;
+/// Share of the largest account that the books may be off by, whatever was turned over: a disc that merely spins turns
+/// nothing over, but its dashpots' work is booked as of the order of (Omega dt)^2 of its energy in each turn.
 const FLOOR: f64 = 1e-5;
 
 /// What is told of a fault.
@@ -53,27 +55,27 @@ impl Simulation {
         Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
-    /// Surplus of energy [J], the energy turned over, and what the books may be off by whatever was turned over.
+    /// Surplus of energy, the energy turned over, and the largest account [J].
     ///
     /// A method that keeps energy keeps it but for a swing, which stays below what is turned over as long as the step is
     /// below its limit, and grows beyond it above. What it conserves instead has no such swing: what both show counts.
     fn balance(&self, now: &Accounts) -> (f64, f64, f64) {
         let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
-        let floor = FLOOR * now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + floor || surplus.is_nan() {
-            return (surplus, turned_over, floor);
+        let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
+        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + ROUNDING * largest || surplus.is_nan() {
+            return (surplus, turned_over, largest);
         }
         let kept = surplus + self.energy_shift(self.dt) - self.ledger.start_shift;
         let both = if surplus > 0.0 { surplus.min(kept).max(0.0) } else { surplus.max(kept).min(0.0) };
-        (both, turned_over, floor)
+        (both, turned_over, largest)
     }
 
     /// Energy from nowhere: more than there was at the start and has come in.
     fn created(&self, now: &Accounts) -> Option<Fault> {
-        let (surplus, turned_over, floor) = self.balance(now);
+        let (surplus, turned_over, largest) = self.balance(now);
         let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
         let created = surplus + taken;
-        if !surplus.is_nan() && created <= self.settings.energy_tolerance * turned_over + floor {
+        if !surplus.is_nan() && created <= self.settings.energy_tolerance * turned_over + ROUNDING * largest {
             return None;
         }
         let what = format!(
@@ -86,9 +88,9 @@ impl Simulation {
     /// Books that do not balance, because the method eats the vibrations that its step hardly resolves, or because work
     /// of damping that it hardly resolves is booked wrongly.
     fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
-        let (surplus, turned_over, floor) = self.balance(now);
+        let (surplus, turned_over, largest) = self.balance(now);
         let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
-        let loose = self.settings.loss_tolerance * turned_over + floor;
+        let loose = self.settings.loss_tolerance * turned_over + FLOOR * largest;
         if surplus > loose {
             let work = &self.ledger.work;
             let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
