@@ -5,10 +5,11 @@ method maps a small disturbance (p, q) of positions and velocities to
 
     J (p, q) = step(x0 + p, q) - step(x0, 0)
 
-together with what the method keeps from step to step, and a step is stable if no disturbance grows under J, again and again, faster than it does at a fraction of the step:
-a free body drifts, and a compressed film buckles, at any step. Rigid motions keep their velocity, so growth is
-measured on velocities. What the start pulls at does not enter, but what is slack at the start, buckled or out
-of contact, is measured as it is; the prediction takes it for taut and in contact, and is then the smaller one.
+together with what the method keeps from step to step, and a step is stable if no disturbance grows under J, again
+and again, faster than it does at a fraction of the step: a free body drifts, and a compressed film buckles, at any
+step. Rigid motions keep their velocity, so growth is measured on velocities. What the start pulls at does not enter,
+but what is slack at the start, buckled or out of contact, is measured as it is; the prediction takes it for taut and
+in contact, and is then mostly the smaller one.
 """
 
 from __future__ import annotations
