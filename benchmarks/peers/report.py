@@ -135,7 +135,7 @@ def _work(chart: Chart) -> list[str]:
         paragraph(
             """The start is free of elastic force. So symplectic Euler, with velocities of the start where leapfrog has
             those of half a step later, gives the positions of leapfrog: order 2, and the same error at the same step in
-            all three programs."""
+            all three programs, as long as rounding does not show."""
         ),
     ]
 
@@ -198,10 +198,11 @@ def _limits(chart: Chart) -> str:
         if ladder.program.name == "Newton semi-implicit"
     )
     points = [
-        f"""MuJoCo's `discrete` and Newton's `VBD` have no largest step. Where a motion only has to settle, or a stiff
-        part must not set the step, they go on at steps at which every explicit method blows up. A motion that is to be
-        followed is another matter: they damp it, at order 1. Their nearest runs here: {named}. The longest step of
-        membrane_rs's leapfrog has an error of {first.error:.1e} on {ours.program.law}, in {first.seconds:.2g} s.""",
+        f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and go on at steps at which every explicit method blows
+        up. Where a motion only has to settle, or a stiff part must not set the step, that is what is wanted. A motion
+        that is to be followed is another matter: they damp it, at order 1. Their nearest runs here: {named}. The
+        longest step of membrane_rs's leapfrog has an error of {first.error:.1e} on {ours.program.law}, in
+        {first.seconds:.2g} s.""",
         f"""Newton's single precision bounds its error from below, here by {floors}: from there on more steps make it
         worse. The stretch of a stiff film, which is far smaller, would drown in it.""",
         """MuJoCo and Newton simulate rigid bodies, joints, friction and contact between anything and anything; Newton
