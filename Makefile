@@ -14,7 +14,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
 RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: demo test check lint bench readme clean
+.PHONY: demo test check lint bench peers readme clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -37,6 +37,12 @@ lint: $(VENV)/built
 bench: $(VENV)/built
 	cargo bench --package membrane-core --bench kernels
 	$(BIN)/python benchmarks/model_1.py --write
+
+# MuJoCo and Newton, an optional extra, on the same membrane: docs/peers.md and its picture.
+peers: $(VENV)/built
+	@$(BIN)/python -m pip install --quiet --group peers || \
+		{ echo "MuJoCo and Newton could not be installed: this needs a network, and a platform that both have wheels for"; exit 1; }
+	cd benchmarks && ../$(BIN)/python -m peers --write
 
 # Every number and picture of README.md, made anew.
 readme: demo
