@@ -20,7 +20,7 @@ impl Simulation {
         let place = format!("node {} is corrected most", self.layout.outward(stall.node));
         let now = self.accounts();
         let mut fault = self.told(what, place, largest.map(|(law, ..)| law), &now);
-        fault.cure += "; or use a smaller dt, or an explicit integrator";
+        fault.cure += "; or use an explicit integrator";
         Err(self.set_back(fault))
     }
 }
