@@ -246,6 +246,9 @@ def test_the_release_of_a_sail_keeps_its_energy_balance(name: str) -> None:
     sim = Simulation(scenes.load("okuizumi-model-1"), name)
     if name == "leapfrog":
         sim = Simulation(sim.scene, name, 0.5 * sim.stable_dt())
+    if name in UNLIMITED:
+        # Wrinkles form all the time: long steps misjudge them.
+        sim = Simulation(sim.scene, name, 2e-5)
     sim.run(until=3e-3, frames=2, samples=301)
     assert abs(sim.ledger()["error"]) < 0.01
 
