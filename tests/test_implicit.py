@@ -98,7 +98,9 @@ def test_the_spectral_radius_sets_what_is_left_of_unresolved_vibrations(name: st
         along = sim.positions[ends[:, 1]] - sim.positions[ends[:, 0]]
         kick = np.zeros_like(sim.positions)
         # The cord's shortest wave along itself, which no such step can resolve.
-        kick[ends[:, 1]] = 1e-3 * along / np.linalg.norm(along, axis=1)[:, None] * (-1.0) ** np.arange(len(ends))[:, None]
+        kick[ends[:, 1]] = (
+            1e-3 * along / np.linalg.norm(along, axis=1)[:, None] * (-1.0) ** np.arange(len(ends))[:, None]
+        )
         other = Simulation(replace(scene, run=run), name, 1e-3)
         other.velocities = kick
         for each in (sim, other):

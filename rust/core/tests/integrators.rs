@@ -123,7 +123,6 @@ fn rk4_loses_amplitude_as_predicted() {
 #[test]
 fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
     for (name, allowed) in [("rk4", 1e-6), ("leapfrog", 1e-3), ("dopri5", 1e-6)] {
-        assert!(limited().any(|limited| limited == name));
         for ratio in [0.02, 0.5, 2.0] {
             let laws = [LawSpec::SpringDamping(ratio)];
             let new = |offset, dt| Simulation::new(oscillator(offset), &laws, name, Some(dt), unwatched()).unwrap();
