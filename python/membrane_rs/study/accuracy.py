@@ -36,7 +36,7 @@ COARSEST = 0.9
 """The rung below the limit; each further one is half as large."""
 REFERENCE = "rk4"
 """The method of the reference; it takes a quarter of its own finest rung."""
-UNLIMITED_SHARE = 16.0
+UNLIMITED_SHARE = 4.0
 """The ladder of a method without a limit is that of the reference, so much coarser."""
 LADDER_SHARE = 0.25
 ENSEMBLE_SHARE = 0.225
