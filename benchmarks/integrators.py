@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -182,13 +183,16 @@ def facts_table() -> str:
         )
         orders = (f"{order:.2f}" for order in measured)
         axes = (
-            f"{facts.imaginary_limit:.3f}",
-            f"{imaginary_limit(name, facts.imaginary_limit):.3f}",
-            f"{facts.real_limit:.3f}",
-            f"{real_limit(name, facts.real_limit):.3f}",
+            *told_limit(name, facts.imaginary_limit, imaginary_limit),
+            *told_limit(name, facts.real_limit, real_limit),
         )
         lines.append((name, str(facts.order), *orders, str(facts.evaluations), *axes))
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def told_limit(name: str, predicted: float, measure: Callable[[str, float], float]) -> tuple[str, str]:
+    """The predicted limit, and the measured one where there is one."""
+    return (f"{predicted:.3f}", f"{measure(name, predicted):.3f}") if math.isfinite(predicted) else ("none", "-")
 
 
 def cost_table(smooth: int = 600, kinked: int = 4800) -> str:
@@ -217,7 +221,14 @@ def release_table(until: float = 5e-3) -> str:
     runs: list[tuple[str, str, float | None, float]] = [
         (f"{name}, {share:g} of its limit", name, share * limits[name], 1e-6)
         for name in integrators()
+        if math.isfinite(limits[name])
         for share in (0.4, 0.5, 0.8)
+    ]
+    runs += [
+        (f"{name}, {dt / limits['rk4']:.0f} of rk4's limit", name, dt, 1e-6)
+        for name in integrators()
+        if not math.isfinite(limits[name])
+        for dt in (1e-5, 5e-5)
     ]
     runs += [(f"dopri5, tolerance {tolerance:g}", "dopri5", None, tolerance) for tolerance in (1e-3, 1e-4, 1e-5, 1e-6)]
     lines = [
@@ -237,12 +248,78 @@ def release_table(until: float = 5e-3) -> str:
     return "\n".join(lines) + "\n"
 
 
+def settling_table() -> str:
+    """A crease that opens against friction and settles: what is fast dies at once, what is slow is wanted."""
+    scene = scenes.load("single-crease")
+    scene = replace(scene, run=replace(scene.run, energy_loss=10.0))
+    until = scene.run.until
+    explicit = Simulation(scene, "rk4", 1e-9).stable_dt()
+
+    def run(name: str, dt: float) -> tuple[Simulation, float]:
+        sim = Simulation(scene, name, until / math.ceil(until / dt))
+        began = time.process_time()
+        sim.step(round(until / sim.dt))
+        return sim, time.process_time() - began
+
+    exact = run("rk4", 0.1 * explicit)[0].positions
+    lines = [
+        "| single-crease, 0.3 s | step, of rk4's limit | evaluations | factors | halved | processor [ms] | error [m] |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, facts in integrators().items():
+        has_limit = math.isfinite(facts.imaginary_limit)
+        limit = Simulation(scene, name, 1e-9).stable_dt()
+        for dt in (0.4 * limit, 0.9 * limit) if has_limit else (1e-4, 3e-4, 1e-3, 2e-3):
+            tries = [run(name, dt) for _ in range(3)]
+            sim, seconds = tries[0][0], min(seconds for _, seconds in tries)
+            error = float(np.abs(sim.positions - exact).max())
+            counts = f"{sim.evaluation_count:,} | {sim.effort['factorisations']:,} | {sim.effort['fallbacks']:,}"
+            lines.append(f"| {name} | {sim.dt / explicit:.2g} | {counts} | {1e3 * seconds:.1f} | {error:.1e} |")
+    return "\n".join(lines) + "\n"
+
+
+def stretching_table() -> str:
+    """What damping leaves of leapfrog's limit of 2: what a method stretched along the real axis would have to beat."""
+    lines = [
+        "| scene | leapfrog's limit [s] | times the highest frequency | taken by damping |",
+        "|---|---:|---:|---:|",
+    ]
+    for name in scenes.names():
+        sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
+        limit, omega = sim._core.limit()[:2]
+        lines.append(f"| {name} | {limit:.3g} | {limit * omega:.2f} | {100 * (1 - limit * omega / 2):.1f} % |")
+    return "\n".join(lines) + "\n"
+
+
+def tangent_table(steps: int = 5) -> str:
+    """What a factorisation of the tangent costs, all else of its Newton iterations included."""
+    lines = ["| scene | free nodes | processor time of a factorisation [ms] |", "|---|---:|---:|"]
+    for name in scenes.names():
+        sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
+        sim.step(1)
+        began, before = time.process_time(), sim.effort["factorisations"]
+        sim.step(steps)
+        cost = 1e3 * (time.process_time() - began) / (sim.effort["factorisations"] - before)
+        lines.append(f"| {name} | {sim.node_count - len(sim.assembly.fixed):,} | {cost:.2f} |")
+    return "\n".join(lines) + "\n"
+
+
 def main() -> None:
     """Measure, print, and write if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--write", action="store_true", help="put the tables into docs/integrators.md")
     options = parser.parse_args()
-    text = "\n".join((facts_table(), cost_table(), energy_table(), release_table()))
+    text = "\n".join(
+        (
+            facts_table(),
+            cost_table(),
+            energy_table(),
+            release_table(),
+            settling_table(),
+            tangent_table(),
+            stretching_table(),
+        )
+    )
     print(text)
     if options.write:
         before, _, rest = DOCS.read_text(encoding="utf-8").partition(BEGIN)

@@ -48,6 +48,7 @@ class FakeSimulation:
     step_count: int = 0
     evaluation_count: int = 0
     rejected_count: int = 0
+    effort: dict[str, int] = field(default_factory=dict)
     limiting_part: str = "springs near node 0"
 
     def __post_init__(self) -> None:

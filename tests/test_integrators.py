@@ -26,7 +26,10 @@ FACTS = {
     "rk4": {"order": 4, "limit": math.sqrt(8.0), "evaluations": 4, "at_start": 0},
     "leapfrog": {"order": 2, "limit": 2.0, "evaluations": 1, "at_start": 1},
     "dopri5": {"order": 5, "limit": 0.997189, "evaluations": 6, "at_start": 1},
+    "generalized_alpha": {"order": 2, "limit": math.inf, "evaluations": 2, "at_start": 1},
 }
+LIMITED = [name for name, facts in FACTS.items() if math.isfinite(facts["limit"])]
+UNLIMITED = [name for name in FACTS if name not in LIMITED]
 """What is known of each integrator: its order, its limit of omega dt on an oscillator, its evaluations per
 step, and before the first.
 """
@@ -76,11 +79,14 @@ def test_order_is_as_stated(name: str) -> None:
 @pytest.mark.parametrize("name", FACTS)
 def test_stable_step_is_the_limit(name: str) -> None:
     sim = oscillator(name, 1e-3)
+    if name in UNLIMITED:
+        assert sim.stable_dt() == math.inf
+        assert integrators()[name].real_limit == math.inf
     assert sim.stable_dt() * OMEGA == pytest.approx(FACTS[name]["limit"], rel=1e-5)
     assert "tethers" in sim.limiting_part
 
 
-@pytest.mark.parametrize("name", FACTS)
+@pytest.mark.parametrize("name", LIMITED)
 def test_bounded_below_the_limit_and_not_above(name: str) -> None:
     limit = FACTS[name]["limit"] / OMEGA
     sim = oscillator(name, 0.999 * limit)
@@ -102,7 +108,7 @@ def test_loss_of_amplitude_per_step_of_rk4() -> None:
     assert -math.log(amplitude) / steps == pytest.approx(-0.5 * math.log(1 - z**6 / 72 + z**8 / 576), rel=1e-6)
 
 
-@pytest.mark.parametrize("name", FACTS)
+@pytest.mark.parametrize("name", LIMITED)
 def test_limit_of_a_uniform_chain(name: str) -> None:
     # Springs k between masses m: omega_max = 2 sqrt(k/m) cos(pi/(2 n)), so dt < limit/2 sqrt(m/k) (RK4:
     # 1.414). Its last mass is half of the others, as half a segment hangs on it: omega_max is that of a
@@ -241,6 +247,9 @@ def test_the_release_of_a_sail_keeps_its_energy_balance(name: str) -> None:
     sim = Simulation(scenes.load("okuizumi-model-1"), name)
     if name == "leapfrog":
         sim = Simulation(sim.scene, name, 0.5 * sim.stable_dt())
+    if name in UNLIMITED:
+        # Wrinkles form all the time: long steps misjudge them.
+        sim = Simulation(sim.scene, name, 1e-5)
     sim.run(until=3e-3, frames=2, samples=301)
     assert abs(sim.ledger()["error"]) < 0.01
 

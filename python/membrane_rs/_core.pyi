@@ -66,6 +66,7 @@ class Simulation:
         energy_tolerance: float,
         loss_tolerance: float,
         tolerance: tuple[float, float, float],
+        spectral_radius: float,
         width: str | None = None,
     ) -> Simulation: ...
     @property
@@ -83,6 +84,8 @@ class Simulation:
     def is_adaptive(self) -> bool: ...
     @property
     def rejected_count(self) -> int: ...
+    @property
+    def effort(self) -> tuple[int, int, int]: ...
     @property
     def hub_angle(self) -> float: ...
     @property

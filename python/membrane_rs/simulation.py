@@ -93,8 +93,9 @@ class Simulation:
         Name of the method. Default: the scene's own, which is "rk4" unless it says otherwise.
     dt : float, optional
         Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
-        the scene's tolerance, and other methods take 0.4 of the stability limit, or a little less so that a
-        whole number of steps lies between two samples of the scene's history.
+        the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
+        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps, and
+        at least one, lies between two samples of the scene's history.
 
     Raises
     ------
@@ -119,6 +120,7 @@ class Simulation:
             energy_tolerance=ENERGY_TOLERANCE,
             loss_tolerance=scene.run.energy_loss,
             tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
+            spectral_radius=scene.run.spectral_radius,
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
@@ -144,6 +146,13 @@ class Simulation:
     def rejected_count(self) -> int:
         """Steps that were tried and rejected because of their error; their evaluations count."""
         return self._core.rejected_count
+
+    @property
+    def effort(self) -> dict[str, int]:
+        """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
+        of steps that it took in halves because Newton's method failed; zeros for explicit methods.
+        """
+        return dict(zip(("newton_iterations", "factorisations", "fallbacks"), self._core.effort, strict=True))
 
     @property
     def integrator(self) -> str:

@@ -215,6 +215,7 @@ class RunFolder:
             "steps": sim.step_count,
             "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
+            **({key: count for key, count in sim.effort.items() if any(sim.effort.values())}),
             "wall_time": time.perf_counter() - self._began,
             "frames": len(self._frames),
             "samples": len(self._history.rows),

@@ -36,6 +36,8 @@ COARSEST = 0.9
 """The rung below the limit; each further one is half as large."""
 REFERENCE = "rk4"
 """The method of the reference; it takes a quarter of its own finest rung."""
+UNLIMITED_SHARE = 4.0
+"""The ladder of a method without a limit is that of the reference, so much coarser."""
 LADDER_SHARE = 0.25
 ENSEMBLE_SHARE = 0.225
 """The step of the ensemble, as a share of the reference method's limit: any that resolves the motion does."""
@@ -312,6 +314,8 @@ def _point(
     where: Course, method: str, share: float, repeats: int, errors: Callable[[Trial], dict[str, float]], *, shapes: bool
 ) -> Point:
     limit = Simulation(where.scene, method).stable_dt()
+    if not math.isfinite(limit):
+        limit = UNLIMITED_SHARE * Simulation(where.scene, REFERENCE).stable_dt()
     trials = [run(where, method, share * limit, shapes=shapes)]
     trial = trials[0]
     if trial.failure is None:

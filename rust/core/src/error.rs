@@ -62,6 +62,12 @@ pub enum Error {
     #[error("{what} = {value:e} is not allowed: {range}")]
     OutOfRange { what: &'static str, value: f64, range: &'static str },
 
+    /// A matrix that does not fit.
+    #[error(
+        "there is no memory for the tangent matrix of {nodes} free nodes; use a coarser mesh or an explicit integrator"
+    )]
+    NoMemory { nodes: usize },
+
     /// A name that no list knows.
     #[error("there is no {what} named {name:?}; choose one of: {known}")]
     UnknownName { what: &'static str, name: String, known: String },

@@ -248,6 +248,16 @@ impl<const N: usize> Elements<N> {
         Self { runs, loose, origin, count: elements.len(), node_bound }
     }
 
+    /// Every element's group, lane and nodes; for what is done once and not at every step.
+    pub fn each(&self) -> impl Iterator<Item = (usize, usize, [u32; N])> + '_ {
+        let lanes = self
+            .origin
+            .iter()
+            .enumerate()
+            .flat_map(|(group, rows)| (0..LANES).filter(|&lane| rows[lane] != NONE).map(move |lane| (group, lane)));
+        lanes.map(|(group, lane)| (group, lane, self.nodes(group, lane)))
+    }
+
     /// Number of groups of eight.
     #[inline(always)]
     pub fn group_count(&self) -> usize {

@@ -13,8 +13,10 @@ pub mod ledger;
 pub mod mesh;
 pub mod model;
 pub mod simulation;
+pub mod slopes;
 pub mod stability;
 pub mod state;
+pub mod tangent;
 pub mod width;
 
 pub use error::{Error, Result};

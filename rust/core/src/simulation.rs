@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod diagnosis;
+mod implicit;
 mod watch;
 
 use crate::error::{Error, Result};
@@ -9,9 +10,10 @@ use crate::forces::{self, Law, LawSpec, Readings, Spin};
 use crate::integrators::{self, Controller, Integrator, Memory, System, Tolerance};
 use crate::layout::Layout;
 use crate::ledger::{Accounts, Ledger};
-use crate::model::{Assembly, Model, non_negative, positive};
+use crate::model::{Assembly, Model, non_negative, positive, within};
 use crate::stability::{self, Limit};
 use crate::state::{Instant, State, Vectors, columns_mut};
+use crate::tangent::{Tangent, Weights};
 use crate::width::{Sweep, Width};
 
 /// How a run is watched, and how its step is chosen.
@@ -27,6 +29,8 @@ pub struct Settings {
     pub loss_tolerance: f64,
     /// Error of a step where no step is given and the method knows its error.
     pub tolerance: Tolerance,
+    /// By what factor an implicit method shrinks, per step, what it cannot resolve; from 0 to 1.
+    pub spectral_radius: f64,
     /// The instructions that kernels run with; the bits of the results do not depend on it.
     pub width: Width,
 }
@@ -39,6 +43,7 @@ impl Default for Settings {
             energy_tolerance: 1e-2,
             loss_tolerance: 0.05,
             tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
+            spectral_radius: integrators::SPECTRAL_RADIUS,
             width: Width::widest(),
         }
     }
@@ -55,6 +60,8 @@ struct Mechanics {
     evaluation_count: u64,
     /// The last forces of each law without a potential, where the method asks for their work later [N].
     resistances: Vec<Option<Vectors>>,
+    /// Where the method is implicit.
+    tangent: Option<Tangent>,
     width: Width,
 }
 
@@ -114,6 +121,18 @@ impl System for Mechanics {
             if let Some(resistance) = resistance {
                 *power = resistance.dot(velocities);
             }
+        }
+    }
+
+    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool {
+        let Some(tangent) = &mut self.tangent else { return false };
+        tangent.assemble(&self.laws, &self.masses, at, weights);
+        tangent.factorise()
+    }
+
+    fn solve(&mut self, accelerations: &mut Vectors) {
+        if let Some(tangent) = &mut self.tangent {
+            tangent.solve(&self.masses, accelerations);
         }
     }
 
@@ -201,7 +220,15 @@ impl Simulation {
         let assembly = Assembly::new(model, settings.width)?;
         let spin = forces::spin_of(laws);
         let laws = forces::build(laws, &assembly)?;
-        let integrator = integrators::by_name(integrator, assembly.masses.len(), laws.len(), settings.width)?;
+        let mut integrator = integrators::by_name(integrator, assembly.masses.len(), laws.len(), settings.width)?;
+        within(
+            "spectral radius",
+            settings.spectral_radius,
+            (0.0..=1.0).contains(&settings.spectral_radius),
+            "it lies between 0 and 1",
+        )?;
+        integrator.dissipate(settings.spectral_radius);
+        let tangent = integrator.is_implicit().then(|| Tangent::new(&laws, &assembly.inverse_masses)).transpose()?;
         let gather = |rows: &[[f64; 3]]| assembly.layout.gather_vectors(rows);
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
@@ -212,6 +239,7 @@ impl Simulation {
         };
         let mechanics = Mechanics {
             resistances: laws.iter().map(|law| resistance(law.as_ref())).collect(),
+            tangent,
             laws,
             masses: assembly.masses,
             inverse_masses: assembly.inverse_masses,
@@ -260,6 +288,9 @@ impl Simulation {
             None if simulation.integrator.embedded().is_some() => {
                 simulation.adapt(limit.dt)?;
                 0.0
+            }
+            None if simulation.integrator.is_implicit() && limit.largest_frequency > 0.0 => {
+                implicit::LONG_STEP * 2.0 / limit.largest_frequency
             }
             None if limit.dt.is_finite() => settings.margin * limit.dt,
             None => return Err(Error::NoStiffness),
@@ -430,6 +461,7 @@ impl Simulation {
                 let time = self.time();
                 self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
                 self.step_count += 1;
+                self.refuse_stall()?;
             }
             if self.step_count.is_multiple_of(self.settings.watch_interval.max(1)) {
                 self.regular_check()?;

@@ -74,7 +74,9 @@ pub fn limit(
     let turning = laws.iter().map(|law| turning_of(law.as_ref())).fold(0.0, f64::max);
     let omega = square.max(0.0).sqrt();
     let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
-    let (dt, mode, pace) = if rate > 0.0 {
+    let (dt, mode, pace) = if integrator.is_implicit() {
+        (f64::INFINITY, stiffest, omega)
+    } else if rate > 0.0 {
         let start = [stiffest, most_damped];
         match integrator.damping_weight() {
             Some(weight) => damped::worst_of_sum(integrator, &system, start, weight)?,
@@ -99,6 +101,9 @@ pub fn limit(
 
 /// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
 fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
+    if integrator.is_implicit() {
+        return f64::INFINITY;
+    }
     let Mode { omega, damping } = mode;
     // The larger of the roots of lambda^2 + damping lambda + omega^2.
     let half = 0.5 * damping;

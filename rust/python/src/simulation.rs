@@ -7,7 +7,7 @@ use membrane_core::forces::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Readings, Spin, SpoolContactParameters, SpringParameters,
     TriangleParameters,
 };
-use membrane_core::integrators::{Controller, Tolerance, by_name, names};
+use membrane_core::integrators::{Controller, Effort, Tolerance, by_name, names};
 use membrane_core::ledger::{Accounts, Ledger};
 use membrane_core::model::{Cord, Film, Model, NegativeSprings};
 use membrane_core::simulation::{AdaptiveProgress, Progress, Settings, Simulation as Core};
@@ -139,7 +139,8 @@ impl Simulation {
     #[new]
     #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
         extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
-        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, width=None))]
+        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius,
+        width=None))]
     #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -167,6 +168,7 @@ impl Simulation {
         energy_tolerance: f64,
         loss_tolerance: f64,
         tolerance: (f64, f64, f64),
+        spectral_radius: f64,
         width: Option<&str>,
     ) -> PyResult<Self> {
         let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
@@ -223,7 +225,8 @@ impl Simulation {
         };
         let (relative, length, speed) = tolerance;
         let tolerance = Tolerance { relative, length, speed };
-        let settings = Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, width };
+        let settings =
+            Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius, width };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
     }
 
@@ -259,6 +262,13 @@ impl Simulation {
     #[getter]
     fn rejected_count(&self) -> u64 {
         self.core.rejected_count()
+    }
+
+    /// (Newton iterations, factorisations, steps taken in halves) of an implicit method; zeros of others.
+    #[getter]
+    fn effort(&self) -> (u64, u64, u64) {
+        let Effort { iterations, factorisations, fallbacks } = self.core.integrator().effort();
+        (iterations, factorisations, fallbacks)
     }
 
     #[getter]

@@ -6,12 +6,15 @@
 //! V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
 //! Source: Okuizumi et al. (2012), section 3.4.
 
+mod tangent;
+
 use super::{Law, Spin};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, cross, dot, scale, sub, sum};
 use crate::layout::{BATCH, Elements};
 use crate::model::{Assembly, non_negative, positive};
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -161,6 +164,14 @@ impl Law for AirDrag {
             }
             self.elements.add_any(&mut out, group, products);
         }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        self.slopes(at, slopes);
     }
 
     fn share_in_runs(&self) -> Option<f64> {

@@ -9,6 +9,7 @@ use crate::columns::{Columns, ColumnsMut};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
+use crate::slopes::{Block, Slopes, of_link};
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -89,6 +90,17 @@ impl Law for Bridges {
 
     fn add_stiffness_product(&self, _at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
         self.pull(p, out, -1.0);
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, _at: Instant<'_>, slopes: &mut dyn Slopes) {
+        for (group, lane, nodes) in self.elements.each() {
+            let slope = Block::identity() * self.stiffness[group].0[lane];
+            of_link(nodes, &slope, |i, j, block| slopes.by_position(i, j, block));
+        }
     }
 
     fn share_in_runs(&self) -> Option<f64> {

@@ -15,6 +15,8 @@
 //! as from flat. Which way a crease folds (valley +1, mountain -1) is the fold pattern's, never the geometry's.
 //! Source: Okuizumi et al. (2012), eqs. (3) and (4), whose forces these are where w = 1; the weights are ours.
 
+mod tangent;
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{Law, Readings};
@@ -24,6 +26,7 @@ use crate::lanes::{Lanes, Point, cross, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh;
 use crate::model::{Assembly, finite, non_negative};
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -258,6 +261,14 @@ impl Law for Creases {
         let x = Columns::of(at.positions);
         let angles = (0..self.elements.group_count()).map(|group| self.wings(x, group).angle);
         Readings::Creases { angle: self.elements.unpack(angles) }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        self.slopes(at, slopes);
     }
 
     fn share_in_runs(&self) -> Option<f64> {

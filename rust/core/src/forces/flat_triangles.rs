@@ -1,6 +1,8 @@
 //! Triangles that were flat: deformation gradient, Green's strain, plane stress, and the pull of a stress on the nodes.
 //! What the elasticity of a film of triangles and its damping share.
 
+mod tangent;
+
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
 use crate::layout::Elements;

@@ -4,6 +4,7 @@
 use super::Law;
 use crate::error::Result;
 use crate::model::{Assembly, non_negative};
+use crate::slopes::{Block, Slopes};
 use crate::state::{Instant, Vectors, columns, columns_mut};
 
 /// The law.
@@ -44,6 +45,12 @@ impl Law for MassDamping {
             for ((out, p), c) in out.iter_mut().zip(p).zip(&self.coefficients) {
                 *out += c * p;
             }
+        }
+    }
+
+    fn add_slopes(&self, _at: Instant<'_>, slopes: &mut dyn Slopes) {
+        for (node, &c) in self.coefficients.iter().enumerate() {
+            slopes.by_velocity(node as u32, node as u32, &(Block::identity() * -c));
         }
     }
 

@@ -16,6 +16,7 @@ mod triangles;
 
 use crate::error::Result;
 use crate::model::Assembly;
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 
 pub use air_drag::{AirDragParameters, AirMotion};
@@ -54,6 +55,12 @@ pub trait Law: Send + Sync {
 
     /// Adds C p, with C the damping matrix \[N\] for velocities p \[m/s\].
     fn add_damping_product(&self, _at: Instant<'_>, _p: &Vectors, _out: &mut Vectors) {}
+
+    /// Visits the nodes of each element through which its nodes can act on each other.
+    fn visit_couplings(&self, _visit: &mut dyn FnMut(&[u32])) {}
+
+    /// Adds the slopes of the forces by positions and velocities, exactly, as the law is at this instant.
+    fn add_slopes(&self, _at: Instant<'_>, _slopes: &mut dyn Slopes) {}
 
     /// The first element that is beyond the bound its user set.
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {

@@ -10,6 +10,7 @@
 use super::Law;
 use crate::error::Result;
 use crate::model::{Assembly, finite};
+use crate::slopes::{Block, Slopes};
 use crate::state::{Instant, Vectors, columns, columns_mut};
 use crate::width::{Sweep, Width};
 
@@ -111,6 +112,17 @@ impl Law for RotatingFrame {
         let [x, y, _] = columns(at.positions);
         let inertia: f64 = (0..self.masses.len()).map(|i| self.masses[i] * (x[i] * x[i] + y[i] * y[i])).sum();
         -0.5 * rate * rate * inertia
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
+        let square = rate * rate;
+        let by_position = Block::new(square, acceleration, 0.0, -acceleration, square, 0.0, 0.0, 0.0, 0.0);
+        let by_velocity = Block::new(0.0, 2.0 * rate, 0.0, -2.0 * rate, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (node, &mass) in self.masses.iter().enumerate() {
+            slopes.by_position(node as u32, node as u32, &(by_position * mass));
+            slopes.by_velocity(node as u32, node as u32, &(by_velocity * mass));
+        }
     }
 
     fn cure(&self) -> &'static str {

@@ -9,6 +9,7 @@ use super::Law;
 use crate::error::Result;
 use crate::mesh::dot;
 use crate::model::{Assembly, positive};
+use crate::slopes::{Block, Slopes};
 use crate::state::{Instant, Vectors, columns, columns_mut};
 
 /// Parameters of the spool.
@@ -102,6 +103,23 @@ impl Law for SpoolContact {
                 product[2] += self.parameters.stiffness * moved[2];
             }
             add(&mut out, node, product);
+        }
+    }
+
+    /// Along the normal n -k; across it on the side k d/r, for the normal turns as the node goes round.
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        let x = columns(at.positions);
+        for &node in &self.nodes {
+            let p = point(x, node);
+            let Some((depth, normal)) = self.depth(p) else { continue };
+            let n = nalgebra::Vector3::from(normal);
+            let mut block = n * n.transpose() * -self.parameters.stiffness;
+            if normal[2] == 0.0 {
+                let r = (p[0] * p[0] + p[1] * p[1]).sqrt().max(f64::MIN_POSITIVE);
+                let across = Block::from_diagonal(&nalgebra::Vector3::new(1.0, 1.0, 0.0)) - n * n.transpose();
+                block += across * (self.parameters.stiffness * depth / r);
+            }
+            slopes.by_position(node, node, &block);
         }
     }
 

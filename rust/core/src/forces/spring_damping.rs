@@ -6,6 +6,8 @@
 //! place of springs is damped by its rate of strain instead (see `triangle_damping`).
 //! Source: Okuizumi et al. (2012), section 3.4.
 
+mod tangent;
+
 use super::Law;
 use super::triangle_damping::TriangleDamping;
 use crate::columns::{Columns, ColumnsMut};
@@ -13,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::{BATCH, Elements};
 use crate::model::{Assembly, non_negative};
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -115,6 +118,17 @@ impl Law for SpringDamping {
 
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
         self.resist(at.positions, p, out, -1.0);
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        if let Some(film) = &self.film {
+            film.nodes(visit);
+        }
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        self.slopes(at, slopes);
     }
 
     fn share_in_runs(&self) -> Option<f64> {

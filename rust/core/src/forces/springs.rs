@@ -13,6 +13,8 @@
 //! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law with l_cr = L: it bears no compression.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
 
+mod tangent;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::buckling::Buckling;
@@ -23,6 +25,7 @@ use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -241,6 +244,14 @@ impl Law for Springs {
         let buckled = self.groups(at, |group, l| l.below(self.critical_length[group], Lanes::all(1.0), Lanes::ZERO));
         let buckled = self.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
         Readings::Springs { strain: self.elements.unpack(strain), buckled }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        self.slopes(at, slopes);
     }
 
     fn share_in_runs(&self) -> Option<f64> {

@@ -7,6 +7,8 @@
 //! film, the two have the same forces near rest. There is no dashpot that could turn negative on an obtuse triangle, and
 //! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
 
+mod tangent;
+
 use super::flat_triangles::{Flat, strain_rate};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;

@@ -28,6 +28,8 @@
 //! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for P = 0; the
 //! price of wrinkles, which makes eq. (2) of Okuizumi et al. (2012) a case of it, is ours.
 
+mod tangent;
+
 use super::buckling::Buckling;
 use super::flat_triangles::{Corners, Flat, Tensor, strain, strain_rate};
 use super::{Excess, Law, Readings};
@@ -35,6 +37,7 @@ use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, negate};
 use crate::model::{Assembly, positive, within};
+use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
 
@@ -245,6 +248,14 @@ impl Law for Triangles {
             strain: larger.into_iter().zip(smaller).map(|(larger, smaller)| [larger, smaller]).collect(),
             state: state.into_iter().map(|state| state as u8).collect(),
         }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.flat.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
+        self.slopes(at, slopes);
     }
 
     fn share_in_runs(&self) -> Option<f64> {

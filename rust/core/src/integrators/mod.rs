@@ -4,6 +4,7 @@
 
 mod controller;
 mod dopri5;
+mod generalized_alpha;
 mod leapfrog;
 mod rk4;
 
@@ -11,6 +12,7 @@ use nalgebra::Complex;
 
 use crate::error::{Error, Result};
 use crate::state::{Instant, State, Vectors};
+use crate::tangent::Weights;
 use crate::width::Width;
 
 pub use controller::Controller;
@@ -24,6 +26,36 @@ pub trait System {
     /// Replaces the power of each law without a potential by that of its last forces on `velocities`; for methods that
     /// say `evaluates_elsewhere`.
     fn rework(&self, velocities: &Vectors, powers: &mut [f64]);
+    /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for methods that say `is_implicit`. Whether it is positive
+    /// definite.
+    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool;
+    /// Replaces accelerations r by the u that the matrix factorised last takes to M r; 0 for nodes that are held.
+    fn solve(&mut self, accelerations: &mut Vectors);
+}
+
+/// The spectral radius that is taken where none is given: what a step cannot resolve is gone after some dozens.
+pub const SPECTRAL_RADIUS: f64 = 0.8;
+
+/// What an implicit method has spent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Corrections of Newton's method.
+    pub iterations: u64,
+    /// Factorisations of the tangent.
+    pub factorisations: u64,
+    /// Steps, or parts of steps, that were halved because Newton's method failed.
+    pub fallbacks: u64,
+}
+
+/// A step that could not be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stall {
+    /// From when \[s\].
+    pub time: f64,
+    /// The smallest part of the step that was tried \[s\].
+    pub dt: f64,
+    /// The node whose correction was the largest, in the core's numbering.
+    pub node: usize,
 }
 
 /// What a method keeps from one step to the next beside the state; empty before its first step.
@@ -54,6 +86,20 @@ pub trait Integrator: Send + Sync {
     /// Whether forces are evaluated with velocities that differ from those they work on.
     fn evaluates_elsewhere(&self) -> bool {
         false
+    }
+    /// Whether it solves for the end of a step with the tangent: then no mode limits the step.
+    fn is_implicit(&self) -> bool {
+        false
+    }
+    /// Sets by what factor vibrations shrink that the step cannot resolve, for methods that have such a choice.
+    fn dissipate(&mut self, _spectral_radius: f64) {}
+    /// What is spent on Newton's method.
+    fn effort(&self) -> Effort {
+        Effort::default()
+    }
+    /// The last step, where it could not be taken; the state is then somewhere within it.
+    fn stalled(&self) -> Option<Stall> {
+        None
     }
     /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
     fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64;
@@ -137,6 +183,7 @@ const INTEGRATORS: &[(&str, Maker)] = &[
     ("rk4", |nodes, laws, width| Box::new(rk4::Rk4::new(nodes, laws, width))),
     ("leapfrog", |nodes, laws, width| Box::new(leapfrog::Leapfrog::new(nodes, laws, width))),
     ("dopri5", |nodes, laws, width| Box::new(dopri5::Dopri5::new(nodes, laws, width))),
+    ("generalized_alpha", |nodes, laws, _| Box::new(generalized_alpha::GeneralizedAlpha::new(nodes, laws))),
 ];
 
 /// The names in the list.

@@ -1,6 +1,8 @@
 //! The watch: when it looks, how it finds the first fault, and the way back to the last good state. What is wrong and
 //! why is said in `diagnosis`.
 
+use std::ops::Range;
+
 use super::Simulation;
 use super::diagnosis::Fault;
 use crate::error::{Error, Result};
@@ -53,9 +55,10 @@ impl Simulation {
                 if let Some(fault) = self.certain_fault(&now) {
                     return Some(fault);
                 }
-            } else if let Some((k, node, size)) =
-                self.largest_force(Instant { time, positions: &before.positions, velocities: &before.velocities })
-            {
+            } else if let Some((k, node, size)) = self.largest_force(
+                Instant { time, positions: &before.positions, velocities: &before.velocities },
+                0..before.positions.nrows(),
+            ) {
                 let place = format!("node {}, on which that law acts with {size:.3e} N", self.layout.outward(node));
                 return Some(self.told("a position or velocity is no longer finite".to_owned(), place, Some(k), &now));
             }
@@ -63,14 +66,14 @@ impl Simulation {
         None
     }
 
-    /// The law with the largest finite force at `at`, the node it acts on, and the force [N].
-    fn largest_force(&self, at: Instant<'_>) -> Option<(usize, usize, f64)> {
+    /// The law with the largest finite force on any of `nodes` at `at`, the node it acts on, and the force [N].
+    pub(super) fn largest_force(&self, at: Instant<'_>, nodes: Range<usize>) -> Option<(usize, usize, f64)> {
         let mut largest: Option<(usize, usize, f64)> = None;
         for (k, law) in self.mechanics.laws.iter().enumerate() {
             let mut forces = Vectors::zeros(at.positions.nrows());
             law.add_forces(at, &mut forces);
-            for (node, force) in forces.row_iter().enumerate() {
-                let size = force.norm();
+            for node in nodes.clone() {
+                let size = forces.row(node).norm();
                 if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
                     largest = Some((k, node, size));
                 }

@@ -1,0 +1,27 @@
+//! The slopes of a dashpot's pull c (d . w) d / d^2, with d from end to end and w the difference of velocities:
+//!
+//!     dF/dw = c d d^T / d^2
+//!     dF/dd = c [d w^T + (d . w) (1 - 2 d d^T / d^2)] / d^2
+
+use super::SpringDamping;
+use crate::slopes::{Block, Slopes, at, of_link};
+use crate::state::Instant;
+
+impl SpringDamping {
+    pub(super) fn slopes(&self, instant: Instant<'_>, slopes: &mut dyn Slopes) {
+        if let Some(film) = &self.film {
+            film.slopes(instant, slopes);
+        }
+        for (group, lane, nodes) in self.elements.each() {
+            let [i, j] = nodes;
+            let d = at(instant.positions, j) - at(instant.positions, i);
+            let w = at(instant.velocities, j) - at(instant.velocities, i);
+            let square = d.norm_squared().max(f64::MIN_POSITIVE);
+            let factor = self.coefficient[group].0[lane] / square;
+            let (outer, closing) = (d * d.transpose(), d.dot(&w));
+            of_link(nodes, &(outer * factor), |i, j, block| slopes.by_velocity(i, j, block));
+            let turned = Block::identity() * closing - outer * (2.0 * closing / square);
+            of_link(nodes, &((d * w.transpose() + turned) * factor), |i, j, block| slopes.by_position(i, j, block));
+        }
+    }
+}
