@@ -14,7 +14,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
 RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: demo test check lint bench readme clean
+.PHONY: demo test check lint bench readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -37,6 +37,11 @@ lint: $(VENV)/built
 bench: $(VENV)/built
 	cargo bench --package membrane-core --bench kernels
 	$(BIN)/python benchmarks/model_1.py --write
+
+# Every figure and table of the accuracy side from nothing, in less than an hour on two cores; some of them:
+# make accuracy PART="charts limits". Parts: benchmarks/remake.py --list.
+accuracy: $(VENV)/built
+	$(BIN)/python benchmarks/remake.py $(PART)
 
 # Every number and picture of README.md, made anew.
 readme: demo

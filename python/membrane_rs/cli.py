@@ -41,6 +41,7 @@ Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: 
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[int | None, typer.Option(help="Runs from perturbed starts; 0: none. Default: a few, or none.")]
+Jobs = Annotated[int | None, typer.Option(help="Runs at once. Default: one on each core.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
 
 
@@ -202,13 +203,16 @@ def chart(
     *,
     integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
     until: Until = None,
-    steps: Annotated[int, typer.Option(help="Steps below the stability limit, each half the last.")] = 6,
+    steps: Annotated[int, typer.Option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
     ensemble: Ensemble = None,
+    density: Annotated[str, typer.Option(help="Other meshes, such as 0.5,2 times as dense; with --curves.")] = "",
     error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
-    repeats: Annotated[int, typer.Option(help="Runs of which the wall time is the median.")] = 3,
+    repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
+    budget: Annotated[float | None, typer.Option(help="Leave out what takes longer on one core [s].")] = None,
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
@@ -216,10 +220,11 @@ def chart(
         from membrane_rs.study import chart as charted
 
         chosen = _load(scene)
-        names = [name.strip() for name in integrators.split(",")] if integrators else None
+        names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
+        meshes = _numbers(density, "--density") if density else []
         found = charted(
-            chosen, names, until, steps=steps, curves=curves, members=ensemble, wanted=error, repeats=repeats,
-            progress=_tell,
+            chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
+            repeats=repeats, budget=budget, jobs=jobs, progress=_tell,
         )  # fmt: skip
         _save(found, out or Path("runs") / f"{chosen.name}-chart")
 
@@ -229,17 +234,22 @@ def ablate(
     scene: SceneArgument,
     *,
     until: Until = None,
-    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peak strain.")] = 0.01,
+    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peaks.")] = 0.01,
     ensemble: Ensemble = None,
+    integrator: Integrator = None,
+    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh [s].")] = None,
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
     with _told_errors():
         from membrane_rs.study import ablate as ablated
 
-        chosen = _load(scene)
-        members = {} if ensemble is None else {"members": ensemble}
-        found = ablated(chosen, until, tolerance=tolerance, progress=_tell, **members)
+        chosen, members = _load(scene), 5 if ensemble is None else ensemble
+        found = ablated(
+            chosen, until, tolerance=tolerance, members=members, integrator=integrator, dense_until=dense_until,
+            jobs=jobs, progress=_tell,
+        )  # fmt: skip
         _save(found, out or Path("runs") / f"{chosen.name}-ablation")
 
 
