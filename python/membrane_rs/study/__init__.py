@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from membrane_rs.study.ablation import Ablation, ablate
 from membrane_rs.study.accuracy import Chart, chart
-from membrane_rs.study.mesh import FORMS, MeshRun, mesh_study, write_mesh_study
+from membrane_rs.study.mesh import MeshRun, mesh_study
 
-__all__ = ["FORMS", "Ablation", "Chart", "MeshRun", "ablate", "chart", "mesh_study", "write_mesh_study"]
+__all__ = ["Ablation", "Chart", "MeshRun", "ablate", "chart", "mesh_study"]
