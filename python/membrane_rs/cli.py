@@ -441,7 +441,7 @@ def _told_errors() -> Iterator[None]:
         typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
     except KeyboardInterrupt:
-        typer.echo("Stopped before the run; nothing was written.", err=True)
+        typer.echo("Stopped; nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 
