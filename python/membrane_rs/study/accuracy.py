@@ -40,8 +40,8 @@ REFERENCE_SHARE = {False: 0.25, True: 0.5}
 """Its step over that of its own finest rung: pointwise, and for curves, where chaos makes more in vain."""
 REFERENCE_MOST = 0.125 * COARSEST
 """It is no larger than this share of the limit, however few the rungs."""
-ENSEMBLE = "leapfrog"
-"""The method of the perturbed starts, with its default step: their spread is the motion's, not the method's."""
+ENSEMBLE, ENSEMBLE_SHARE = "leapfrog", 0.25
+"""The method of the perturbed starts and its step over its limit: their spread is the motion's, not the method's."""
 CLEAR = 10.0
 """An error counts for a measured order where it is this many times what bounds it from below."""
 
@@ -211,7 +211,8 @@ def chart(
     curves : bool
         The error is that of deployment rate and phase, not that of the positions.
     members : int, optional
-        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none.
+        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none. One that the
+        watch stops is not counted.
     densities : sequence of float
         Other meshes, as multiples of the scene's density; needs `curves`. Each is a line of its own, run by the
         method of the fewest evaluations a step, and all errors are then against the finest mesh.
@@ -275,10 +276,11 @@ def chart(
 
     floors = dict.fromkeys(kinds, math.nan)
     if members:
-        dt = Simulation(where.scene, ENSEMBLE).dt
+        dt = ENSEMBLE_SHARE * Simulation(where.scene, ENSEMBLE).stable_dt()
         starts = ensemble(where, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
-        peer, *others = (trial.whole() for trial in starts)
-        floors = {name: max(errors(other, peer)[name] for other in others) for name in kinds}
+        peer, *others = [trial for trial in starts if trial.failure is None] or starts
+        members = len(others) if peer.failure is None else 0
+        floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
 
     def climb(rung: Rung) -> Point:
         def once(*, keep: bool) -> Trial:
