@@ -91,6 +91,13 @@ def test_the_mesh_is_made_coarser_and_finer(strip: Ablation) -> None:
     assert strip.dt == pytest.approx(Simulation(hanging_strip(4, 2), "leapfrog").dt, rel=0.05)
 
 
+def test_steps_are_shares_of_the_limit() -> None:
+    scene = hanging_strip()
+    found = ablate(scene, 0.01, members=0, share=0.1)
+    assert found.dt == pytest.approx(0.1 * Simulation(scene).stable_dt(), rel=0.5)
+    assert found.dt < 0.5 * Simulation(scene).dt
+
+
 def test_a_coarser_mesh_may_be_part_of_the_smallest_model() -> None:
     found = ablate(hanging_strip(4, 2), 0.01, tolerance=0.6, members=0)
     assert "every other line of the mesh" in found.left_out
@@ -189,6 +196,7 @@ def test_several_things_are_left_out_at_once() -> None:
         ({"until": -1.0}, "until = -1.0"),
         ({"dense_until": 0.0}, "dense_until = 0.0: must be greater than 0"),
         ({"integrator": "leapfrogs"}, "there is no 'leapfrogs'; did you mean 'leapfrog'"),
+        ({"share": 1.0}, "share = 1.0: must be greater than 0 and less than 1"),
         ({"jobs": -2}, "jobs = -2: must be 1 or above"),
     ],
 )

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scenes
+from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
 from membrane_rs.study import Chart, chart
 from membrane_rs.study.differences import position_error
@@ -21,6 +22,7 @@ from membrane_rs.study.trial import SHIFT, course, ensemble, run
 from membrane_rs.study.workers import together
 from PIL import Image
 from small_scenes import hanging_strip, refused
+from typer.testing import CliRunner
 
 
 @pytest.fixture(scope="module")
@@ -294,3 +296,29 @@ def test_a_scene_at_rest_has_no_relative_error() -> None:
     trial = run(where, "rk4", 1e-4, shapes=True)
     rest = replace(trial, shapes=where.start[None])
     refused(lambda: position_error(trial, rest, where.start), InputError, "nothing moves")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--density 2,x --curves", "--density = '2,x': must be numbers parted by commas"),
+        ("--density 2", "give --curves too"),
+        ("--density 0.3 --curves", "Disc.rings = 8 would become 2.4, which is no whole number; take 0.25"),
+        ("--integrators rk5", "did you mean 'rk4'"),
+        ("--integrators rk4,", "there is no ''"),
+        ("--jobs 0", "jobs = 0: must be 1 or above"),
+        ("--budget -1", "budget = -1.0: must be greater than 0"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_line(words: str, told: str) -> None:
+    result = CliRunner().invoke(app, ["chart", "spinning-disc", "--until", "0.001", *words.split()])
+    assert result.exit_code == 2
+    assert told in " ".join(result.output.split())
+
+
+def test_the_command_tells_where_the_chart_is(tmp_path: Path) -> None:
+    words = "--until 0.005 --curves --density 0.5 --steps 1 --ensemble 0 --integrators leapfrog --jobs 2 --out"
+    result = CliRunner().invoke(app, ["chart", "spinning-disc", *words.split(), str(tmp_path / "here")])
+    assert result.exit_code == 0
+    assert "leapfrog on 0.5 x the mesh" in result.output
+    assert (tmp_path / "here" / "chart.png").is_file()

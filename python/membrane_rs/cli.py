@@ -237,6 +237,7 @@ def ablate(
     tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peaks.")] = 0.01,
     ensemble: Ensemble = None,
     integrator: Integrator = None,
+    share: Annotated[float | None, typer.Option(help="Steps as shares of the stability limit.")] = None,
     dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh [s].")] = None,
     jobs: Jobs = None,
     out: Out = None,
@@ -247,8 +248,8 @@ def ablate(
 
         chosen, members = _load(scene), 5 if ensemble is None else ensemble
         found = ablated(
-            chosen, until, tolerance=tolerance, members=members, integrator=integrator, dense_until=dense_until,
-            jobs=jobs, progress=_tell,
+            chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
+            dense_until=dense_until, jobs=jobs, progress=_tell,
         )  # fmt: skip
         _save(found, out or Path("runs") / f"{chosen.name}-ablation")
 
@@ -441,7 +442,7 @@ def _told_errors() -> Iterator[None]:
         typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
     except KeyboardInterrupt:
-        typer.echo("Stopped before the run; nothing was written.", err=True)
+        typer.echo("Stopped; nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 

@@ -76,7 +76,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
             axes.xaxis.set_minor_formatter(NullFormatter())
             left, right = axes.get_xlim()
             if right < 100 * left:  # else the powers of ten do
-                axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if right < 20 * left else (1.0, 3.0)))
                 axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.10g}"))
             axes.grid(color="0.92")
             axes.set_axisbelow(True)

@@ -180,6 +180,7 @@ def ablate(
     tolerance: float = 0.01,
     members: int = 5,
     integrator: str | None = None,
+    share: float | None = None,
     dense_until: float | None = None,
     jobs: int | None = None,
     progress: Tell | None = None,
@@ -200,6 +201,8 @@ def ablate(
         the true start among them; 0: none.
     integrator : str, optional
         The method of all runs. Default: the scene's.
+    share : float, optional
+        Their steps, as shares of each scene's stability limit. Default: the scene's step, or 0.4.
     dense_until : float, optional
         Where the run on the denser mesh, which costs about eight times the others, ends [s]. Default: like all.
     jobs : int, optional
@@ -220,11 +223,13 @@ def ablate(
         raise InputError(f"ensemble = {members}: must be 0 or above")
     if dense_until is not None and not dense_until > 0.0:
         raise InputError(f"dense_until = {dense_until}: must be greater than 0 (s)")
+    if share is not None and not 0.0 < share < 1.0:
+        raise InputError(f"share = {share}: must be greater than 0 and less than 1 (of the stability limit)")
     if integrator is not None and integrator not in integrators():
         raise InputError(f"integrator: there is no {integrator!r}; {nearest(integrator, list(integrators()))}")
     tell = progress or (lambda _: None)
     where = course(scene, until, INSTANTS)
-    whole = Simulation(where.scene, integrator)
+    whole = _simulation(where.scene, integrator, share)
     peer, *others = (t.whole() for t in ensemble(where, whole.integrator, whole.dt, members, jobs=jobs, tell=tell))
     spread = _largest([_change(one, other) for one, other in combinations((peer, *others), 2)])
     peak = float(peer.strain.max())
@@ -232,7 +237,7 @@ def ablate(
     wanted = Change(tolerance, 360.0 * tolerance, tolerance * abs(peak), tolerance * abs(stress))
     allowed = _largest([spread, wanted])
 
-    against = _Against(where, whole, peer, spread, allowed, dense_until, jobs, tell)
+    against = _Against(where, whole, peer, spread, allowed, share, dense_until, jobs, tell)
     found = [against.named(variant) for variant in variants(where.scene)]
     runnable = [variant for variant in found if variant.scene is not None]
     runnable.sort(key=lambda variant: -variant.density)  # the longest run first, so that none is left to run alone
@@ -267,6 +272,7 @@ class _Against:
     peer: Trial
     spread: Change
     allowed: Change
+    share: float | None
     dense_until: float | None
     jobs: int | None
     tell: Tell
@@ -285,7 +291,7 @@ class _Against:
         def job(variant: Variant) -> Trial:
             assert variant.scene is not None
             # A step that suits both: the same one leaves nothing but the model to differ.
-            dt = min(self.whole.dt, Simulation(variant.scene, self.whole.integrator).dt)
+            dt = min(self.whole.dt, _simulation(variant.scene, self.whole.integrator, self.share).dt)
             where = self.where.shortened(self.dense_until) if variant.density > 1.0 else self.where
             return run(where.of(variant.scene), self.whole.integrator, dt, stop=stop)
 
@@ -311,6 +317,12 @@ class _Against:
             hidden = any(vars(change).values()) and change.within(self.spread)
             verdict = "may go: chaos hides what it does" if hidden else "may go"
         return Item(variant.name, time, limit, time / limit, change, verdict)
+
+
+def _simulation(scene: Scene, integrator: str | None, share: float | None) -> Simulation:
+    """The scene with its own step, or with a share of its limit."""
+    sim = Simulation(scene, integrator)
+    return sim if share is None else Simulation(scene, integrator, share * sim.stable_dt())
 
 
 def _smallest(

@@ -38,8 +38,10 @@ REFERENCE = "rk4"
 """The method of the reference."""
 REFERENCE_SHARE = {False: 0.25, True: 0.5}
 """Its step over that of its own finest rung: pointwise, and for curves, where chaos makes more in vain."""
-ENSEMBLE_SHARE = 0.225
-"""The largest step of the ensemble, as a share of the reference method's limit: any that resolves the motion does."""
+REFERENCE_MOST = 0.125 * COARSEST
+"""It is no larger than this share of the limit, however few the rungs."""
+ENSEMBLE, ENSEMBLE_SHARE = "leapfrog", 0.25
+"""The method of the perturbed starts and its step over its limit: their spread is the motion's, not the method's."""
 CLEAR = 10.0
 """An error counts for a measured order where it is this many times what bounds it from below."""
 
@@ -209,7 +211,8 @@ def chart(
     curves : bool
         The error is that of deployment rate and phase, not that of the positions.
     members : int, optional
-        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none.
+        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none. One that the
+        watch stops is not counted.
     densities : sequence of float
         Other meshes, as multiples of the scene's density; needs `curves`. Each is a line of its own, run by the
         method of the fewest evaluations a step, and all errors are then against the finest mesh.
@@ -255,20 +258,17 @@ def chart(
     meshes |= {float(d): course(denser(scene, d), until, count) for d in sorted(set(densities)) if d != 1.0}
     where, finest_mesh = meshes[1.0], max(meshes)
 
-    share = min(REFERENCE_SHARE[curves] * COARSEST / 2.0 ** (steps - 1), 0.5 * ENSEMBLE_SHARE)
-    finest = share * Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
     rungs = [rung for density, mesh in meshes.items() for rung in _rungs(mesh, names, density, steps)]
+    finest = min(REFERENCE_SHARE[curves] * COARSEST / 2.0 ** (steps - 1), REFERENCE_MOST)
+    finest *= Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
     stop = Event()
 
-    def references() -> list[Trial]:
-        """The reference, and its check at twice the step: with curves the first of the ensemble will do."""
-        alike = curves and members and finest_mesh == 1.0
-        sizes = (finest,) if alike else (finest, 2.0 * finest)
-        said = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in sizes]
-        made = [lambda dt=dt: run(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop) for dt in sizes]
-        return [trial.whole() for trial in together(made, said, stop, workers=jobs, tell=tell)]
+    def reference_at(dt: float) -> Trial:
+        return run(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop).whole()
 
-    reference, *checks = references()
+    said = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)]
+    makes = [lambda dt=dt: reference_at(dt) for dt in (finest, 2.0 * finest)]
+    reference, check = together(makes, said, stop, workers=jobs, tell=tell)
 
     def errors(trial: Trial, true: Trial = reference) -> dict[str, float]:
         failed = trial.failure is not None or trial.expected is not None
@@ -276,33 +276,27 @@ def chart(
 
     floors = dict.fromkeys(kinds, math.nan)
     if members:
-        base = finest if finest_mesh == 1.0 else share * Simulation(where.scene, REFERENCE).stable_dt()
-        made = ensemble(where, REFERENCE, 2.0 * base, members, shapes=not curves, jobs=jobs, tell=tell)
-        peer, *others = (trial.whole() for trial in made)
-        floors = {name: max(errors(other, peer)[name] for other in others) for name in kinds}
-        checks = checks or [peer]
+        dt = ENSEMBLE_SHARE * Simulation(where.scene, ENSEMBLE).stable_dt()
+        starts = ensemble(where, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
+        peer, *others = [trial for trial in starts if trial.failure is None] or starts
+        members = len(others) if peer.failure is None else 0
+        floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
 
-    def point(rung: Rung) -> Point:
+    def climb(rung: Rung) -> Point:
         def once(*, keep: bool) -> Trial:
-            return run(
-                meshes[rung.density],
-                rung.integrator,
-                rung.dt,
-                tolerance=rung.tolerance,
-                shapes=keep,
-                budget=budget,
-                stop=stop,
-            )
+            mesh, tolerance = meshes[rung.density], rung.tolerance
+            return run(mesh, rung.integrator, rung.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop)
 
-        trials = [once(keep=not curves)]
+        is_check = (rung.integrator, rung.density, rung.dt) == (REFERENCE, finest_mesh, check.dt)
+        trials = [check if is_check and repeats == 1 else once(keep=not curves)]
         if trials[0].failure is None and trials[0].expected is None:
             trials += [once(keep=False) for _ in range(repeats - 1)]
         return _point(rung, trials, errors(trials[0]), budget)
 
-    climbs = [lambda rung=rung: point(rung) for rung in rungs]
+    climbs = [lambda rung=rung: climb(rung) for rung in rungs]
     at_once = jobs if curves else 1
     points = together(climbs, list(map(str, rungs)), stop, workers=at_once, tell=tell, outcome=Point.words)
-    bounds = _bounds(errors(checks[0]), floors, curves=curves)
+    bounds = _bounds(errors(check), floors, curves=curves)
     lines: dict[str, list[Point]] = {}
     for p in points:
         lines.setdefault(p.line, []).append(p)
@@ -315,7 +309,7 @@ def chart(
         labels={name: label for name, (label, _) in kinds.items()},
         reference_dt=reference.dt,
         reference_density=finest_mesh,
-        reference_errors=errors(checks[0]),
+        reference_errors=errors(check),
         floors=floors,
         wanted=wanted,
         orders={
