@@ -41,6 +41,7 @@ Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: 
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[int | None, typer.Option(help="Runs from perturbed starts; 0: none. Default: a few, or none.")]
+Rows = Annotated[str, typer.Option(help="Rows of cells of a petal, parted by commas: the densities of the mesh.")]
 Jobs = Annotated[int | None, typer.Option(help="Runs at once. Default: one on each core.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
 
@@ -212,12 +213,19 @@ def chart(
     error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
     repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
     budget: Annotated[float | None, typer.Option(help="Leave out what takes longer on one core [s].")] = None,
+    mesh: Annotated[bool, typer.Option("--mesh", help="Chart the mesh in place of the step: see mesh-study.")] = False,
+    rows: Rows = "8,16",
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
     with _told_errors():
+        from membrane_rs.study import FORMS
         from membrane_rs.study import chart as charted
+
+        if mesh:
+            _study_meshes(scene, rows=rows, forms=list(FORMS), ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+            return
 
         chosen = _load(scene)
         names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
@@ -258,23 +266,37 @@ def ablate(
 def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
-    rows: Annotated[list[int], typer.Option(help="Rows of cells of a petal; repeat it for each density.")] = [8, 16],  # noqa: B006
-    length: Annotated[float, typer.Option(help="The physical form's length for buckling and creases [m].")] = 0.011,
+    rows: Rows = "8,16",
+    forms: Annotated[str, typer.Option(help="Forms of the parameters, parted by commas.")] = "paper,strain,physical",
+    ensemble: Annotated[int, typer.Option(help="Runs from perturbed starts, on each mesh, beside the true one.")] = 0,
     until: Until = None,
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
-    """Run a square sail at several mesh densities, and lay its curves side by side."""
+    """Run a square sail at several mesh densities: do its curves approach a limit, and at what rate?"""
     with _told_errors():
-        from membrane_rs.study import mesh_study as study
-        from membrane_rs.study import write_mesh_study
+        _study_meshes(scene, rows=rows, forms=forms.split(","), ensemble=ensemble, until=until, jobs=jobs, out=out)
 
-        chosen, runs = _load(scene), []
-        folder = out or Path("runs") / f"{chosen.name}-mesh-study"
-        for run in study(chosen, rows, until, length=length):
-            runs.append(run)
-            write_mesh_study(runs, folder)
-            typer.echo(f"{run.form:<9} {run.rows:>4} rows, {run.node_count:,} nodes: {run.stopped or 'done'}")
-        typer.echo(f"\n{(folder / 'mesh-study.md').read_text(encoding='utf-8')}\nResults are in {folder}")
+
+def _study_meshes(
+    scene: str, *, rows: str, forms: list[str], ensemble: int, until: float | None, jobs: int | None, out: Path | None
+) -> None:
+    from membrane_rs.study import jobs_of, write_mesh_study
+    from membrane_rs.study import mesh_study as study
+
+    chosen = _load(scene)
+    folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+    counts = [_whole(number, "--rows") for number in _numbers(rows, "--rows")]
+    made = study(chosen, jobs_of(counts, forms, 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell)
+    typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
+
+
+def _whole(number: float, option: str) -> int:
+    from membrane_rs.errors import InputError
+
+    if not number.is_integer() or number < 1:
+        raise InputError(f"{option} = {number:g}: must be whole numbers from 1 on, parted by commas")
+    return int(number)
 
 
 def main() -> None:

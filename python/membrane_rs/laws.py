@@ -100,9 +100,9 @@ class SpringDamping:
         zeta [-], 0 or above.
     length : float or None
         Length l0 [m] of the film's dashpots: m = rho h l0^2, the mass of a square of film of that side, in place of
-        the nodes' masses, so that a rate of strain loses the same on every mesh. The cell height of a mesh of
-        squares agrees with the paper's form there. Tethers keep the masses of their nodes. None: the nodes' masses,
-        the paper's form, whose damping fades as the mesh gets finer.
+        the nodes' masses, so that a rate of strain loses the same on every mesh. Where each node has that mass the two
+        forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form, whose damping
+        fades as the mesh gets finer.
     """
 
     kind: ClassVar[str] = "spring_damping"

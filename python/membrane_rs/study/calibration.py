@@ -1,7 +1,7 @@
 """The value of a parameter with which a scene's curves come nearest to those of another.
 
-The misfit is the distance of the mean curves over the spread of the target's own starts: at one, the two scenes differ no
-more than two runs of the target do.
+The misfit is the distance of the mean curves over the spread of the target's own starts: at one, the two scenes
+differ no more than two runs of the target do.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ class Calibration:
 
     def table(self) -> str:
         """What was tried, in Markdown, by value."""
-        text = f"| {self.parameter} | distance of the rates | of the phases [deg] | misfit |\n| ---: | ---: | ---: | ---: |\n"
+        text = f"| {self.parameter} | distance of the rates | of the phases [deg] | misfit |\n"
+        text += "| ---: | ---: | ---: | ---: |\n"
         for tried in sorted(self.tried, key=lambda tried: tried.value):
             rate, phase = (tried.distance[c] for c in CURVES)
             text += f"| {tried.value:.3g} | {rate:.4f} | {phase:.1f} | {tried.misfit:.1f} |\n"

@@ -22,14 +22,6 @@ from membrane_rs.study.mesh import COLUMNS, MeshRun
 POINTS = 2001
 """Instants at which curves are compared."""
 CURVES = COLUMNS[1:]
-_SHOWN = (
-    ("first peak of the rate", "first_peak_rate", ".3f"),
-    ("at [s]", "first_peak_time", ".3f"),
-    ("trough of the phase [deg]", "phase_trough_deg", ".1f"),
-    ("at [s]", "phase_trough_time", ".3f"),
-    ("phase back at zero [s]", "zero_crossing_time", ".3f"),
-    ("rate there", "zero_crossing_rate", ".3f"),
-)
 
 
 @dataclass(frozen=True)
@@ -149,77 +141,4 @@ def limit(meshes: Sequence[Density], key: str, order: float) -> float:
     if len(meshes) < 2 or not order > 0.5:
         return math.nan
     coarse, fine = (mesh.feature(key)[0] for mesh in meshes[-2:])
-    return fine + (fine - coarse) / ((meshes[-2].cell / meshes[-1].cell) ** order - 1.0)
-
-
-def report(runs: Sequence[MeshRun]) -> str:
-    """Tables in Markdown: what the curves show, how far each mesh is from the next, at what order; then the verdict."""
-    forms = densities(runs)
-    return "\n".join([_shown(forms), _stepped(forms), verdict(forms)])
-
-
-def _shown(forms: dict[str, list[Density]]) -> str:
-    head = ["form", "cells [mm]", "nodes", "starts", "step [us]", *(name for name, _, _ in _SHOWN), "energy error [%]"]
-    body = []
-    for meshes in forms.values():
-        for mesh in meshes:
-            first = mesh.runs[0]
-            cells = [_with_spread(*mesh.feature(key), form) for _, key, form in _SHOWN]
-            stopped = next((run.stopped for run in mesh.runs if run.stopped), None)
-            worst = max((run.energy_error for run in mesh.runs), key=abs)
-            energy = f"{100 * worst:+.2f}" if stopped is None else f"stopped: {stopped}"
-            sizes = [f"{1e3 * mesh.cell:.4g}", f"{first.node_count:,}", str(len(mesh.runs)), f"{1e6 * first.dt:.3g}"]
-            body.append([mesh.form, *sizes, *cells, energy])
-    return _markdown(head, body)
-
-
-def _stepped(forms: dict[str, list[Density]]) -> str:
-    head = ["form", "cells [mm]", "until [s]", "distance of the rates", "of the phases [deg]", "order, rate", "phase"]
-    body = []
-    for form, meshes in forms.items():
-        found = steps(meshes)
-        ps = {c: [math.nan, *orders(found, c)] for c in CURVES}
-        for k, step in enumerate(found):
-            cells = f"{1e3 * step.coarse.cell:.4g} to {1e3 * step.fine.cell:.4g}"
-            values = [
-                _with_spread(step.distance[c], step.noise[c], digits)
-                for c, digits in zip(CURVES, (".4f", ".1f"), strict=True)
-            ]
-            body.append([form, cells, f"{step.until:.3g}", *values, *(_number(ps[c][k], ".1f") for c in CURVES)])
-    return _markdown(head, body) if body else ""
-
-
-def verdict(forms: dict[str, list[Density]]) -> str:
-    """For each form with three meshes and more, in words: whether its curves approach a limit, and which."""
-    lines = []
-    for form, meshes in forms.items():
-        found = steps(meshes)
-        if len(found) < 2:
-            continue
-        p = {c: overall_order(found, c) for c in CURVES}
-        shrinking = {c: all(b.distance[c] < a.distance[c] for a, b in pairwise(found)) for c in CURVES}
-        over = f"over {len(meshes)} meshes, order {p[CURVES[0]]:.1f} in the rate and {p[CURVES[1]]:.1f} in the phase"
-        if all(shrinking.values()) and min(p.values()) > 0.5:
-            trough = limit(meshes, "phase_trough_deg", p[CURVES[1]])
-            to = f"; the trough of the phase tends to {trough:.0f} degrees" if math.isfinite(trough) else ""
-            last = [f"{found[-1].distance[c]:{d}}" for c, d in zip(CURVES, (".4f", ".1f"), strict=True)]
-            text = f"approaches a limit: {over}; the last step is {last[0]} and {last[1]} degrees{to}"
-        elif max(p.values()) < 0.5 and not any(shrinking.values()):
-            text = f"no limit in sight: {over}"
-        else:
-            text = f"undecided: {over}"
-        lines.append(f"- {form}: {text}.\n")
-    return "".join(lines)
-
-
-def _number(value: float, form: str) -> str:
-    return f"{value:{form}}" if math.isfinite(value) else "-"
-
-
-def _with_spread(value: float, spread: float, form: str) -> str:
-    return _number(value, form) + (f" +- {spread:{form}}" if math.isfinite(spread) else "")
-
-
-def _markdown(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *body]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return float(fine + (fine - coarse) / ((meshes[-2].cell / meshes[-1].cell) ** order - 1.0))

@@ -33,7 +33,7 @@ INTEGRATOR, SHARE = "leapfrog", 0.8
 SAMPLE_INTERVAL = 1e-3
 """Time between two points of a curve [s]."""
 ENERGY_LOSS = 0.2
-"""A run may lose this share of the energy turned over: on coarse meshes leapfrog near its limit is off by some percent."""
+"""Share of the energy turned over that a run may lose: near its limit leapfrog is off by some percent."""
 COLUMNS = ("time", "deployment_rate", "phase_difference_deg")
 
 
@@ -245,7 +245,13 @@ def _run(job: Job, sail: SquareSail, scene: Scene, stop: Event) -> MeshRun:
 def _write(path: Path, run: MeshRun) -> None:
     facts = {name: value for name, value in asdict(run).items() if name != "table"}
     with replacing(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, facts=np.array(json.dumps(facts)), **run.table)
+        np.savez_compressed(
+            file,
+            facts=np.array(json.dumps(facts)),
+            time=run.table["time"],
+            deployment_rate=run.table["deployment_rate"],
+            phase_difference_deg=run.table["phase_difference_deg"],
+        )
 
 
 def _read(path: Path) -> MeshRun:

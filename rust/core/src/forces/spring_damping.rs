@@ -8,8 +8,8 @@
 //!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
 //!
 //! In the first form c falls with L as the mesh gets finer, and a film loses less and less by the same rate of strain. In
-//! the second c is the same on every mesh, and so is what the film loses: it is a film of one viscosity. Inside a
-//! mesh of squares of side l0 the two agree. A film of triangles in place of springs is damped by its rate of strain instead
+//! the second c is the same on every mesh, and so is what the film loses: it is a film of one viscosity. Where
+//! each node has the mass of that square the two agree. A film of triangles in place of springs is damped by its rate of strain instead
 //! (see `triangle_damping`). Source: Okuizumi et al. (2012), section 3.4; the length is ours.
 
 use super::Law;
