@@ -55,6 +55,12 @@ PARTS = (
         [("examples/charts.py", "--write", "--only", *(f"{name}-ablation" for name in ABLATIONS))],
         fills_cores=True,
     ),
+    Part(
+        "meshes",
+        "docs/mesh_parameters.md: convergence with the mesh",
+        [("examples/mesh_parameters.py", "--write")],
+        fills_cores=True,
+    ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
     Part("limits", "docs/limits.md: steps predicted and measured", [("tests/limit_cases.py",)]),
     Part("poisoned", "docs/poisoned.md: how poisoned runs end", [("tests/poisoned.py",)]),
