@@ -16,6 +16,7 @@ from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scen
 from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
 from membrane_rs.study import Chart, chart
+from membrane_rs.study.density import denser
 from membrane_rs.study.differences import position_error
 from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
 from membrane_rs.study.trial import SHIFT, course, ensemble, run
@@ -223,6 +224,12 @@ def test_a_course_settles_the_scene_once_for_all() -> None:
     trial = run(where, "rk4", 1e-4)
     assert trial.failure is None
     assert trial.times[-1] == pytest.approx(0.01)
+    # Another scene of the same mesh starts there too; one of another mesh is settled for itself.
+    assert (where.of(replace(scene, laws=scene.laws[:1])).start == where.start).all()
+    finer = denser(settling, 2.0)
+    other = where.of(replace(finer, run=replace(finer.run, settle=0.0)))
+    assert other.start.shape == finer.assemble().positions.shape
+    assert not np.allclose(other.start, finer.assemble().positions)
 
 
 def test_a_run_that_stops_is_a_result() -> None:
