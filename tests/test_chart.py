@@ -146,7 +146,7 @@ def test_a_ladder_for_every_kind_of_method() -> None:
     limited = ladder("a", 1.0, 3, limit=2.0, unit=1.0, is_adaptive=False)
     assert [rung.dt for rung in limited] == pytest.approx([2.6, 2.1, 1.8, 0.9, 0.45])
     free = ladder("a", 1.0, 3, limit=math.inf, unit=1.0, is_adaptive=False)
-    assert [rung.dt for rung in free] == pytest.approx([16.0, 8.0, 4.0])
+    assert [rung.dt for rung in free] == pytest.approx([64.0, 32.0, 16.0])
     chosen = ladder("a", 0.5, 2, limit=2.0, unit=1.0, is_adaptive=True)
     assert [rung.dt for rung in chosen] == [None, None]
     assert [rung.tolerance for rung in chosen] == pytest.approx([1e-3, 1e-3 / 10**1.5])
