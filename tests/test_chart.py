@@ -15,11 +15,11 @@ import pytest
 from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scenes
 from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
-from membrane_rs.study import Chart, chart
+from membrane_rs.study import Chart, ablation, accuracy, chart
 from membrane_rs.study.density import denser
 from membrane_rs.study.differences import position_error
 from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
-from membrane_rs.study.trial import SHIFT, course, ensemble, run
+from membrane_rs.study.trial import SHIFT, Trial, course, ensemble, run
 from membrane_rs.study.workers import together
 from PIL import Image
 from small_scenes import hanging_strip, refused
@@ -329,3 +329,19 @@ def test_the_command_tells_where_the_chart_is(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert "leapfrog on 0.5 x the mesh" in result.output
     assert (tmp_path / "here" / "chart.png").is_file()
+
+
+def test_a_start_that_the_watch_stops_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def with_a_bad_one(*given: Any, **ways: Any) -> list[Trial]:
+        trials = ensemble(*given, **ways)
+        return [*trials[:-1], replace(trials[-1], failure=UnstableError("gone"))]
+
+    monkeypatch.setattr(accuracy, "ensemble", with_a_bad_one)
+    ways: dict[str, Any] = {"steps": 1, "curves": True, "instants": 5}
+    some, none = (chart(hanging_strip(), ["rk4"], 0.01, members=members, **ways) for members in (2, 1))
+    assert some.members == 1
+    assert some.floors["rate"] > 0.0
+    assert none.members == 0
+    assert math.isnan(none.floors["rate"])
+    monkeypatch.setattr(ablation, "ensemble", with_a_bad_one)
+    assert ablation.ablate(hanging_strip(), 0.01, members=2).members == 1
