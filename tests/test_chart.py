@@ -15,10 +15,11 @@ import pytest
 from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scenes
 from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
-from membrane_rs.study import Chart, chart
+from membrane_rs.study import Chart, ablation, accuracy, chart
+from membrane_rs.study.density import denser
 from membrane_rs.study.differences import position_error
 from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
-from membrane_rs.study.trial import SHIFT, course, ensemble, run
+from membrane_rs.study.trial import SHIFT, Trial, course, ensemble, run
 from membrane_rs.study.workers import together
 from PIL import Image
 from small_scenes import hanging_strip, refused
@@ -145,7 +146,7 @@ def test_a_ladder_for_every_kind_of_method() -> None:
     limited = ladder("a", 1.0, 3, limit=2.0, unit=1.0, is_adaptive=False)
     assert [rung.dt for rung in limited] == pytest.approx([2.6, 2.1, 1.8, 0.9, 0.45])
     free = ladder("a", 1.0, 3, limit=math.inf, unit=1.0, is_adaptive=False)
-    assert [rung.dt for rung in free] == pytest.approx([16.0, 8.0, 4.0])
+    assert [rung.dt for rung in free] == pytest.approx([64.0, 32.0, 16.0])
     chosen = ladder("a", 0.5, 2, limit=2.0, unit=1.0, is_adaptive=True)
     assert [rung.dt for rung in chosen] == [None, None]
     assert [rung.tolerance for rung in chosen] == pytest.approx([1e-3, 1e-3 / 10**1.5])
@@ -223,6 +224,12 @@ def test_a_course_settles_the_scene_once_for_all() -> None:
     trial = run(where, "rk4", 1e-4)
     assert trial.failure is None
     assert trial.times[-1] == pytest.approx(0.01)
+    # Another scene of the same mesh starts there too; one of another mesh is settled for itself.
+    assert (where.of(replace(scene, laws=scene.laws[:1])).start == where.start).all()
+    finer = denser(settling, 2.0)
+    other = where.of(replace(finer, run=replace(finer.run, settle=0.0)))
+    assert other.start.shape == finer.assemble().positions.shape
+    assert not np.allclose(other.start, finer.assemble().positions)
 
 
 def test_a_run_that_stops_is_a_result() -> None:
@@ -322,3 +329,19 @@ def test_the_command_tells_where_the_chart_is(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert "leapfrog on 0.5 x the mesh" in result.output
     assert (tmp_path / "here" / "chart.png").is_file()
+
+
+def test_a_start_that_the_watch_stops_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def with_a_bad_one(*given: Any, **ways: Any) -> list[Trial]:
+        trials = ensemble(*given, **ways)
+        return [*trials[:-1], replace(trials[-1], failure=UnstableError("gone"))]
+
+    monkeypatch.setattr(accuracy, "ensemble", with_a_bad_one)
+    ways: dict[str, Any] = {"steps": 1, "curves": True, "instants": 5}
+    some, none = (chart(hanging_strip(), ["rk4"], 0.01, members=members, **ways) for members in (2, 1))
+    assert some.members == 1
+    assert some.floors["rate"] > 0.0
+    assert none.members == 0
+    assert math.isnan(none.floors["rate"])
+    monkeypatch.setattr(ablation, "ensemble", with_a_bad_one)
+    assert ablation.ablate(hanging_strip(), 0.01, members=2).members == 1

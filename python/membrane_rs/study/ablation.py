@@ -194,11 +194,11 @@ def ablate(
     until : float, optional
         Time at the end [s]; nothing is said about what comes later. Default: the scene's.
     tolerance : float
-        What may change: the deployment rate by this much, the phase by this many turns, the peak strain by
-        this share of itself; or each by the spread of the ensemble, if that is larger.
+        What may change: the deployment rate by this much, the phase by this many turns, the peak strain and stress by
+        this share of themselves; or each by the spread of the ensemble, if that is larger.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
-        the true start among them; 0: none.
+        the true start among them; 0: none. One that the watch stops is not counted.
     integrator : str, optional
         The method of all runs. Default: the scene's.
     share : float, optional
@@ -230,7 +230,8 @@ def ablate(
     tell = progress or (lambda _: None)
     where = course(scene, until, INSTANTS)
     whole = _simulation(where.scene, integrator, share)
-    peer, *others = (t.whole() for t in ensemble(where, whole.integrator, whole.dt, members, jobs=jobs, tell=tell))
+    peer, *others = ensemble(where, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)
+    peer, others = peer.whole(), [trial for trial in others if trial.failure is None]
     spread = _largest([_change(one, other) for one, other in combinations((peer, *others), 2)])
     peak = float(peer.strain.max())
     stress = float(peer.stress.max())
@@ -251,7 +252,7 @@ def ablate(
         scene=scene.name,
         until=where.until,
         tolerance=tolerance,
-        members=members,
+        members=len(others),
         dt=peer.dt,
         peak_strain=peak,
         peak_stress=stress,

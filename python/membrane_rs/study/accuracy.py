@@ -207,7 +207,7 @@ def chart(
         Time at the end [s]. Default: the scene's.
     steps : int
         Rungs below the stability limit, from 0.9 of it, each half as large; two more lie beyond it. As many
-        tolerances, from 1e-3, each a 32nd; as many steps of a method without limit, from 16 limits of rk4.
+        tolerances, from 1e-3, each a 32nd; as many steps of a method without limit, from 64 limits of rk4.
     curves : bool
         The error is that of deployment rate and phase, not that of the positions.
     members : int, optional

@@ -16,7 +16,7 @@ COARSEST_TOLERANCE = 1e-3
 """The first tolerance of a method that chooses its steps."""
 TOLERANCE_RATIO = 10.0**1.5
 """From one tolerance to the next: 32, which halves the steps of a pair of orders 5 and 4."""
-COARSEST_MULTIPLE = 16.0
+COARSEST_MULTIPLE = 64.0
 """The first rung of a method without limit, in limits of the reference method; each further one is half as large."""
 
 
