@@ -70,7 +70,8 @@ class Triangles:
         alpha [-] of sides that are no creases, 0 or above.
     buckling_on_creases : float
         alpha [-] along creases, 0 or above. A wrinkle that crosses a crease must buckle it, so that a value above
-        `buckling` stiffens the film beside a crease in shear too, far more than springs do.
+        `buckling` stiffens the film beside a crease in shear too, far more than springs do. The default brings model
+        1 of the paper, on the paper's mesh, nearest to the curves of its springs (docs/mesh_parameters.md).
     buckling_length : float or None
         Length in place of L in the critical strain [m]: the same on every mesh. None: each side's own.
     crease_length : float or None
@@ -82,7 +83,7 @@ class Triangles:
     kind: ClassVar[str] = "triangles"
     compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
     buckling: NonNegative = 100.0
-    buckling_on_creases: NonNegative = 100.0
+    buckling_on_creases: NonNegative = 20.0
     buckling_length: Annotated[Positive | None, Unit("m")] = None
     crease_length: Annotated[Positive | None, Unit("m")] = None
     strain_limit: Positive = 0.1
