@@ -33,6 +33,7 @@ def main() -> None:
     """Run what is not there yet; print and write what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--until", type=float, help="a trial: end here [s], on the coarser meshes only")
+    parser.add_argument("--finest", type=int, default=FINEST, metavar="ROWS", help="leave finer meshes out")
     parser.add_argument("--jobs", type=int, help="runs at once; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/mesh-parameters"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
@@ -41,9 +42,8 @@ def main() -> None:
 
     texts = {"lengths": lengths()}
     for model in MODELS:
-        runs = mesh_study(
-            scenes.load(model), planned(model, options.until), options.out / "runs", workers=options.jobs, tell=tell
-        )
+        jobs = [job for job in planned(model, options.until) if job.rows <= options.finest]
+        runs = mesh_study(scenes.load(model), jobs, options.out / "runs", workers=options.jobs, tell=tell)
         folder = options.out / model
         tables = write_mesh_study(runs, folder)
         texts[model] = f"{tables.rstrip()}\n\n{on_the_papers_mesh(runs)}"

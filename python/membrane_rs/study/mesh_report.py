@@ -74,8 +74,12 @@ def verdict(forms: dict[str, list[Density]]) -> str:
         if all(shrinking.values()) and min(p.values()) > 0.5:
             trough = limit(meshes, "phase_trough_deg", p[CURVES[1]])
             to = f"; the trough of the phase tends to {trough:.0f} degrees" if math.isfinite(trough) else ""
-            last = [f"{found[-1].distance[c]:{d}}" for c, d in zip(CURVES, (".4f", ".1f"), strict=True)]
-            text = f"approaches a limit: {over}; the last step is {last[0]} and {last[1]} degrees{to}"
+            last, digits = found[-1], dict(zip(CURVES, (".4f", ".1f"), strict=True))
+            size = " and ".join(_with_spread(last.distance[c], last.noise[c], digits[c]) for c in CURVES)
+            lost = (
+                " (no longer clear of its noise)" if any(last.distance[c] < 2 * last.noise[c] for c in CURVES) else ""
+            )
+            text = f"approaches a limit: {over}; the last step is {size} degrees{lost}{to}"
         elif all(found[-1].distance[c] >= found[-2].distance[c] for c in CURVES):
             text = f"no limit in sight: {over}"
         else:
