@@ -17,7 +17,7 @@ from membrane_rs import scenes
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.lengths import PHYSICAL
-from membrane_rs.study.mesh import Job
+from membrane_rs.study.mesh import Job, kept
 
 DOCS = Path(__file__).parent.parent / "docs"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
@@ -33,7 +33,7 @@ def main() -> None:
     """Run what is not there yet; print and write what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--until", type=float, help="a trial: end here [s], on the coarser meshes only")
-    parser.add_argument("--finest", type=int, default=FINEST, metavar="ROWS", help="leave finer meshes out")
+    parser.add_argument("--kept", action="store_true", help="tables of the sails' runs that are there; make none")
     parser.add_argument("--jobs", type=int, help="runs at once; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/mesh-parameters"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
@@ -42,8 +42,9 @@ def main() -> None:
 
     texts = {"lengths": lengths()}
     for model in MODELS:
-        jobs = [job for job in planned(model, options.until) if job.rows <= options.finest]
-        runs = mesh_study(scenes.load(model), jobs, options.out / "runs", workers=options.jobs, tell=tell)
+        scene, jobs = scenes.load(model), planned(model, options.until)
+        jobs = kept(scene, jobs, options.out / "runs") if options.kept else jobs
+        runs = mesh_study(scene, jobs, options.out / "runs", workers=options.jobs, tell=tell)
         folder = options.out / model
         tables = write_mesh_study(runs, folder)
         texts[model] = f"{tables.rstrip()}\n\n{on_the_papers_mesh(runs)}"

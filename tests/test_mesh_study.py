@@ -12,7 +12,7 @@ from membrane_rs import InputError, OutputError, Scene, Springs, scenes
 from membrane_rs.cli import app
 from membrane_rs.study import calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, limit, orders, overall_order, steps
-from membrane_rs.study.mesh import MeshRun
+from membrane_rs.study.mesh import MeshRun, kept
 from membrane_rs.study.mesh_report import report
 from small_scenes import refused
 from typer.testing import CliRunner
@@ -95,6 +95,8 @@ def test_runs_are_kept_and_those_that_are_there_are_not_made_again(sail: Scene, 
     assert [len(run.table["time"]) for run in first] == [3] * 4
     files = {path: path.stat().st_mtime_ns for path in (tmp_path / "runs").iterdir()}
     assert len(files) == 4
+    more = jobs_of([8], ["paper", "physical", "strain"], members=2, until=END)
+    assert kept(sail, more, tmp_path / "runs") == jobs
     again = mesh_study(sail, jobs, tmp_path / "runs", workers=1)
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "runs").iterdir()} == files
     for a, b in zip(first, again, strict=True):

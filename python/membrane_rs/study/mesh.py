@@ -147,9 +147,7 @@ def mesh_study(
     OutputError
         The folder cannot be written.
     """
-    sail = scene.mesh.source if scene.mesh is not None else None
-    if not isinstance(sail, SquareSail):
-        raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
+    sail = _sail(scene)
     for job in jobs:
         replace(sail, rows=job.rows)  # what does not fit is refused before anything runs
     folder = Path(folder)
@@ -168,8 +166,21 @@ def mesh_study(
     return sorted(runs, key=lambda run: (order.index(run.form), run.rows, run.member))
 
 
-def _kept(scene: Scene, sail: SquareSail, job: Job, folder: Path, stop: Event) -> MeshRun:
-    """The run out of its file, or made and put there."""
+def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
+    """Those of the jobs whose runs are in the folder already. Raises InputError as `mesh_study` does."""
+    sail = _sail(scene)
+    return [job for job in jobs if _place(scene, sail, job, Path(folder))[1].is_file()]
+
+
+def _sail(scene: Scene) -> SquareSail:
+    sail = scene.mesh.source if scene.mesh is not None else None
+    if not isinstance(sail, SquareSail):
+        raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
+    return sail
+
+
+def _place(scene: Scene, sail: SquareSail, job: Job, folder: Path) -> tuple[Scene, Path]:
+    """What to run for a job, and the file of the run."""
     end = scene.run.until if job.until is None else job.until
     samples = max(2, round(end / SAMPLE_INTERVAL) + 1)
     settings = replace(
@@ -178,7 +189,12 @@ def _kept(scene: Scene, sail: SquareSail, job: Job, folder: Path, stop: Event) -
     )  # fmt: skip
     finer = job.lengths.of(replace(scene, mesh=replace(sail, rows=job.rows).mesh(), run=settings))
     mark = hashlib.sha256(f"{finer.to_toml()}\n{SHARE} {SHIFT} {job.member}".encode()).hexdigest()[:12]
-    path = folder / f"{scene.name}-{job.name}-{mark}.npz"
+    return finer, folder / f"{scene.name}-{job.name}-{mark}.npz"
+
+
+def _kept(scene: Scene, sail: SquareSail, job: Job, folder: Path, stop: Event) -> MeshRun:
+    """The run out of its file, or made and put there."""
+    finer, path = _place(scene, sail, job, folder)
     if path.is_file():
         return _read(path)
     run = _run(job, sail, finer, stop)
