@@ -14,7 +14,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
 RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: demo test check lint bench peers readme clean
+.PHONY: demo test check lint bench peers readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -43,6 +43,11 @@ peers: $(VENV)/built
 	@$(BIN)/python -m pip install --quiet --group peers || \
 		{ echo "MuJoCo and Newton could not be installed: this needs a network, and a platform that both have wheels for"; exit 1; }
 	cd benchmarks && ../$(BIN)/python -m peers --write
+
+# Every figure and table of the accuracy side from nothing, in less than an hour on two cores; some of them:
+# make accuracy PART="charts limits". Parts: benchmarks/remake.py --list.
+accuracy: $(VENV)/built
+	$(BIN)/python benchmarks/remake.py $(PART)
 
 # Every number and picture of README.md, made anew.
 readme: demo

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from PIL import Image
@@ -22,9 +23,9 @@ WIDTH = 1500
 """Pictures in docs/ are at most this wide [px]."""
 
 
-def with_tables(text: str, out: Path) -> str:
+def with_tables(text: str, out: Path, tables: Sequence[str]) -> str:
     """The README's text with each table between its two markers made anew."""
-    for name in TABLES:
+    for name in tables:
         begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
         before, found, rest = text.partition(begin)
         _, closed, tail = rest.partition(end)
@@ -48,13 +49,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--out", type=Path, default=ROOT / "out", help="what demo.py and accuracy.py left")
     parser.add_argument("--write", action="store_true", help="write README.md and docs/*.png")
+    parser.add_argument("--tables", nargs="+", choices=TABLES, help="these alone, without the pictures")
     options = parser.parse_args()
 
     old = README.read_text(encoding="utf-8")
-    new = with_tables(old, options.out)
+    new = with_tables(old, options.out, options.tables or TABLES)
     if options.write:
         README.write_text(new, encoding="utf-8")
-        copy_pictures(options.out)
+        if not options.tables:
+            copy_pictures(options.out)
     elif new != old:
         sys.exit("README.md holds other numbers than the last demo; run `make readme`")
 

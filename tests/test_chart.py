@@ -7,18 +7,23 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
 import pytest
 from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scenes
+from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
-from membrane_rs.study import Chart, chart
-from membrane_rs.study.accuracy import position_error
-from membrane_rs.study.ladder import Point, cheapest, measured_order
-from membrane_rs.study.trial import SHIFT, course, ensemble, run
+from membrane_rs.study import Chart, ablation, accuracy, chart
+from membrane_rs.study.density import denser
+from membrane_rs.study.differences import position_error
+from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
+from membrane_rs.study.trial import SHIFT, Trial, course, ensemble, run
+from membrane_rs.study.workers import together
 from PIL import Image
 from small_scenes import hanging_strip, refused
+from typer.testing import CliRunner
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +34,13 @@ def disc() -> Chart:
 
 def test_every_method_climbs_the_ladder(disc: Chart) -> None:
     assert list(disc.orders) == list(integrators())
-    for name in integrators():
+    limited = [
+        name for name in integrators() if math.isfinite(Simulation(scenes.load("spinning-disc"), name).stable_dt())
+    ]
+    for name in limited:
         points = disc.rungs(name)
+        if integrators()[name].is_adaptive:
+            continue
         assert len(points) == 7
         shares = [point.share for point in points]
         assert shares == sorted(shares, reverse=True)
@@ -46,6 +56,17 @@ def test_order_of_rk4_on_a_smooth_motion_is_four(disc: Chart) -> None:
     assert math.isnan(disc.floors["position"])
 
 
+def test_a_method_that_chooses_its_steps_climbs_tolerances(disc: Chart) -> None:
+    points = disc.rungs("dopri5")
+    tolerances = [point.tolerance for point in points]
+    assert tolerances == pytest.approx([1e-3 / 10 ** (1.5 * k) for k in range(5)])
+    assert points[-1].errors["position"] < 1e-3 * points[0].errors["position"]
+    assert points[0].rejected > 0
+    # Tries in vain cost their evaluations too: six a step, and one at the start.
+    assert all(point.evaluations == 6 * (point.steps + point.rejected) + 1 for point in points)
+    assert points[-1].dt == pytest.approx(disc.until / points[-1].steps, rel=0.2)
+
+
 def test_steps_beyond_the_limit_are_marked_where_the_watch_stops_them(disc: Chart) -> None:
     worst = disc.rungs("rk4")[0]
     assert worst.failure is not None
@@ -53,6 +74,7 @@ def test_steps_beyond_the_limit_are_marked_where_the_watch_stops_them(disc: Char
     assert 0.0 < worst.failed_at <= disc.until
     assert math.isnan(worst.errors["position"])
     assert all(point.failure is None for point in disc.points if point.share < 1.0)
+    assert all(point.is_stable for point in disc.points if point.tolerance is not None)
 
 
 def test_the_cheapest_method_is_named(disc: Chart) -> None:
@@ -60,7 +82,7 @@ def test_the_cheapest_method_is_named(disc: Chart) -> None:
     assert best is not None
     assert best.integrator in integrators()
     assert disc.best["seconds"] is not None
-    assert f"{best.integrator} with dt = {best.dt:.3g} s" in disc.summary()
+    assert f"{best.integrator} with {'dt' if best.tolerance is None else 'tolerance'} = " in disc.summary()
 
 
 def test_a_chart_is_written(disc: Chart, tmp_path: Path) -> None:
@@ -94,10 +116,83 @@ def test_curves_have_a_floor_from_perturbed_starts(tmp_path: Path) -> None:
         assert picture.height > 800  # two rows of panels
 
 
+def test_other_meshes_are_lines_of_their_own_against_the_finest(tmp_path: Path) -> None:
+    scene = hanging_strip(4, 2)
+    ways: dict[str, Any] = {"steps": 2, "curves": True, "members": 0, "instants": 5, "densities": [0.5, 2.0, 0.5, 1.0]}
+    found = chart(scene, ["rk4", "leapfrog"], 0.02, **ways)
+    assert list(found.orders) == ["rk4", "leapfrog", "leapfrog on 0.5 x the mesh", "leapfrog on 2 x the mesh"]
+    assert found.reference_density == 2.0
+    finest = {line: found.rungs(line)[-1].errors["rate"] for line in found.orders}
+    # The scene's own mesh is off by what its mesh leaves, whatever the method; the finest by its step alone.
+    assert finest["rk4"] == pytest.approx(finest["leapfrog"], rel=0.05)
+    assert finest["leapfrog on 2 x the mesh"] < 0.1 * finest["leapfrog"] < finest["leapfrog on 0.5 x the mesh"]
+    assert "rk4 on 2 x the mesh at" in found.summary()
+    found.save(tmp_path)
+    with (tmp_path / "chart.csv").open(newline="") as file:
+        assert {float(row["density"]) for row in csv.DictReader(file)} == {0.5, 1.0, 2.0}
+
+
+def test_what_would_cost_too_much_is_left_out_and_said_to_be(tmp_path: Path) -> None:
+    found = chart(hanging_strip(), ["rk4"], 0.02, steps=2, budget=1e-9, repeats=1)
+    points = [point for point in found.points if point.share < 1.0]
+    assert all("left out: it would have taken about" in (point.failure or "") for point in points)
+    assert all(point.failed_at is None and math.isnan(point.errors["position"]) for point in points)
+    assert found.best["evaluations"] is None
+    assert "left out as too costly" in found.summary()
+    found.save(tmp_path)
+
+
+def test_a_ladder_for_every_kind_of_method() -> None:
+    limited = ladder("a", 1.0, 3, limit=2.0, unit=1.0, is_adaptive=False)
+    assert [rung.dt for rung in limited] == pytest.approx([2.6, 2.1, 1.8, 0.9, 0.45])
+    free = ladder("a", 1.0, 3, limit=math.inf, unit=1.0, is_adaptive=False)
+    assert [rung.dt for rung in free] == pytest.approx([64.0, 32.0, 16.0])
+    chosen = ladder("a", 0.5, 2, limit=2.0, unit=1.0, is_adaptive=True)
+    assert [rung.dt for rung in chosen] == [None, None]
+    assert [rung.tolerance for rung in chosen] == pytest.approx([1e-3, 1e-3 / 10**1.5])
+    assert str(chosen[0]) == "a on 0.5 x the mesh, tolerance 0.001"
+    assert "of its limit" not in str(free[0])
+
+
+def test_progress_is_told_run_by_run() -> None:
+    told: list[str] = []
+    chart(hanging_strip(), ["rk4"], 0.2, steps=1, repeats=1, progress=told.append)
+    assert [line.split("]")[0] for line in told] == ["[1/2", "[2/2", "[1/3", "[2/3", "[3/3"]
+    assert "evaluations" in told[-1]
+
+
+def test_results_do_not_depend_on_the_number_of_workers() -> None:
+    ways: dict[str, Any] = {"steps": 2, "curves": True, "members": 2, "instants": 5}
+    one, two = (chart(hanging_strip(), ["rk4", "leapfrog"], 0.01, jobs=jobs, **ways) for jobs in (1, 3))
+    assert [replace(p, seconds=0.0) for p in one.points] == [replace(p, seconds=0.0) for p in two.points]
+    assert one.floors == two.floors
+
+
+def test_an_interrupt_ends_all_runs_soon() -> None:
+    stop, ended = Event(), []
+
+    def work() -> int:
+        ended.append(stop.wait(60.0))
+        return 0
+
+    def interrupted() -> int:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        together([work, interrupted, work], ["", "", ""], stop, workers=2)
+    assert ended == [True]  # the third was never begun
+
+
+def test_a_run_ends_at_its_next_instant_once_stopped() -> None:
+    stop = Event()
+    stop.set()
+    assert len(run(course(hanging_strip(), 0.01, 5), "rk4", 1e-4, stop=stop).times) == 0
+
+
 def test_one_ensemble_is_like_the_next() -> None:
     where = course(hanging_strip(), 0.01, 2)
     dt = Simulation(where.scene).dt
-    first, second = (ensemble(where, "rk4", dt, 2, shapes=True) for _ in range(2))
+    first, second = (ensemble(where, "rk4", dt, 2, shapes=True, jobs=jobs) for jobs in (1, 2))
     for one, other in zip(first, second, strict=True):
         assert (one.shapes == other.shapes).all()
     apart = [float(np.abs(member.shapes[-1] - first[0].shapes[-1]).max()) for member in first[1:]]
@@ -113,6 +208,11 @@ def test_a_course_shifts_what_is_free_and_keeps_what_is_held() -> None:
     assert 0.1 * SHIFT < np.abs(shift).max() < 10 * SHIFT
     assert where.interval / where.step_near(1e-4) == pytest.approx(round(where.interval / 1e-4))
     assert where.step_near(1.0) == where.interval
+    short = where.shortened(0.007)
+    assert short.instants == 2
+    assert short.until == pytest.approx(2 / 3 * 0.01)
+    assert where.shortened(1.0) is where.shortened(None) is where
+    assert where.shortened(1e-9).instants == 1
 
 
 def test_a_course_settles_the_scene_once_for_all() -> None:
@@ -124,6 +224,12 @@ def test_a_course_settles_the_scene_once_for_all() -> None:
     trial = run(where, "rk4", 1e-4)
     assert trial.failure is None
     assert trial.times[-1] == pytest.approx(0.01)
+    # Another scene of the same mesh starts there too; one of another mesh is settled for itself.
+    assert (where.of(replace(scene, laws=scene.laws[:1])).start == where.start).all()
+    finer = denser(settling, 2.0)
+    other = where.of(replace(finer, run=replace(finer.run, settle=0.0)))
+    assert other.start.shape == finer.assemble().positions.shape
+    assert not np.allclose(other.start, finer.assemble().positions)
 
 
 def test_a_run_that_stops_is_a_result() -> None:
@@ -182,6 +288,10 @@ def test_a_rung_counts_only_with_all_finer_ones_and_below_the_limit() -> None:
         ({"repeats": 0}, "repeats = 0: must be 1 or above"),
         ({"wanted": 0.0}, "error = 0.0: must be greater than 0"),
         ({"instants": -1}, "instants = -1: must be 1 or above"),
+        ({"budget": 0.0}, "budget = 0.0: must be greater than 0"),
+        ({"jobs": 0}, "jobs = 0: must be 1 or above"),
+        ({"densities": [2.0]}, "only curves can be compared; give --curves too"),
+        ({"densities": [0.3], "curves": True}, "columns = 6 would become 1.8, which is no whole number; take 0.333"),
     ],
 )
 def test_wrong_numbers_are_refused(given: dict[str, Any], words: str) -> None:
@@ -193,3 +303,45 @@ def test_a_scene_at_rest_has_no_relative_error() -> None:
     trial = run(where, "rk4", 1e-4, shapes=True)
     rest = replace(trial, shapes=where.start[None])
     refused(lambda: position_error(trial, rest, where.start), InputError, "nothing moves")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--density 2,x --curves", "--density = '2,x': must be numbers parted by commas"),
+        ("--density 2", "give --curves too"),
+        ("--density 0.3 --curves", "Disc.rings = 8 would become 2.4, which is no whole number; take 0.25"),
+        ("--integrators rk5", "did you mean 'rk4'"),
+        ("--integrators rk4,", "there is no ''"),
+        ("--jobs 0", "jobs = 0: must be 1 or above"),
+        ("--budget -1", "budget = -1.0: must be greater than 0"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_line(words: str, told: str) -> None:
+    result = CliRunner().invoke(app, ["chart", "spinning-disc", "--until", "0.001", *words.split()])
+    assert result.exit_code == 2
+    assert told in " ".join(result.output.split())
+
+
+def test_the_command_tells_where_the_chart_is(tmp_path: Path) -> None:
+    words = "--until 0.005 --curves --density 0.5 --steps 1 --ensemble 0 --integrators leapfrog --jobs 2 --out"
+    result = CliRunner().invoke(app, ["chart", "spinning-disc", *words.split(), str(tmp_path / "here")])
+    assert result.exit_code == 0
+    assert "leapfrog on 0.5 x the mesh" in result.output
+    assert (tmp_path / "here" / "chart.png").is_file()
+
+
+def test_a_start_that_the_watch_stops_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def with_a_bad_one(*given: Any, **ways: Any) -> list[Trial]:
+        trials = ensemble(*given, **ways)
+        return [*trials[:-1], replace(trials[-1], failure=UnstableError("gone"))]
+
+    monkeypatch.setattr(accuracy, "ensemble", with_a_bad_one)
+    ways: dict[str, Any] = {"steps": 1, "curves": True, "instants": 5}
+    some, none = (chart(hanging_strip(), ["rk4"], 0.01, members=members, **ways) for members in (2, 1))
+    assert some.members == 1
+    assert some.floors["rate"] > 0.0
+    assert none.members == 0
+    assert math.isnan(none.floors["rate"])
+    monkeypatch.setattr(ablation, "ensemble", with_a_bad_one)
+    assert ablation.ablate(hanging_strip(), 0.01, members=2).members == 1

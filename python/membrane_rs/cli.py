@@ -41,6 +41,8 @@ Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: 
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[int | None, typer.Option(help="Runs from perturbed starts; 0: none. Default: a few, or none.")]
+Rows = Annotated[str, typer.Option(help="Rows of cells of a petal, parted by commas: the densities of the mesh.")]
+Jobs = Annotated[int | None, typer.Option(help="Runs at once. Default: one on each core.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw nothing at the end.")]
 
 
@@ -202,24 +204,35 @@ def chart(
     *,
     integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
     until: Until = None,
-    steps: Annotated[int, typer.Option(help="Steps below the stability limit, each half the last.")] = 6,
+    steps: Annotated[int, typer.Option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
     ensemble: Ensemble = None,
+    density: Annotated[str, typer.Option(help="Other meshes, such as 0.5,2 times as dense; with --curves.")] = "",
     error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
-    repeats: Annotated[int, typer.Option(help="Runs of which the wall time is the median.")] = 3,
+    repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
+    budget: Annotated[float | None, typer.Option(help="Leave out what takes longer on one core [s].")] = None,
+    mesh: Annotated[bool, typer.Option("--mesh", help="Chart the mesh in place of the step: see mesh-study.")] = False,
+    rows: Rows = "8,16",
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
     with _told_errors():
+        from membrane_rs.study import FORMS
         from membrane_rs.study import chart as charted
 
+        if mesh:
+            _study_meshes(scene, rows=rows, forms=list(FORMS), ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+            return
+
         chosen = _load(scene)
-        names = [name.strip() for name in integrators.split(",")] if integrators else None
+        names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
+        meshes = _numbers(density, "--density") if density else []
         found = charted(
-            chosen, names, until, steps=steps, curves=curves, members=ensemble, wanted=error, repeats=repeats,
-            progress=_tell,
+            chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
+            repeats=repeats, budget=budget, jobs=jobs, progress=_tell,
         )  # fmt: skip
         _save(found, out or Path("runs") / f"{chosen.name}-chart")
 
@@ -229,17 +242,23 @@ def ablate(
     scene: SceneArgument,
     *,
     until: Until = None,
-    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peak strain.")] = 0.01,
+    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peaks.")] = 0.01,
     ensemble: Ensemble = None,
+    integrator: Integrator = None,
+    share: Annotated[float | None, typer.Option(help="Steps as shares of the stability limit.")] = None,
+    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh [s].")] = None,
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
     with _told_errors():
         from membrane_rs.study import ablate as ablated
 
-        chosen = _load(scene)
-        members = {} if ensemble is None else {"members": ensemble}
-        found = ablated(chosen, until, tolerance=tolerance, progress=_tell, **members)
+        chosen, members = _load(scene), 5 if ensemble is None else ensemble
+        found = ablated(
+            chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
+            dense_until=dense_until, jobs=jobs, progress=_tell,
+        )  # fmt: skip
         _save(found, out or Path("runs") / f"{chosen.name}-ablation")
 
 
@@ -247,23 +266,37 @@ def ablate(
 def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
-    rows: Annotated[list[int], typer.Option(help="Rows of cells of a petal; repeat it for each density.")] = [8, 16],  # noqa: B006
-    length: Annotated[float, typer.Option(help="The physical form's length for buckling and creases [m].")] = 0.011,
+    rows: Rows = "8,16",
+    forms: Annotated[str, typer.Option(help="Forms of the parameters, parted by commas.")] = "paper,strain,physical",
+    ensemble: Annotated[int, typer.Option(help="Runs from perturbed starts, on each mesh, beside the true one.")] = 0,
     until: Until = None,
+    jobs: Jobs = None,
     out: Out = None,
 ) -> None:
-    """Run a square sail at several mesh densities, and lay its curves side by side."""
+    """Run a square sail at several mesh densities: do its curves approach a limit, and at what rate?"""
     with _told_errors():
-        from membrane_rs.study import mesh_study as study
-        from membrane_rs.study import write_mesh_study
+        _study_meshes(scene, rows=rows, forms=forms.split(","), ensemble=ensemble, until=until, jobs=jobs, out=out)
 
-        chosen, runs = _load(scene), []
-        folder = out or Path("runs") / f"{chosen.name}-mesh-study"
-        for run in study(chosen, rows, until, length=length):
-            runs.append(run)
-            write_mesh_study(runs, folder)
-            typer.echo(f"{run.form:<9} {run.rows:>4} rows, {run.node_count:,} nodes: {run.stopped or 'done'}")
-        typer.echo(f"\n{(folder / 'mesh-study.md').read_text(encoding='utf-8')}\nResults are in {folder}")
+
+def _study_meshes(
+    scene: str, *, rows: str, forms: list[str], ensemble: int, until: float | None, jobs: int | None, out: Path | None
+) -> None:
+    from membrane_rs.study import jobs_of, write_mesh_study
+    from membrane_rs.study import mesh_study as study
+
+    chosen = _load(scene)
+    folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+    counts = [_whole(number, "--rows") for number in _numbers(rows, "--rows")]
+    made = study(chosen, jobs_of(counts, forms, 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell)
+    typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
+
+
+def _whole(number: float, option: str) -> int:
+    from membrane_rs.errors import InputError
+
+    if not number.is_integer() or number < 1:
+        raise InputError(f"{option} = {number:g}: must be whole numbers from 1 on, parted by commas")
+    return int(number)
 
 
 def main() -> None:
@@ -431,7 +464,7 @@ def _told_errors() -> Iterator[None]:
         typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
     except KeyboardInterrupt:
-        typer.echo("Stopped before the run; nothing was written.", err=True)
+        typer.echo("Stopped; nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
 
 

@@ -32,8 +32,11 @@ class Springs:
         alpha [-] of crease edges, 0 or above.
     buckling_length : float or None
         Length in place of L in the critical strain, alpha pi^2 h^2 / (12 L^2) [m]: the same critical strain on
-        every edge, and on every mesh. 0.011 agrees with the paper's form on the paper's mesh, whose cells
-        are 11 mm high. None: each spring's own L, the paper's form, which belongs to one mesh.
+        every edge, and on every mesh. None: each spring's own L, the paper's form, which belongs to one mesh.
+    crease_length : float or None
+        Length l_c [m] that makes a crease a line with a buckling force of its own beside the film's: it shortens by
+        (buckling_on_creases - buckling) pi^2 h^2 / (12 l_c) more than the film before it buckles, at the same force
+        on every mesh. None: buckling_on_creases in place of buckling, a force that goes with the mesh.
     strain_limit : float
         A run stops when a spring is stretched beyond this strain [-].
     negative : str
@@ -45,6 +48,7 @@ class Springs:
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 1000.0
     buckling_length: Annotated[Positive | None, Unit("m")] = None
+    crease_length: Annotated[Positive | None, Unit("m")] = None
     strain_limit: Positive = 0.1
     negative: Literal["refuse", "clip", "keep"] = "refuse"
 
@@ -66,9 +70,12 @@ class Triangles:
         alpha [-] of sides that are no creases, 0 or above.
     buckling_on_creases : float
         alpha [-] along creases, 0 or above. A wrinkle that crosses a crease must buckle it, so that a value above
-        `buckling` stiffens the film beside a crease in shear too, far more than springs do.
+        `buckling` stiffens the film beside a crease in shear too, far more than springs do. The default brings model
+        1 of the paper, on the paper's mesh, nearest to the curves of its springs (docs/mesh_parameters.md).
     buckling_length : float or None
         Length in place of L in the critical strain [m]: the same on every mesh. None: each side's own.
+    crease_length : float or None
+        Length [m] that makes a crease a line with a buckling force of its own, as in `Springs`.
     strain_limit : float
         A run stops when a triangle is stretched beyond this strain in any direction [-].
     """
@@ -76,8 +83,9 @@ class Triangles:
     kind: ClassVar[str] = "triangles"
     compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
     buckling: NonNegative = 100.0
-    buckling_on_creases: NonNegative = 100.0
+    buckling_on_creases: NonNegative = 20.0
     buckling_length: Annotated[Positive | None, Unit("m")] = None
+    crease_length: Annotated[Positive | None, Unit("m")] = None
     strain_limit: Positive = 0.1
 
 
@@ -91,10 +99,16 @@ class SpringDamping:
     ----------
     ratio : float
         zeta [-], 0 or above.
+    length : float or None
+        Length l0 [m] of the film's dashpots: m = rho h l0^2, the mass of a square of film of that side, in place of
+        the nodes' masses, so that a rate of strain loses the same on every mesh. Where each node has that mass the two
+        forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form, whose damping
+        fades as the mesh gets finer.
     """
 
     kind: ClassVar[str] = "spring_damping"
     ratio: NonNegative = 0.02
+    length: Annotated[Positive | None, Unit("m")] = None
 
 
 @validated

@@ -112,6 +112,21 @@ def triangle_strains(reference: Floats, positions: Floats, triangles: Ints) -> F
     return strains
 
 
+def peak_stress(sim: Simulation) -> float:
+    """The largest principal stress of the film [Pa]; NaN without film.
+
+    Plane stress of the triangles' strains, E/(1 - nu^2) (e1 + nu e2); where that would press across, the film is
+    wrinkled and carries E e1 along its wrinkles only (tension field); 0 where all of it is slack.
+    """
+    mesh, film = sim.scene.mesh, sim.scene.material
+    if mesh is None or film is None:
+        return float("nan")
+    large, small = triangle_strains(mesh.reference, sim.positions[: len(mesh.reference)], mesh.triangles).T
+    nu = film.poisson_ratio
+    taut = (large + nu * small) / (1.0 - nu**2)
+    return film.youngs_modulus * max(0.0, float(np.where(small > -nu * large, taut, large).max()))
+
+
 def _gram(points: Floats, triangles: Ints) -> Floats:
     """The three distinct entries of each triangle's Gram matrix of its first two edges, (3, m) [m2]."""
     u = points[triangles[:, 1]] - points[triangles[:, 0]]

@@ -10,10 +10,11 @@ from membrane_rs.observe import Floats
 from membrane_rs.output.plots import PANELS
 
 
-def plot_meshes(forms: Mapping[str, Sequence[tuple[str, Mapping[str, Floats]]]], path: Path) -> None:
-    """Draw, for each form of the parameters, its runs as (label, table), coarse to fine, as a PNG picture.
+def plot_meshes(forms: Mapping[str, Sequence[tuple[str, Sequence[Mapping[str, Floats]]]]], path: Path) -> None:
+    """Draw, for each form of the parameters, its meshes as (label, tables), coarse to fine, as a PNG picture.
 
-    `table` holds the columns of a history. Raises OutputError where `path` cannot be written.
+    Each table holds the columns of a history from one start; the first is drawn the strongest. Raises OutputError
+    where `path` cannot be written.
     """
     from matplotlib import colormaps
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -25,9 +26,11 @@ def plot_meshes(forms: Mapping[str, Sequence[tuple[str, Mapping[str, Floats]]]],
     for row, (column, label, level) in enumerate(PANELS):
         panels[row, 0].set_ylabel(label)
         for axes, (form, runs) in zip(panels[row], forms.items(), strict=True):
-            for k, (name, table) in enumerate(runs):
+            for k, (name, tables) in enumerate(runs):
                 color = colormaps["viridis_r"](0.15 + 0.85 * k / max(1, len(runs) - 1))
-                axes.plot(table["time"], table[column], color=color, linewidth=1.4, label=name)
+                for j, table in enumerate(tables):
+                    look = {"linewidth": 0.5, "alpha": 0.6} if j else {"linewidth": 1.4, "label": name}
+                    axes.plot(table["time"], table[column], color=color, **look)
             axes.axhline(level, color="0.5", linewidth=0.8)
             axes.grid(color="0.9")
             axes.margins(x=0.0)

@@ -15,7 +15,7 @@ from membrane_rs.observe import Floats
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COSTS = {"evaluations": "Force evaluations", "seconds": "Wall time [s]"}
+COSTS = {"evaluations": "Force evaluations", "seconds": "Time on one core [s]"}
 """What work is measured in, and its label."""
 _MARKERS = "osD^vPX*"
 
@@ -61,7 +61,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
     """Draw the panels as a PNG picture. Raises OutputError where `path` cannot be written."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     figure = Figure(figsize=(11.5, 0.8 + 3.6 * len(rows)), layout="constrained")
     FigureCanvasAgg(figure)
@@ -74,6 +74,10 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
                 _draw(axes, line, line.costs[cost], k, high)
             _bounds(axes, row, low)
             axes.xaxis.set_minor_formatter(NullFormatter())
+            left, right = axes.get_xlim()
+            if right < 100 * left:  # else the powers of ten do
+                axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if right < 20 * left else (1.0, 3.0)))
+                axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.10g}"))
             axes.grid(color="0.92")
             axes.set_axisbelow(True)
             axes.spines[["top", "right"]].set_visible(False)

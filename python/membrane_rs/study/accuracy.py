@@ -1,74 +1,49 @@
-"""Accuracy against work: every method over a ladder of steps, against a reference far finer than all.
+"""Accuracy against work: every method over a ladder of steps or tolerances, against a reference far finer than all.
 
 Where the motion is smooth the error is pointwise; where it is chaotic it is that of the curves, and an
 ensemble of perturbed starts tells how near any two runs can be expected to come.
 
-The steps are shares of each method's own stability limit at the start. Those beyond it show whether the watch
-catches what goes wrong there.
+Steps are shares of each method's own stability limit at the start. Those beyond it show whether the watch
+catches what goes wrong there. A method that chooses its steps climbs a ladder of tolerances, one without limit
+takes multiples of the reference method's.
 """
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
+from threading import Event
 from typing import Any
 
 import numpy as np
 
 from membrane_rs._files import output_errors, replacing
-from membrane_rs._validation import nearest
+from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError
-from membrane_rs.observe import Floats
 from membrane_rs.output.report import versions, write_summary
 from membrane_rs.output.work_precision import COSTS, Line, Row, plot_work_precision
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import Simulation, integrators
-from membrane_rs.study.ladder import Best, Point, cheapest, measured_order
+from membrane_rs.study.density import denser
+from membrane_rs.study.differences import CURVES, POINTWISE
+from membrane_rs.study.ladder import COARSEST, Best, Point, Rung, cheapest, ladder, line_name, measured_order
 from membrane_rs.study.trial import SHIFT, Course, Trial, course, ensemble, run
+from membrane_rs.study.workers import Tell, together
 
-BEYOND = (1.3, 1.05)
-"""The coarsest rungs, as shares of the stability limit: beyond it."""
-COARSEST = 0.9
-"""The rung below the limit; each further one is half as large."""
 REFERENCE = "rk4"
-"""The method of the reference; it takes a quarter of its own finest rung."""
-UNLIMITED_SHARE = 4.0
-"""The ladder of a method without a limit is that of the reference, so much coarser."""
-LADDER_SHARE = 0.25
-ENSEMBLE_SHARE = 0.225
-"""The step of the ensemble, as a share of the reference method's limit: any that resolves the motion does."""
+"""The method of the reference."""
+REFERENCE_SHARE = {False: 0.25, True: 0.5}
+"""Its step over that of its own finest rung: pointwise, and for curves, where chaos makes more in vain."""
+REFERENCE_MOST = 0.125 * COARSEST
+"""It is no larger than this share of the limit, however few the rungs."""
+ENSEMBLE, ENSEMBLE_SHARE = "leapfrog", 0.25
+"""The method of the perturbed starts and its step over its limit: their spread is the motion's, not the method's."""
 CLEAR = 10.0
 """An error counts for a measured order where it is this many times what bounds it from below."""
-
-
-def position_error(trial: Trial, reference: Trial, start: Floats) -> float:
-    """RMS over nodes and instants of the difference in position, over the RMS displacement from the start."""
-    scale = float(np.sqrt(np.mean((reference.shapes - start) ** 2)))
-    if scale == 0.0:
-        raise InputError("nothing moves in this scene up to the end; give a later one, or another scene")
-    return float(np.sqrt(np.mean((trial.shapes - reference.shapes) ** 2))) / scale
-
-
-def rate_error(trial: Trial, reference: Trial, _: Floats) -> float:
-    """Largest difference in the deployment rate."""
-    return float(np.abs(trial.rate - reference.rate).max())
-
-
-def phase_error(trial: Trial, reference: Trial, _: Floats) -> float:
-    """Largest difference in the phase [deg]."""
-    return float(np.abs(trial.phase - reference.phase).max())
-
-
-Error = Callable[[Trial, Trial, Floats], float]
-POINTWISE: dict[str, tuple[str, Error]] = {"position": ("Error of positions, relative (RMS)", position_error)}
-CURVES: dict[str, tuple[str, Error]] = {
-    "rate": ("Error of the deployment rate (largest)", rate_error),
-    "phase": ("Error of the phase [deg] (largest)", phase_error),
-}
 
 
 @dataclass(frozen=True)
@@ -83,8 +58,8 @@ class Chart:
         Coarsest first, method by method.
     labels : dict
         What each kind of error is.
-    reference_dt : float
-        Step of the reference [s].
+    reference_dt, reference_density : float
+        Step of the reference [s], and the density of its mesh over the scene's.
     reference_errors : dict
         The reference against itself at twice its step.
     floors : dict
@@ -92,7 +67,8 @@ class Chart:
     wanted : float
         The wanted error, of the first kind.
     orders : dict
-        Measured order, by method and kind of error; NaN where too few points stand clear.
+        Measured order, by line (a method, or a method on another mesh) and kind of error; NaN where too few points
+        stand clear.
     best : dict
         By kind of cost; None where no method reaches the wanted error.
     """
@@ -104,15 +80,16 @@ class Chart:
     points: tuple[Point, ...]
     labels: dict[str, str]
     reference_dt: float
+    reference_density: float
     reference_errors: dict[str, float]
     floors: dict[str, float]
     wanted: float
     orders: dict[str, dict[str, float]]
     best: dict[str, Best | None]
 
-    def rungs(self, integrator: str) -> list[Point]:
-        """The points of one method, coarsest first."""
-        return [point for point in self.points if point.integrator == integrator]
+    def rungs(self, line: str) -> list[Point]:
+        """The points of one line, coarsest first."""
+        return [point for point in self.points if point.line == line]
 
     def summary(self) -> str:
         """The result in words."""
@@ -120,20 +97,18 @@ class Chart:
         for name, label in self.labels.items():
             lines.append(f"{label}:")
             lines.append(
-                f"  reference: {REFERENCE} at {self.reference_dt:.3g} s, "
+                f"  reference: {line_name(REFERENCE, self.reference_density)} at {self.reference_dt:.3g} s, "
                 f"{self.reference_errors[name]:.1e} from itself at twice that step"
             )
             if self.members:
                 spread = f"  spread of {self.members} starts shifted by {SHIFT:g} m: {self.floors[name]:.1e}"
                 lines.append(spread + ("; no method can be said to be nearer" if name in CURVES else ""))
-            for method, orders in self.orders.items():
-                order = f"{orders[name]:.2f}" if math.isfinite(orders[name]) else "not clear of the bounds"
-                lines.append(f"  {method}: measured order {order}")
+            lines += [f"  {line}: {self._told(line, orders[name])}" for line, orders in self.orders.items()]
         first = next(iter(self.labels))
         for cost, best in self.best.items():
             what = f"{COSTS[cost].lower()} for an error of {self.wanted:g} ({first})"
             lines.append(
-                f"Least {what}: {best.integrator} with dt = {best.dt:.3g} s, {best.cost:.3g}"
+                f"Least {what}: {best.words()}, {best.cost:.3g}"
                 if best
                 else f"Least {what}: no method of the ladder reaches it below its limit"
             )
@@ -142,6 +117,17 @@ class Chart:
             lines.append(f"But an error of {self.wanted:g} cannot be told apart here: the bound is {bound:.1e}.")
         return "\n".join(lines)
 
+    def _told(self, line: str, order: float) -> str:
+        """A line in words: its order, and what became of its runs."""
+        points = self.rungs(line)
+        stopped = [p for p in points if p.failed_at is not None]
+        dear = [p for p in points if p.failure is not None and p.failed_at is None]
+        why = "no order, too few errors are set by the step and clear of the bounds"
+        words = [f"measured order {order:.2f}" if math.isfinite(order) else why]
+        words += [f"{len(stopped)} of {len(points)} runs stopped by the watch"] if stopped else []
+        words += [f"{len(dear)} of {len(points)} runs left out as too costly"] if dear else []
+        return ", ".join(words)
+
     def save(self, folder: Path | str) -> None:
         """Write chart.csv, chart.json and chart.png into a folder. Raises OutputError."""
         folder = Path(folder)
@@ -149,10 +135,12 @@ class Chart:
             folder.mkdir(parents=True, exist_ok=True)
         with replacing(folder / "chart.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            names = ["integrator", "dt", "share_of_limit", "steps", "evaluations", "seconds"]
+            names = ["integrator", "density", "dt", "share_of_limit", "tolerance", "steps", "rejected", "evaluations"]
+            names.append("seconds")
             writer.writerow([*names, *(f"{name}_error" for name in self.labels), "failed_at", "failure"])
             for p in self.points:
-                row = [p.integrator, p.dt, p.share, p.steps, p.evaluations, p.seconds]
+                row = [p.integrator, p.density, p.dt, p.share, p.tolerance, p.steps, p.rejected, p.evaluations]
+                row.append(p.seconds)
                 writer.writerow([*row, *p.errors.values(), p.failed_at, p.failure])
         write_summary(folder / "chart.json", self._as_dict())
         plot_work_precision(self._rows(), folder / "chart.png", f"{self.scene}, first {1e3 * self.until:g} ms")
@@ -167,7 +155,7 @@ class Chart:
         return [
             Row(
                 label,
-                [self._line(method, name) for method in self.orders],
+                [self._line(line, name) for line in self.orders],
                 self.reference_errors[name],
                 self.floors[name],
                 self.wanted if name == next(iter(self.labels)) else math.nan,
@@ -175,20 +163,20 @@ class Chart:
             for name, label in self.labels.items()
         ]
 
-    def _line(self, method: str, name: str) -> Line:
-        """A method's rungs; one that failed is drawn at the cost that it would have had."""
-        points = self.rungs(method)
+    def _line(self, line: str, name: str) -> Line:
+        """A line's rungs; a run that was stopped is drawn at the cost that it would have had."""
+        points = self.rungs(line)
         done = [p for p in points if p.failure is None]
         costs = {cost: np.array([float(getattr(p, cost)) for p in points]) for cost in COSTS}
         for k, p in enumerate(points):
             for cost in COSTS:
                 per_step = median(getattr(q, cost) / q.steps for q in done) if done else math.nan
                 if p.failure is not None:
-                    costs[cost][k] = per_step * self.until / p.dt
-        order = self.orders[method][name]
-        label = f"{method}: order {order:.1f}" if math.isfinite(order) else method
+                    costs[cost][k] = per_step * self.until / p.dt if p.failed_at is not None else math.nan
+        order = self.orders[line][name]
+        label = f"{line}: order {order:.1f}" if math.isfinite(order) else line
         errors = np.array([p.errors[name] for p in points])
-        return Line(label, costs, errors, np.array([p.share > 1.0 for p in points]))
+        return Line(label, costs, errors, np.array([not p.is_stable for p in points]))
 
 
 def chart(
@@ -199,12 +187,15 @@ def chart(
     steps: int = 6,
     curves: bool = False,
     members: int | None = None,
+    densities: Sequence[float] = (),
     wanted: float = 1e-3,
-    repeats: int = 3,
+    repeats: int | None = None,
     instants: int | None = None,
-    progress: Callable[[str], None] | None = None,
+    budget: float | None = None,
+    jobs: int | None = None,
+    progress: Tell | None = None,
 ) -> Chart:
-    """Run a scene by each method over a ladder of steps, and measure errors and costs.
+    """Run a scene by each method over a ladder of steps or tolerances, and measure errors and costs.
 
     Parameters
     ----------
@@ -215,62 +206,100 @@ def chart(
     until : float, optional
         Time at the end [s]. Default: the scene's.
     steps : int
-        Rungs below the stability limit, from 0.9 of it, each half as large; two more lie beyond it.
+        Rungs below the stability limit, from 0.9 of it, each half as large; two more lie beyond it. As many
+        tolerances, from 1e-3, each a 32nd; as many steps of a method without limit, from 64 limits of rk4.
     curves : bool
         The error is that of deployment rate and phase, not that of the positions.
     members : int, optional
-        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none.
+        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none. One that the
+        watch stops is not counted.
+    densities : sequence of float
+        Other meshes, as multiples of the scene's density; needs `curves`. Each is a line of its own, run by the
+        method of the fewest evaluations a step, and all errors are then against the finest mesh.
     wanted : float
         The error for which the cheapest method is named (of the rate, with `curves`).
-    repeats : int
-        Runs of which the wall time is the median.
+    repeats : int, optional
+        Runs of which the time is the median. Default: 1 with `curves`, else 3.
     instants : int, optional
         How often positions (default 10) or curves (default 100) are compared.
+    budget : float, optional
+        Processor time that a rung may take [s]; one that would take more is left out, and said to be.
+    jobs : int, optional
+        Runs at once, of an ensemble and with `curves`. Default: one on each core. No result but the time depends on it.
     progress : callable, optional
         Told in words what was just done.
 
     Raises
     ------
     InputError
-        An unknown method, a number out of its range, a scene in which nothing moves.
+        An unknown method, a number out of its range, a density that the mesh cannot have, a scene in which nothing
+        moves.
     UnstableError
         The reference itself stopped.
     """
     names = _methods(methods)
     members = (4 if curves else 0) if members is None else members
+    repeats = (1 if curves else 3) if repeats is None else repeats
     for what, value, least in (("steps", steps, 1), ("ensemble", members, 0), ("repeats", repeats, 1)):
         if value < least:
             raise InputError(f"{what} = {value}: must be {least} or above")
-    if not 0.0 < wanted < math.inf:
-        raise InputError(f"error = {wanted}: must be greater than 0 and finite")
+    for what, number in (("error", wanted), ("budget", budget)):
+        if number is not None and not 0.0 < number < math.inf:
+            raise InputError(f"{what} = {number}: must be greater than 0 and finite")
+    if densities and not curves:
+        raise InputError(
+            f"densities = {show(tuple(densities))}: other meshes have other nodes, so only curves can be compared; "
+            "give --curves too"
+        )
     tell = progress or (lambda _: None)
     kinds = CURVES if curves else POINTWISE
-    where = course(scene, until, instants or (100 if curves else 10))
-    keep = not curves
+    count = (100 if curves else 10) if instants is None else instants
+    meshes = {1.0: course(scene, until, count)}
+    meshes |= {float(d): course(denser(scene, d), until, count) for d in sorted(set(densities)) if d != 1.0}
+    where, finest_mesh = meshes[1.0], max(meshes)
 
-    limit = Simulation(where.scene, REFERENCE).stable_dt()
-    shares = [*BEYOND, *(COARSEST / 2.0**k for k in range(steps))]
-    finest = LADDER_SHARE * shares[-1] * limit
-    reference = _whole(run(where, REFERENCE, finest, shapes=keep))
-    tell(f"reference: {REFERENCE}, dt = {reference.dt:.3g} s, {reference.seconds:.1f} s")
-    check = _whole(run(where, REFERENCE, 2.0 * finest, shapes=keep))
+    rungs = [rung for density, mesh in meshes.items() for rung in _rungs(mesh, names, density, steps)]
+    finest = min(REFERENCE_SHARE[curves] * COARSEST / 2.0 ** (steps - 1), REFERENCE_MOST)
+    finest *= Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
+    stop = Event()
+
+    def reference_at(dt: float) -> Trial:
+        return run(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop).whole()
+
+    said = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)]
+    makes = [lambda dt=dt: reference_at(dt) for dt in (finest, 2.0 * finest)]
+    reference, check = together(makes, said, stop, workers=jobs, tell=tell)
 
     def errors(trial: Trial, true: Trial = reference) -> dict[str, float]:
-        failed = trial.failure is not None
+        failed = trial.failure is not None or trial.expected is not None
         return {name: math.nan if failed else error(trial, true, where.start) for name, (_, error) in kinds.items()}
 
     floors = dict.fromkeys(kinds, math.nan)
     if members:
-        peer, *others = map(_whole, ensemble(where, REFERENCE, ENSEMBLE_SHARE * limit, members, shapes=keep))
-        floors = {name: max(errors(other, peer)[name] for other in others) for name in kinds}
-        tell(f"ensemble of {members} perturbed starts")
-    points = []
-    for method in names:
-        for share in shares:
-            points.append(_point(where, method, share, repeats, errors, shapes=keep))
-            tell(f"{method}: {_told(points[-1])}")
-    clear = {name: CLEAR * value for name, value in _bounds(errors(check), floors, curves=curves).items()}
-    rungs = {method: [p for p in points if p.integrator == method] for method in names}
+        dt = ENSEMBLE_SHARE * Simulation(where.scene, ENSEMBLE).stable_dt()
+        starts = ensemble(where, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
+        peer, *others = [trial for trial in starts if trial.failure is None] or starts
+        members = len(others) if peer.failure is None else 0
+        floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
+
+    def climb(rung: Rung) -> Point:
+        def once(*, keep: bool) -> Trial:
+            mesh, tolerance = meshes[rung.density], rung.tolerance
+            return run(mesh, rung.integrator, rung.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop)
+
+        is_check = (rung.integrator, rung.density, rung.dt) == (REFERENCE, finest_mesh, check.dt)
+        trials = [check if is_check and repeats == 1 else once(keep=not curves)]
+        if trials[0].failure is None and trials[0].expected is None:
+            trials += [once(keep=False) for _ in range(repeats - 1)]
+        return _point(rung, trials, errors(trials[0]), budget)
+
+    climbs = [lambda rung=rung: climb(rung) for rung in rungs]
+    at_once = jobs if curves else 1
+    points = together(climbs, list(map(str, rungs)), stop, workers=at_once, tell=tell, outcome=Point.words)
+    bounds = _bounds(errors(check), floors, curves=curves)
+    lines: dict[str, list[Point]] = {}
+    for p in points:
+        lines.setdefault(p.line, []).append(p)
     return Chart(
         scene=where.scene.name,
         until=where.until,
@@ -279,11 +308,15 @@ def chart(
         points=tuple(points),
         labels={name: label for name, (label, _) in kinds.items()},
         reference_dt=reference.dt,
+        reference_density=finest_mesh,
         reference_errors=errors(check),
         floors=floors,
         wanted=wanted,
-        orders={m: {name: measured_order(rungs[m], name, clear[name]) for name in kinds} for m in names},
-        best={cost: cheapest(rungs, next(iter(kinds)), wanted, cost) for cost in COSTS},
+        orders={
+            line: {name: measured_order(found, name, CLEAR * bounds[name]) for name in kinds}
+            for line, found in lines.items()
+        },
+        best={cost: cheapest(lines, next(iter(kinds)), wanted, cost) for cost in COSTS},
     )
 
 
@@ -303,37 +336,37 @@ def _methods(wanted: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(wanted or known))
 
 
-def _whole(trial: Trial) -> Trial:
-    """The trial, where it came to its end."""
-    if trial.failure is not None:
-        raise trial.failure
-    return trial
+def _rungs(where: Course, methods: Sequence[str], density: float, steps: int) -> list[Rung]:
+    """The ladders of all methods; on another mesh than the scene's only of the one whose steps are cheapest."""
+    facts = integrators()
+    limits = {name: Simulation(where.scene, name, where.interval * 1e-9).stable_dt() for name in (*methods, REFERENCE)}
+    if density != 1.0:
+        limited = [name for name in methods if math.isfinite(limits[name]) and not facts[name].is_adaptive]
+        methods = [min(limited or methods, key=lambda name: facts[name].evaluations)]
+    found: dict[Rung, None] = {}
+    for name in methods:
+        adaptive = facts[name].is_adaptive
+        for rung in ladder(name, density, steps, limit=limits[name], unit=limits[REFERENCE], is_adaptive=adaptive):
+            found[rung if rung.dt is None else replace(rung, dt=where.step_near(rung.dt))] = None
+    return list(found)
 
 
-def _point(
-    where: Course, method: str, share: float, repeats: int, errors: Callable[[Trial], dict[str, float]], *, shapes: bool
-) -> Point:
-    limit = Simulation(where.scene, method).stable_dt()
-    if not math.isfinite(limit):
-        limit = UNLIMITED_SHARE * Simulation(where.scene, REFERENCE).stable_dt()
-    trials = [run(where, method, share * limit, shapes=shapes)]
-    trial = trials[0]
-    if trial.failure is None:
-        trials += [run(where, method, share * limit) for _ in range(repeats - 1)]
-    failed = trial.failure
+def _point(rung: Rung, trials: Sequence[Trial], errors: dict[str, float], budget: float | None) -> Point:
+    trial, failed = trials[0], trials[0].failure
+    failure = None if failed is None else str(failed)
+    if trial.expected is not None:
+        failure = f"left out: it would have taken about {trial.expected:.3g} s, more than the budget of {budget:g} s"
     return Point(
-        integrator=method,
+        integrator=rung.integrator,
         dt=trial.dt,
-        share=trial.dt / limit,
+        share=trial.dt / rung.limit,
         steps=trial.steps,
         evaluations=trial.evaluations,
         seconds=median(t.seconds for t in trials),
-        errors=errors(trial),
-        failure=None if failed is None else str(failed),
+        errors=errors,
+        failure=failure,
         failed_at=None if failed is None else failed.time,
+        tolerance=rung.tolerance,
+        rejected=trial.rejected,
+        density=rung.density,
     )
-
-
-def _told(point: Point) -> str:
-    result = f"stopped at {point.failed_at:.3g} s" if point.failure else f"{next(iter(point.errors.values())):.2e}"
-    return f"dt = {point.dt:.3g} s ({point.share:.2f} of its limit), {point.evaluations} evaluations, error {result}"

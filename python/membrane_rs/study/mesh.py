@@ -1,84 +1,221 @@
 """Does a sail's deployment approach a limit as its mesh gets finer?
 
-The paper's critical strain, alpha pi^2 h^2/(12 L^2), and its crease stiffness, beta E J L/H, take their lengths
-from the mesh: finer, the same alpha and beta are another membrane. Here one scene runs at several densities of its
-mesh, in that form and with one physical length in place of both, and the curves are laid side by side.
+One scene runs at several densities of its mesh, in the paper's form and with physical lengths (see `lengths`), from the
+true start and from starts that are a little off. Finished runs are kept as files, so that a study that was
+interrupted goes on where it was. What the runs say together is in `convergence`.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from io import StringIO
-from itertools import pairwise
+import hashlib
+import json
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 
-from membrane_rs._files import output_errors, write_text
+from membrane_rs._files import output_errors, replacing
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.folding import SquareSail
-from membrane_rs.laws import Creases, Law, Springs, Triangles
 from membrane_rs.observe import Corners, Floats
-from membrane_rs.output.mesh_plot import plot_meshes
-from membrane_rs.output.report import curve_features
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import Simulation
+from membrane_rs.study.lengths import FORMS, Lengths
+from membrane_rs.study.trial import SHIFT, course
+from membrane_rs.study.workers import Tell, together
 
-FORMS = ("paper", "physical")
-"""Lengths from the mesh, or one physical length for the buckling and the creases."""
-LENGTH = 0.011
-"""The physical length at which both forms agree on the paper's mesh: the height of its cells [m]."""
+INTEGRATOR, SHARE = "leapfrog", 0.8
+"""The method of all runs, and its step as a share of the stability limit."""
 SAMPLE_INTERVAL = 1e-3
 """Time between two points of a curve [s]."""
+ENERGY_LOSS = 0.2
+"""Share of the energy turned over that a run may lose: near its limit leapfrog is off by some percent."""
 COLUMNS = ("time", "deployment_rate", "phase_difference_deg")
-_SHOWN = (
-    ("first peak of the rate", "first_peak_rate", ".3f"),
-    ("at [s]", "first_peak_time", ".3f"),
-    ("trough of the phase [deg]", "phase_trough_deg", ".1f"),
-    ("at [s]", "phase_trough_time", ".3f"),
-    ("phase back at zero [s]", "zero_crossing_time", ".3f"),
-    ("rate there", "zero_crossing_rate", ".3f"),
-)
 
 
 @dataclass(frozen=True)
 class MeshRun:
-    """One run of the study: its curves, and what they say."""
+    """One run of the study: its curves, and how it went."""
 
     form: str
     rows: int
     """Rows of cells from the inner to the outer edge."""
     cell: float
     """Height of a cell [m]."""
+    member: int
+    """0: from the true start; else from a shifted one."""
     node_count: int
     dt: float
     """Step [s]."""
-    table: Mapping[str, Floats]
-    """(samples,) "time" [s], "deployment_rate", "phase_difference_deg"."""
     energy_error: float
     """Share of the energy turned over that is missing (below zero) or from nowhere at the end."""
+    seconds: float
+    """Processor time of the stepping [s]."""
     stopped: str | None
     """The error that ended the run before its time."""
+    table: Mapping[str, Floats]
+    """(samples,) "time" [s], "deployment_rate", "phase_difference_deg"."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run to be made."""
+
+    form: str
+    lengths: Lengths
+    rows: int
+    member: int = 0
+    until: float | None = None
 
     @property
-    def features(self) -> dict[str, float | None]:
-        """Peak, trough and zero of the curves, None where the run has not come that far."""
-        return curve_features(self.table)
+    def name(self) -> str:
+        """For files and words."""
+        return f"{self.form}-{self.rows}-{self.member}"
+
+
+def jobs_of(
+    rows: Sequence[int],
+    forms: Sequence[str] | Mapping[str, Lengths] = tuple(FORMS),
+    members: int | Mapping[int, int] = 1,
+    until: float | Mapping[int, float] | None = None,
+) -> list[Job]:
+    """Every form on every mesh, from each start; the long runs first.
+
+    Parameters
+    ----------
+    rows : sequence of int
+        Rows of cells from the inner to the outer edge.
+    forms : sequence of str, or mapping
+        Names out of `FORMS`, or names and lengths.
+    members : int, or mapping
+        Starts, the true one among them, of all meshes or by their rows (1 where it has none).
+    until : float or mapping, optional
+        Time at the end [s], of all meshes or by their rows. Default: the scene's.
+
+    Raises
+    ------
+    InputError
+        A form that is not there, less than one start.
+    """
+    if not isinstance(forms, Mapping):
+        unknown = next((form for form in forms if form not in FORMS), None)
+        if unknown is not None:
+            raise InputError(f"form = {show(unknown)}: must be one of {', '.join(FORMS)}")
+        forms = {form: FORMS[form] for form in forms}
+    jobs = []
+    for count in sorted(set(rows), reverse=True):
+        starts = members.get(count, 1) if isinstance(members, Mapping) else members
+        end = until.get(count) if isinstance(until, Mapping) else until
+        if starts < 1:
+            raise InputError(f"members = {starts}: must be 1 or above")
+        jobs += [Job(form, lengths, count, member, end) for form, lengths in forms.items() for member in range(starts)]
+    return jobs
+
+
+def mesh_study(
+    scene: Scene, jobs: Sequence[Job], folder: str | Path, *, workers: int | None = None, tell: Tell | None = None
+) -> list[MeshRun]:
+    """Make all runs, several at once; those whose files are in the folder already are read.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its mesh must be of the pattern "square-sail".
+    jobs : sequence of Job
+        What to run; the long ones first.
+    folder : path
+        Where the runs are kept. A file counts where the scene, its lengths and the way it was run are the same to
+        the last digit; remove the folder to make all anew.
+    workers : int, optional
+        Runs at once. Default: one on each core.
+    tell : callable, optional
+        Told in words whenever a run is done.
+
+    Returns
+    -------
+    list of MeshRun
+        By form in the order of the jobs, then from coarse to fine, then by member.
+
+    Raises
+    ------
+    InputError
+        A mesh of another pattern, rows that do not fit the strips.
+    OutputError
+        The folder cannot be written.
+    """
+    sail = _sail(scene)
+    for job in jobs:
+        replace(sail, rows=job.rows)  # what does not fit is refused before anything runs
+    folder = Path(folder)
+    with output_errors(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    stop = Event()
+    runs = together(
+        [lambda job=job: _kept(scene, sail, job, folder, stop) for job in jobs],  # type: ignore[misc]
+        [f"{scene.name} {job.name}" for job in jobs],
+        stop,
+        workers=workers,
+        tell=tell,
+        outcome=lambda run: run.stopped or f"{run.seconds:.0f} s of stepping",
+    )
+    order = list(dict.fromkeys(job.form for job in jobs))
+    return sorted(runs, key=lambda run: (order.index(run.form), run.rows, run.member))
+
+
+def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
+    """Those of the jobs whose runs are in the folder already. Raises InputError as `mesh_study` does."""
+    sail = _sail(scene)
+    return [job for job in jobs if _place(scene, sail, job, Path(folder))[1].is_file()]
+
+
+def _sail(scene: Scene) -> SquareSail:
+    sail = scene.mesh.source if scene.mesh is not None else None
+    if not isinstance(sail, SquareSail):
+        raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
+    return sail
+
+
+def _place(scene: Scene, sail: SquareSail, job: Job, folder: Path) -> tuple[Scene, Path]:
+    """What to run for a job, and the file of the run."""
+    end = scene.run.until if job.until is None else job.until
+    samples = max(2, round(end / SAMPLE_INTERVAL) + 1)
+    settings = replace(
+        scene.run, until=end, samples=samples, frames=2, snapshots=(), dt=None, integrator=INTEGRATOR,
+        energy_loss=ENERGY_LOSS,
+    )  # fmt: skip
+    finer = job.lengths.of(replace(scene, mesh=replace(sail, rows=job.rows).mesh(), run=settings))
+    mark = hashlib.sha256(f"{finer.to_toml()}\n{SHARE} {SHIFT} {job.member}".encode()).hexdigest()[:12]
+    return finer, folder / f"{scene.name}-{job.name}-{mark}.npz"
+
+
+def _kept(scene: Scene, sail: SquareSail, job: Job, folder: Path, stop: Event) -> MeshRun:
+    """The run out of its file, or made and put there."""
+    finer, path = _place(scene, sail, job, folder)
+    if path.is_file():
+        return _read(path)
+    run = _run(job, sail, finer, stop)
+    if not stop.is_set():
+        _write(path, run)
+    return run
 
 
 class _Curves:
-    """Keeps the curves of one run."""
+    """Keeps the curves of one run; ends it where it is asked to."""
 
-    def __init__(self) -> None:
+    def __init__(self, stop: Event) -> None:
         self.rows: list[tuple[float, float, float]] = []
+        self._stop = stop
 
     def start(self, sim: Simulation) -> None:
         self._corners = Corners(sim.assembly)
 
     def sample(self, sim: Simulation) -> None:
+        if self._stop.is_set():
+            raise KeyboardInterrupt
         x = sim.positions
         self.rows.append((sim.time, self._corners.deployment_rate(x), self._corners.phase_difference(x)))
 
@@ -93,139 +230,47 @@ class _Curves:
         return {name: values[:, k] for k, name in enumerate(COLUMNS)}
 
 
-def mesh_study(
-    scene: Scene,
-    rows: Sequence[int],
-    until: float | None = None,
-    forms: Sequence[str] = FORMS,
-    length: float = LENGTH,
-) -> Iterator[MeshRun]:
-    """Run a sail at several mesh densities, in each form; give each run as it ends.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its mesh must be of the pattern "square-sail".
-    rows : sequence of int
-        Rows of cells from the inner to the outer edge; each a multiple of the number of strips.
-    until : float, optional
-        Simulated time of each run [s]. Default: the scene's.
-    forms : sequence of str
-        Of "paper" and "physical".
-    length : float
-        The physical form's length for buckling and creases [m].
-
-    Raises
-    ------
-    InputError
-        A mesh of another pattern, a form that is not there, rows that do not fit the strips.
-    """
-    sail = scene.mesh.source if scene.mesh is not None else None
-    if not isinstance(sail, SquareSail):
-        raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
-    unknown = next((form for form in forms if form not in FORMS), None)
-    if unknown is not None:
-        raise InputError(f"form = {show(unknown)}: must be one of {', '.join(FORMS)}")
-    sails = [replace(sail, rows=count) for count in sorted(rows)]
-    end = scene.run.until if until is None else until
-    samples = max(2, round(end / SAMPLE_INTERVAL) + 1)
-    run = replace(scene.run, until=end, samples=samples, frames=2, snapshots=(), dt=None)
-    for form in forms:
-        laws = _with_lengths(scene.laws, length if form == "physical" else None)
-        for finer in sails:
-            yield _run(form, finer, replace(scene, mesh=finer.mesh(), laws=laws, run=run))
-
-
-def _with_lengths(laws: Sequence[Law], length: float | None) -> list[Law]:
-    """The laws with the lengths of buckling and creases set, or left to the mesh."""
-    changed: list[Law] = []
-    for law in laws:
-        if isinstance(law, Springs | Triangles):
-            changed.append(replace(law, buckling_length=length))
-        elif isinstance(law, Creases):
-            changed.append(replace(law, length_scale=length))
-        else:
-            changed.append(law)
-    return changed
-
-
-def _run(form: str, sail: SquareSail, scene: Scene) -> MeshRun:
-    curves, stopped = _Curves(), None
-    sim = Simulation(scene)
+def _run(job: Job, sail: SquareSail, scene: Scene, stop: Event) -> MeshRun:
+    where = course(scene, None, 1)
+    if job.member:
+        where = where.shifted(job.member - 1)
+    limit = Simulation(where.scene).stable_dt()
+    steps = int(np.ceil(where.until / (SHARE * limit)))
+    sim = Simulation(where.scene, dt=where.until / steps)
+    sim.positions = where.start
+    curves, stopped, began = _Curves(stop), None, time.thread_time()
     try:
         sim.run(observers=[curves])
     except UnstableError as error:
         stopped = str(error)
+    finer = replace(sail, rows=job.rows)
     return MeshRun(
-        form,
-        sail.strips * sail.rows_per_strip,
-        sail.strip_height / sail.rows_per_strip,
-        sim.node_count,
-        sim.dt,
-        curves.table(),
-        sim.ledger()["error"],
-        stopped,
+        form=job.form,
+        rows=job.rows,
+        cell=finer.strip_height / finer.rows_per_strip,
+        member=job.member,
+        node_count=sim.node_count,
+        dt=sim.dt,
+        energy_error=sim.ledger()["error"],
+        seconds=time.thread_time() - began,
+        stopped=stopped,
+        table=curves.table(),
     )
 
 
-def distances(coarse: MeshRun, fine: MeshRun) -> tuple[float, float]:
-    """Root mean square distance of two runs' curves over the time that both cover: rate, and phase [deg]."""
-    end = min(coarse.table["time"][-1], fine.table["time"][-1])
-    times = np.linspace(0.0, end, 2001)
-    found = []
-    for column in COLUMNS[1:]:
-        a, b = (np.interp(times, run.table["time"], run.table[column]) for run in (coarse, fine))
-        found.append(float(np.sqrt(np.mean((a - b) ** 2))))
-    return found[0], found[1]
+def _write(path: Path, run: MeshRun) -> None:
+    facts = {name: value for name, value in asdict(run).items() if name != "table"}
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez_compressed(
+            file,
+            facts=np.array(json.dumps(facts)),
+            time=run.table["time"],
+            deployment_rate=run.table["deployment_rate"],
+            phase_difference_deg=run.table["phase_difference_deg"],
+        )
 
 
-def report(runs: Sequence[MeshRun]) -> str:
-    """Two tables in Markdown: what the curves show, and how far each is from that of the next coarser mesh."""
-    names = ["form", "cells [mm]", "nodes", "step [us]", *(name for name, _, _ in _SHOWN), "energy error [%]"]
-    body = []
-    for run in runs:
-        values = [run.features[key] for _, key, _ in _SHOWN]
-        cells = ["-" if v is None else f"{v:{form}}" for v, (_, _, form) in zip(values, _SHOWN, strict=True)]
-        energy = f"{100 * run.energy_error:+.3f}" if run.stopped is None else f"stopped: {run.stopped}"
-        head = [run.form, f"{1e3 * run.cell:.4g}", f"{run.node_count:,}", f"{1e6 * run.dt:.3g}"]
-        body.append([*head, *cells, energy])
-    pairs = [(a, b) for a, b in pairwise(runs) if a.form == b.form]
-    steps = []
-    for a, b in pairs:
-        rate, phase = distances(a, b)
-        end = min(a.table["time"][-1], b.table["time"][-1])
-        meshes = f"{1e3 * a.cell:.4g} to {1e3 * b.cell:.4g}"
-        steps.append([a.form, meshes, f"{end:.3g}", f"{rate:.4f}", f"{phase:.2f}"])
-    text = _markdown(names, body)
-    if steps:
-        head = ["form", "cells [mm]", "until [s]", "distance of the rates", "of the phases [deg]"]
-        text += "\n" + _markdown(head, steps)
-    return text
-
-
-def write_mesh_study(runs: Sequence[MeshRun], folder: str | Path) -> None:
-    """Write mesh-study.md (tables), mesh-study.png (curves) and mesh-study.csv (the points) into a folder.
-
-    Raises OutputError where it cannot be written.
-    """
-    folder = Path(folder)
-    with output_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "mesh-study.md", report(runs))
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["form", "rows", *COLUMNS])
-    for run in runs:
-        columns = (run.table[name].tolist() for name in COLUMNS)
-        writer.writerows([run.form, run.rows, *point] for point in zip(*columns, strict=True))
-    write_text(folder / "mesh-study.csv", text.getvalue())
-    forms = dict.fromkeys(run.form for run in runs)
-    plot_meshes(
-        {form: [(f"{1e3 * run.cell:.3g} mm", run.table) for run in runs if run.form == form] for form in forms},
-        folder / "mesh-study.png",
-    )
-
-
-def _markdown(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *body]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+def _read(path: Path) -> MeshRun:
+    with np.load(path) as data:
+        facts = json.loads(str(data["facts"]))
+        return MeshRun(**facts, table={name: data[name] for name in COLUMNS})

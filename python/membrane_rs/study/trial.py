@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from threading import Event
 
 import numpy as np
 
 from membrane_rs.errors import InputError, UnstableError
-from membrane_rs.observe import Corners, Floats
+from membrane_rs.observe import Corners, Floats, peak_stress
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import Simulation
+from membrane_rs.study.workers import Tell, together
 
 SHIFT = 1e-12
 """By how much the starts of an ensemble differ: the standard deviation of each coordinate [m]."""
+LEAST_READ = 0.02
+"""Share of a run after which its cost is judged."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,15 @@ class Course:
         Time at the end [s].
     instants : int
         Readings, evenly spaced, the start not counted; each step divides the time between two.
+    settle : float
+        For how long the start was settled [s]; a scene of another mesh is settled for as long.
     """
 
     scene: Scene
     start: Floats
     until: float
     instants: int
+    settle: float = 0.0
 
     @property
     def interval(self) -> float:
@@ -51,11 +54,23 @@ class Course:
         return self.interval / max(1, round(self.interval / dt))
 
     def of(self, scene: Scene) -> Course:
-        """The same course for another scene of the same mesh; cords of other segments take their own start."""
+        """The same course for another scene: with the same mesh from the same start, with another from its own.
+
+        Cords of other segments take their own start.
+        """
+        if scene.mesh is not self.scene.mesh:
+            return course(replace(scene, run=replace(scene.run, settle=self.settle)), self.until, self.instants)
         start = scene.assemble().positions.copy()
         same = len(start) if start.shape == self.start.shape else 0 if scene.mesh is None else len(scene.mesh.reference)
         start[:same] = self.start[:same]
         return replace(self, scene=_plain(scene), start=start)
+
+    def shortened(self, until: float | None) -> Course:
+        """The same course to the last reading that is not after `until` [s], and at least to the first."""
+        if until is None or until >= self.until:
+            return self
+        count = max(1, int(until / self.interval * (1.0 + 1e-9)))
+        return replace(self, until=count * self.interval, instants=count)
 
     def shifted(self, seed: int) -> Course:
         """The same course from a start in which every node that is free is shifted at random by `SHIFT`."""
@@ -73,18 +88,20 @@ class Trial:
     integrator : str
         The method.
     dt : float
-        Step [s].
-    times, rate, phase, strain : (k,) float64
-        At the instants that the run came to: time [s], deployment rate, phase difference [deg], and the
-        largest strain of any spring.
+        Step [s]; the mean one where steps were chosen by their error.
+    times, rate, phase, strain, stress : (k,) float64
+        At the instants that the run came to: time [s], deployment rate, phase difference [deg], the largest strain
+        of any spring, and the largest stress in the film [Pa] (NaN without film).
     shapes : (k, N, 3) float64
         Positions [m] at the same instants; (0, N, 3) where they were not wanted.
-    steps, evaluations : int
-        Steps, and evaluations of the forces.
+    steps, rejected, evaluations : int
+        Steps, tries in vain, and evaluations of the forces, those of tries in vain among them.
     seconds : float
-        Wall time of the stepping [s].
+        Processor time of the stepping [s].
     failure : UnstableError or None
         Why it stopped before its end.
+    expected : float or None
+        Where it was given up because of its cost: the processor time that it would have taken [s], about.
     """
 
     integrator: str
@@ -93,11 +110,20 @@ class Trial:
     rate: Floats
     phase: Floats
     strain: Floats
+    stress: Floats
     shapes: Floats
     steps: int
+    rejected: int
     evaluations: int
     seconds: float
     failure: UnstableError | None = None
+    expected: float | None = None
+
+    def whole(self) -> Trial:
+        """The trial itself, where it came to its end. Raises UnstableError where it did not."""
+        if self.failure is not None:
+            raise self.failure
+        return self
 
 
 def course(scene: Scene, until: float | None, instants: int) -> Course:
@@ -116,73 +142,90 @@ def course(scene: Scene, until: float | None, instants: int) -> Course:
     sim = Simulation(scene)
     if scene.run.settle > 0:
         sim.settle()
-    return Course(_plain(scene), sim.positions, end, instants)
+    return Course(_plain(scene), sim.positions, end, instants, scene.run.settle)
 
 
-def run(where: Course, integrator: str, dt: float, *, shapes: bool = False, stop: Event | None = None) -> Trial:
-    """Run a course by one method with the step nearest to `dt` that meets the instants.
+def run(
+    where: Course,
+    integrator: str,
+    dt: float | None,
+    *,
+    tolerance: float | None = None,
+    shapes: bool = False,
+    budget: float | None = None,
+    stop: Event | None = None,
+) -> Trial:
+    """Run a course by one method: with the step nearest to `dt` that meets the instants, or by a tolerance.
 
-    A run that the watch stops is a result, not an error: what was read before stays. `stop`, once set, ends
-    the run at its next instant.
+    A run that the watch stops is a result, not an error: what was read before stays. So is one that would take
+    more processor time than `budget` [s]. `stop`, once set, ends the run at its next instant.
     """
-    sim = Simulation(where.scene, integrator, where.step_near(dt))
+    scene, step = where.scene, None if dt is None else where.step_near(dt)
+    if tolerance is not None:
+        scene = replace(scene, run=replace(scene.run, tolerance=tolerance, dt=None))
+    sim = Simulation(scene, integrator, step)
     sim.positions = where.start
     corners = Corners(sim.assembly)
-    rows: list[tuple[float, float, float, float]] = []
+    rows: list[tuple[float, ...]] = []
     kept: list[Floats] = []
-    seconds, failure = 0.0, None
+    seconds, failure, expected = 0.0, None, None
     for k in range(1, where.instants + 1):
         if stop is not None and stop.is_set():
             break
-        began = time.perf_counter()
+        began = time.thread_time()
         try:
             sim.run(until=k * where.interval, frames=2, samples=2)
         except UnstableError as error:
             failure = error
-        seconds += time.perf_counter() - began
+        seconds += time.thread_time() - began
         if failure is not None:
             break
         positions, strains = sim.positions, sim.spring_strains()
-        peak = float(strains.max()) if len(strains) else 0.0
-        rows.append((sim.time, corners.deployment_rate(positions), corners.phase_difference(positions), peak))
+        rate, phase = corners.deployment_rate(positions), corners.phase_difference(positions)
+        rows.append((sim.time, rate, phase, float(strains.max()) if len(strains) else 0.0, peak_stress(sim)))
         if shapes:
             kept.append(positions)
-    times, rate, phase, strain = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+        if budget is not None and k >= LEAST_READ * where.instants and seconds / k * where.instants > budget:
+            expected = seconds / k * where.instants
+            break
+    times, rates, phases, strain, stress = np.array(rows, dtype=np.float64).reshape(-1, 5).T
     return Trial(
         integrator=sim.integrator,
-        dt=sim.dt,
+        dt=sim.dt if step is not None else sim.time / max(sim.step_count, 1),
         times=times,
-        rate=rate,
-        phase=phase,
+        rate=rates,
+        phase=phases,
         strain=strain,
+        stress=stress,
         shapes=np.array(kept, dtype=np.float64).reshape(-1, sim.node_count, 3),
         steps=sim.step_count,
+        rejected=sim.rejected_count,
         evaluations=sim.evaluation_count,
         seconds=seconds,
         failure=failure,
+        expected=expected,
     )
 
 
-def together(jobs: Sequence[Callable[[Event], Trial]]) -> list[Trial]:
-    """Run jobs at once, one on each core; the core lets go of the interpreter while it steps.
-
-    Each gets the event that ends it where the user interrupts.
-    """
-    stop = Event()
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        waiting = [pool.submit(job, stop) for job in jobs]
-        try:
-            return [future.result() for future in waiting]
-        except BaseException:
-            stop.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-
-
-def ensemble(where: Course, integrator: str, dt: float, count: int, *, shapes: bool = False) -> list[Trial]:
+def ensemble(
+    where: Course,
+    integrator: str,
+    dt: float,
+    count: int,
+    *,
+    shapes: bool = False,
+    jobs: int | None = None,
+    tell: Tell | None = None,
+) -> list[Trial]:
     """The run from the true start, then `count` from shifted ones, with the seeds 0, 1, 2 ..."""
     courses = [where, *(where.shifted(seed) for seed in range(count))]
-    return together([lambda stop, c=c: run(c, integrator, dt, shapes=shapes, stop=stop) for c in courses])  # type: ignore[misc]
+    names = ["from the true start", *(f"from a shifted start, seed {seed}" for seed in range(count))]
+
+    def of(one: Course) -> Trial:
+        return run(one, integrator, dt, shapes=shapes, stop=stop)
+
+    stop = Event()
+    return together([lambda one=one: of(one) for one in courses], names, stop, workers=jobs, tell=tell)  # type: ignore[misc]
 
 
 def _plain(scene: Scene) -> Scene:

@@ -1,7 +1,8 @@
-"""A scene with something left out: each law, each part, and cords of fewer segments."""
+"""A scene with something left out: each law, each part, cords of fewer segments, a mesh of fewer lines."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -9,6 +10,7 @@ from membrane_rs.errors import InputError
 from membrane_rs.parts import Part, Tether, Tethers
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import Simulation
+from membrane_rs.study.density import denser
 
 COARSER = 4
 """By how much the segments of a cord are fewer, where that is tried."""
@@ -23,13 +25,15 @@ class Variant:
     name : str
         What was left out, or put in its place.
     place : (str, int)
-        Where it stands in the scene: "laws" or "parts", and its index.
+        Where it stands in the scene: "laws", "parts" or "mesh", and its index.
     scene : Scene or None
         None where it cannot be left out.
     reason : str
         Then why.
     other : Part or None
         What stands in its place.
+    density : float
+        Of its mesh, over that of the scene.
     """
 
     name: str
@@ -37,10 +41,13 @@ class Variant:
     scene: Scene | None = None
     reason: str = ""
     other: Part | None = None
+    density: float = 1.0
 
 
 def variants(scene: Scene) -> list[Variant]:
-    """Every law left out, every part, and every cord with a quarter of its segments, in the order of the scene."""
+    """Every law left out, every part, and every cord with a quarter of its segments, in the order of the scene; then
+    the mesh at half and at twice its density.
+    """
     found = [Variant(f"law {law.kind}", ("laws", k)) for k, law in enumerate(scene.laws)]
     kinds = [part.kind for part in scene.parts]
     for k, part in enumerate(scene.parts):
@@ -50,6 +57,9 @@ def variants(scene: Scene) -> list[Variant]:
             segments = max(1, part.segments // COARSER)
             name = f"all but {segments} of {part.segments} segments in part {part.kind}{number}"
             found.append(Variant(name, ("parts", k), other=replace(part, segments=segments)))
+    if scene.mesh is not None:
+        found.append(Variant("every other line of the mesh", ("mesh", 0), density=0.5))
+        found.append(Variant("nothing, and the mesh twice as dense", ("mesh", 0), density=2.0))
     return [_built(scene, variant) for variant in found]
 
 
@@ -60,11 +70,14 @@ def without(scene: Scene, chosen: Sequence[Variant]) -> Scene:
     ------
     SceneError
         They hold each other: what is left is no scene.
+    InputError
+        A density that its mesh cannot have.
     """
-    gone = {variant.place: variant.other for variant in chosen}
+    gone = {variant.place: variant.other for variant in chosen if variant.density == 1.0}
     laws = [law for k, law in enumerate(scene.laws) if ("laws", k) not in gone]
     parts = [gone.get(("parts", k), part) for k, part in enumerate(scene.parts)]
-    return replace(scene, laws=laws, parts=[part for part in parts if part is not None])
+    left = replace(scene, laws=laws, parts=[part for part in parts if part is not None])
+    return denser(left, math.prod(variant.density for variant in chosen))
 
 
 def _built(scene: Scene, variant: Variant) -> Variant:

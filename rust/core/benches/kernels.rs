@@ -106,9 +106,10 @@ fn laws() -> Vec<LawSpec> {
             buckling: 100.0,
             buckling_on_creases: 1000.0,
             buckling_length: None,
+            crease_length: None,
             strain_limit: 1.0,
         }),
-        LawSpec::SpringDamping(0.02),
+        LawSpec::SpringDamping(0.02.into()),
         LawSpec::Creases(CreaseParameters {
             stiffness: 10.0,
             contact_penalty: 100.0,

@@ -166,6 +166,11 @@ impl Assembly {
         let (masses, inverse_masses) = (layout.gather(&masses), layout.gather(&inverse));
         Ok(Self { model, mesh, edge_stiffness, hinges, layout, masses, inverse_masses, width })
     }
+
+    /// Mass of a square of film of side `length` \[kg\].
+    pub fn square_of_film(&self, length: Option<f64>) -> Option<f64> {
+        length.zip(self.model.film).map(|(length, film)| film.density * film.thickness * length * length)
+    }
 }
 
 impl Film {

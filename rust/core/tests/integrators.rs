@@ -124,7 +124,7 @@ fn rk4_loses_amplitude_as_predicted() {
 fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
     for (name, allowed) in [("rk4", 1e-6), ("leapfrog", 1e-3), ("dopri5", 1e-6)] {
         for ratio in [0.02, 0.5, 2.0] {
-            let laws = [LawSpec::SpringDamping(ratio)];
+            let laws = [LawSpec::SpringDamping(ratio.into())];
             let new = |offset, dt| {
                 // Hardly stretched: across the cords, where no dashpot acts, tension would limit dopri5 first.
                 let mut model = oscillator(offset);
@@ -153,7 +153,8 @@ fn everything() -> (Model, Vec<LawSpec>) {
     let mut model = chain(3, 7.0, 1.0, 0.0);
     model.velocities = common::Dice(7).vectors(5, 0.5);
     let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
-    let laws = vec![LawSpec::SpringDamping(0.5), spin, LawSpec::MassDamping(0.4), LawSpec::Gravity([0.3, -0.2, 0.4])];
+    let laws =
+        vec![LawSpec::SpringDamping(0.5.into()), spin, LawSpec::MassDamping(0.4), LawSpec::Gravity([0.3, -0.2, 0.4])];
     (model, laws)
 }
 
@@ -229,7 +230,7 @@ fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
     for name in integrators::names() {
         let new = || {
             let spin = LawSpec::Spin(Spin { rate: 0.05, acceleration: 0.001 });
-            let laws = [LawSpec::SpringDamping(0.02), spin];
+            let laws = [LawSpec::SpringDamping(0.02.into()), spin];
             Simulation::new(chain(30, 7.0, 0.3, 0.3), &laws, name, Some(0.005), Settings::default()).unwrap()
         };
         let (mut whole, mut first, mut second) = (new(), new(), new());
@@ -337,7 +338,12 @@ fn what_cannot_be_stepped_is_refused() {
     adaptive(loose, &[], 1e-6).reach(1.0, u64::MAX).unwrap();
     let massless = Model { extra_masses: vec![1.0, 0.0, 1.0], ..oscillator(0.0) };
     assert!(refuse(massless, &[], "rk4", None).contains("node 1"));
-    let bad =
-        SpringParameters { buckling: f64::NAN, buckling_on_creases: 1.0, buckling_length: None, strain_limit: 0.1 };
+    let bad = SpringParameters {
+        buckling: f64::NAN,
+        buckling_on_creases: 1.0,
+        buckling_length: None,
+        crease_length: None,
+        strain_limit: 0.1,
+    };
     assert!(refuse(oscillator(0.0), &[LawSpec::Springs(bad)], "rk4", None).contains("buckling"));
 }

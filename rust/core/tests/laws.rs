@@ -158,7 +158,7 @@ fn stiffness_and_damping_products_are_the_slopes_of_the_forces() {
     let model = sheet(4, 3, 0.01);
     let way = Dice(11).vectors(model.positions.len(), 1.0);
     for (name, film) in films() {
-        let laws = [film, LawSpec::SpringDamping(0.02)];
+        let laws = [film, LawSpec::SpringDamping(0.02.into())];
         let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
         let built = forces::build(&laws, &assembly).unwrap();
         // Stretched a little, so that nothing buckles within the step of the difference.

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use membrane_core::Error;
 use membrane_core::forces::{
-    AirDragParameters, AirMotion, CreaseParameters, LawSpec, Readings, Spin, SpoolContactParameters, SpringParameters,
-    TriangleParameters,
+    AirDragParameters, AirMotion, CreaseParameters, DampingParameters, LawSpec, Readings, Spin, SpoolContactParameters,
+    SpringParameters, TriangleParameters,
 };
 use membrane_core::integrators::{Controller, Effort, Tolerance, by_name, names};
 use membrane_core::ledger::{Accounts, Ledger};
@@ -66,6 +66,7 @@ fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
             buckling: get(p, kind, "buckling")?,
             buckling_on_creases: get(p, kind, "buckling_on_creases")?,
             buckling_length: get(p, kind, "buckling_length")?,
+            crease_length: get(p, kind, "crease_length")?,
             strain_limit: get(p, kind, "strain_limit")?,
         }),
         "triangles" => LawSpec::Triangles(TriangleParameters {
@@ -73,9 +74,12 @@ fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
             buckling: get(p, kind, "buckling")?,
             buckling_on_creases: get(p, kind, "buckling_on_creases")?,
             buckling_length: get(p, kind, "buckling_length")?,
+            crease_length: get(p, kind, "crease_length")?,
             strain_limit: get(p, kind, "strain_limit")?,
         }),
-        "spring_damping" => LawSpec::SpringDamping(get(p, kind, "ratio")?),
+        "spring_damping" => {
+            LawSpec::SpringDamping(DampingParameters { ratio: get(p, kind, "ratio")?, length: get(p, kind, "length")? })
+        }
         "creases" => LawSpec::Creases(CreaseParameters {
             stiffness: get(p, kind, "stiffness")?,
             contact_penalty: get(p, kind, "contact_penalty")?,

@@ -5,6 +5,15 @@
 //!
 //! The first form belongs to one mesh: halve L, and the critical strain is four times as large. In the second it is the
 //! same on every mesh; on edges of length l0 the two agree.
+//!
+//! A crease has its own alpha_c in place of alpha. But it is a line, and the film beside it is an area: at one critical
+//! strain the force at which an edge buckles, k (L - l_cr), falls with the film that belongs to it, and a crease's own
+//! force vanishes as the mesh gets finer. With a length l_c the crease bears a force of its own beside the film's, the
+//! same on every mesh, for k does not depend on L:
+//!
+//!     L - l_cr = (L - l_cr of the film) + (alpha_c - alpha) pi^2 h^2 / (12 l_c)   [m]
+//!
+//! On creases of length l_c = l0 all forms agree.
 
 use std::f64::consts::PI;
 
@@ -21,6 +30,8 @@ pub(super) struct Buckling {
     pub(super) on_creases: f64,
     /// l0 [m]; `None`: each edge's own length.
     pub(super) length: Option<f64>,
+    /// l_c [m]; `None`: a crease differs from the film in its alpha alone.
+    pub(super) crease_length: Option<f64>,
 }
 
 impl Buckling {
@@ -31,20 +42,31 @@ impl Buckling {
     pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
         non_negative("buckling parameter", self.parameter)?;
         non_negative("buckling parameter on creases", self.on_creases)?;
-        if let Some(length) = self.length {
-            positive("buckling length [m]", length)?;
+        for (what, length) in [("buckling length [m]", self.length), ("crease length [m]", self.crease_length)] {
+            if let Some(length) = length {
+                positive(what, length)?;
+            }
         }
-        let mut alpha = vec![self.parameter; assembly.mesh.edges.len()];
+        let mut is_crease = vec![false; assembly.mesh.edges.len()];
         for hinge in &assembly.hinges {
-            alpha[hinge.edge as usize] = self.on_creases;
+            is_crease[hinge.edge as usize] = true;
         }
         let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
-        let shortenings = assembly.mesh.edges.iter().zip(alpha).map(|(nodes, alpha)| {
+        let unit = PI * PI * thickness * thickness / 12.0;
+        let shortenings = assembly.mesh.edges.iter().zip(is_crease).map(|(nodes, is_crease)| {
             let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
             let span = mesh::sub(b, a);
             let length = mesh::dot(span, span).sqrt();
-            let own = alpha * PI * PI * thickness * thickness / (12.0 * length);
-            (length, self.length.map_or(own, |l0| own * (length / l0) * (length / l0)))
+            let of = |alpha: f64| {
+                let own = alpha * unit / length;
+                self.length.map_or(own, |l0| own * (length / l0) * (length / l0))
+            };
+            let shortening = match self.crease_length {
+                _ if !is_crease => of(self.parameter),
+                None => of(self.on_creases),
+                Some(line) => (of(self.parameter) + (self.on_creases - self.parameter) * unit / line).max(0.0),
+            };
+            (length, shortening)
         });
         Ok(shortenings.collect())
     }

@@ -23,6 +23,7 @@ pub use air_drag::{AirDragParameters, AirMotion};
 pub use creases::CreaseParameters;
 pub use rotating_frame::Spin;
 pub use spool_contact::SpoolContactParameters;
+pub use spring_damping::DampingParameters;
 pub use springs::SpringParameters;
 pub use triangles::TriangleParameters;
 
@@ -123,8 +124,8 @@ pub enum LawSpec {
     Springs(SpringParameters),
     /// In-plane elasticity by triangles that wrinkle, in place of springs.
     Triangles(TriangleParameters),
-    /// Dashpots along all springs, or the same in triangles where there are those; the damping ratio.
-    SpringDamping(f64),
+    /// Dashpots along all springs, or the same in triangles where there are those.
+    SpringDamping(DampingParameters),
     /// Crease stiffness and contact of the wings, eqs. (3) and (4).
     Creases(CreaseParameters),
     /// Drag of the residual air, eq. (5).
@@ -157,8 +158,8 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
         laws.push(match *spec {
             LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly)?),
             LawSpec::Triangles(parameters) => Box::new(triangles::Triangles::new(parameters, assembly)?),
-            LawSpec::SpringDamping(ratio) => {
-                Box::new(spring_damping::SpringDamping::new(ratio, has_triangles, assembly)?)
+            LawSpec::SpringDamping(parameters) => {
+                Box::new(spring_damping::SpringDamping::new(parameters, has_triangles, assembly)?)
             }
             LawSpec::Creases(parameters) => Box::new(creases::Creases::new(parameters, assembly)?),
             LawSpec::AirDrag(parameters) => Box::new(air_drag::AirDrag::new(parameters, spin, assembly)?),

@@ -1,10 +1,16 @@
 //! Structural damping: a dashpot along each spring, tethers included.
 //!
-//!     c = 2 zeta sqrt(k m),  m = (m_i + m_j)/2   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
+//!     c = 2 zeta sqrt(k m)   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
 //!
-//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing. A film of triangles in
-//! place of springs is damped by its rate of strain instead (see `triangle_damping`).
-//! Source: Okuizumi et al. (2012), section 3.4.
+//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing. The mass m is
+//!
+//!     m = (m_i + m_j)/2     that of the spring's two nodes: the paper's form
+//!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
+//!
+//! In the first form c falls with L as the mesh gets finer, and a film loses less and less by the same rate of strain. In
+//! the second c is the same on every mesh, and so is what the film loses: it is a film of one viscosity. Where
+//! each node has the mass of that square the two agree. A film of triangles in place of springs is damped by its rate of strain instead
+//! (see `triangle_damping`). Source: Okuizumi et al. (2012), section 3.4; the length is ours.
 
 mod tangent;
 
@@ -14,10 +20,26 @@ use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
 use crate::lanes::{Lanes, dot, negate, scale, sub};
 use crate::layout::{BATCH, Elements};
-use crate::model::{Assembly, non_negative};
+use crate::model::{Assembly, non_negative, positive};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{Sweep, Width};
+
+/// Parameters of the dashpots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampingParameters {
+    /// zeta, the damping ratio.
+    pub ratio: f64,
+    /// l0, side of the square of film whose mass stands in place of the nodes' \[m\]; `None`: the nodes'.
+    pub length: Option<f64>,
+}
+
+impl From<f64> for DampingParameters {
+    /// The paper's form, by its ratio.
+    fn from(ratio: f64) -> Self {
+        Self { ratio, length: None }
+    }
+}
 
 /// The law: one dashpot per spring, eight to a group.
 pub(super) struct SpringDamping {
@@ -30,8 +52,12 @@ pub(super) struct SpringDamping {
 }
 
 impl SpringDamping {
-    pub(super) fn new(ratio: f64, has_triangles: bool, assembly: &Assembly) -> Result<Self> {
+    pub(super) fn new(parameters: DampingParameters, has_triangles: bool, assembly: &Assembly) -> Result<Self> {
+        let DampingParameters { ratio, length } = parameters;
         non_negative("damping ratio", ratio)?;
+        if let Some(length) = length {
+            positive("length of the damping [m]", length)?;
+        }
         let edges = if has_triangles { &[] } else { &assembly.mesh.edges[..] };
         let film = edges.iter().copied().zip(assembly.edge_stiffness.iter().copied());
         let springs: Vec<_> =
@@ -41,11 +67,13 @@ impl SpringDamping {
         }
         let pairs = assembly.layout.inward_pairs(springs.iter().map(|(nodes, _)| *nodes));
         let elements = Elements::new(&pairs, assembly.masses.len());
+        let square = assembly.square_of_film(length);
         let coefficient = elements.pack(0.0, |row| {
             let [i, j] = pairs[row].map(|node| assembly.masses[node as usize]);
-            2.0 * ratio * (springs[row].1 * 0.5 * (i + j)).sqrt()
+            let mass = square.filter(|_| row < edges.len()).unwrap_or(0.5 * (i + j));
+            2.0 * ratio * (springs[row].1 * mass).sqrt()
         });
-        let film = if has_triangles { Some(TriangleDamping::new(ratio, assembly)?) } else { None };
+        let film = if has_triangles { Some(TriangleDamping::new(parameters, assembly)?) } else { None };
         Ok(Self { elements, coefficient, film, width: assembly.width })
     }
 

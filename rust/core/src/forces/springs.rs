@@ -38,6 +38,8 @@ pub struct SpringParameters {
     pub buckling_on_creases: f64,
     /// Length in place of each spring's own in eq. (2) \[m\]; `None`: its own.
     pub buckling_length: Option<f64>,
+    /// Length that gives creases a buckling force of their own \[m\]; `None`: a critical strain.
+    pub crease_length: Option<f64>,
     /// Tensile strain at which a run stops.
     pub strain_limit: f64,
 }
@@ -94,9 +96,11 @@ impl Mesh {
 impl Springs {
     /// The springs of the film.
     pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly) -> Result<Self> {
-        let SpringParameters { buckling, buckling_on_creases, buckling_length, strain_limit } = parameters;
+        let SpringParameters { buckling, buckling_on_creases, buckling_length, crease_length, strain_limit } =
+            parameters;
         positive("strain limit of the springs", strain_limit)?;
-        let buckling = Buckling { parameter: buckling, on_creases: buckling_on_creases, length: buckling_length };
+        let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
+        let buckling = Buckling { parameter, on_creases, length, crease_length };
         let shortenings = buckling.shortenings(assembly)?;
         let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(shortenings);
         let springs = springs.map(|((&nodes, &stiffness), (rest_length, shortening))| Spring {

@@ -2,13 +2,15 @@
 //!
 //!     S_v = eta C : dE/dt   [Pa],     eta = 2 zeta sqrt(m / k),   k = 2 E_Y h A0 / L^2   [s]
 //!
-//! with C the film's stiffness, m the mean mass of the three nodes, L^2 the mean square side. It is what the dashpots along
+//! with C the film's stiffness, m the mean mass of the three nodes, or that of a square of film of side l0 (rho h l0^2, which
+//! makes eta the same on every mesh), L^2 the mean square side. It is what the dashpots along
 //! springs are for springs, c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs are the
 //! film, the two have the same forces near rest. There is no dashpot that could turn negative on an obtuse triangle, and
 //! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
 
 mod tangent;
 
+use super::DampingParameters;
 use super::flat_triangles::{Flat, strain_rate};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
@@ -27,15 +29,17 @@ pub(super) struct TriangleDamping {
 }
 
 impl TriangleDamping {
-    pub(super) fn new(ratio: f64, assembly: &Assembly) -> Result<Self> {
+    pub(super) fn new(parameters: DampingParameters, assembly: &Assembly) -> Result<Self> {
         let flat = Flat::new(assembly)?;
+        let square = assembly.square_of_film(parameters.length);
         let modulus = assembly.model.film.map_or(1.0, |film| film.youngs_modulus * film.thickness);
         let mut times = Vec::with_capacity(assembly.mesh.triangles.len());
         for (triangle, &nodes) in assembly.mesh.triangles.iter().enumerate() {
             let squares: f64 = assembly.mesh.side_lengths(triangle).iter().map(|side| side * side).sum::<f64>() / 3.0;
             let stiffness = 2.0 * modulus * assembly.mesh.area(triangle)? / squares;
             let masses = assembly.layout.inward(nodes).map(|node| assembly.masses[node as usize]);
-            times.push(2.0 * ratio * (masses.iter().sum::<f64>() / 3.0 / stiffness).sqrt());
+            let mass = square.unwrap_or(masses.iter().sum::<f64>() / 3.0);
+            times.push(2.0 * parameters.ratio * (mass / stiffness).sqrt());
         }
         Ok(Self { time: flat.elements.pack(0.0, |row| times[row]), flat, width: assembly.width })
     }

@@ -52,6 +52,8 @@ pub struct TriangleParameters {
     pub buckling_on_creases: f64,
     /// Length in place of each side's own in eq. (2) \[m\]; `None`: its own.
     pub buckling_length: Option<f64>,
+    /// Length that gives creases a buckling force of their own \[m\]; `None`: a critical strain.
+    pub crease_length: Option<f64>,
     /// Principal strain, by length, at which a run stops.
     pub strain_limit: f64,
 }
@@ -86,13 +88,19 @@ struct Wrinkles {
 
 impl Triangles {
     pub(super) fn new(parameters: TriangleParameters, assembly: &Assembly) -> Result<Self> {
-        let TriangleParameters { compression, buckling, buckling_on_creases, buckling_length, strain_limit } =
-            parameters;
+        let TriangleParameters {
+            compression,
+            buckling,
+            buckling_on_creases,
+            buckling_length: length,
+            crease_length,
+            strain_limit,
+        } = parameters;
         let inside = (0.0..=1.0).contains(&compression);
         within("compression of the triangles", compression, inside, "it lies between 0 and 1")?;
         positive("strain limit of the triangles", strain_limit)?;
         let of = |on_creases| {
-            let buckling = Buckling { parameter: buckling, on_creases, length: buckling_length };
+            let buckling = Buckling { parameter: buckling, on_creases, length, crease_length };
             let shortenings = buckling.shortenings(assembly)?;
             Ok(shortenings.into_iter().map(|(length, shortening)| shortening / length).collect::<Vec<f64>>())
         };
@@ -294,6 +302,7 @@ mod tests {
             buckling,
             buckling_on_creases: buckling,
             buckling_length: Some(1.0),
+            crease_length: None,
             strain_limit: 0.1,
         };
         Triangles::new(parameters, &assembly).unwrap()

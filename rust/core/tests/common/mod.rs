@@ -78,7 +78,7 @@ pub fn films() -> [(&'static str, LawSpec); 2] {
 pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
     vec![
         film,
-        LawSpec::SpringDamping(0.02),
+        LawSpec::SpringDamping(0.02.into()),
         creases(1.0),
         drag(),
         spin(),
@@ -93,6 +93,7 @@ pub fn springs() -> LawSpec {
         buckling: 100.0,
         buckling_on_creases: 1000.0,
         buckling_length: None,
+        crease_length: None,
         strain_limit: 1e9,
     })
 }
@@ -103,6 +104,7 @@ pub fn triangles() -> LawSpec {
         buckling: 100.0,
         buckling_on_creases: 1000.0,
         buckling_length: None,
+        crease_length: None,
         strain_limit: 1e9,
     })
 }

@@ -1,0 +1,144 @@
+"""The value of a parameter with which a scene's curves come nearest to those of another.
+
+The misfit is the distance of the mean curves over the spread of the target's own starts: at one, the two scenes
+differ no more than two runs of the target do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from membrane_rs.errors import InputError
+from membrane_rs.scene import Scene
+from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
+from membrane_rs.study.lengths import PAPER
+from membrane_rs.study.mesh import jobs_of, mesh_study
+from membrane_rs.study.variation import varied
+from membrane_rs.study.workers import Tell
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One value, and how far its curves are from the target's."""
+
+    value: float
+    density: Density
+    distance: dict[str, float]
+    """Root mean square distance of the mean curves, by column."""
+    misfit: float
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What was tried, and the best of it."""
+
+    parameter: str
+    target: Density
+    spread: dict[str, float]
+    """Standard deviation between the target's starts, by column."""
+    tried: tuple[Tried, ...]
+
+    @property
+    def best(self) -> Tried:
+        """The value of the least misfit."""
+        return min(self.tried, key=lambda tried: tried.misfit)
+
+    def table(self) -> str:
+        """What was tried, in Markdown, by value."""
+        text = f"| {self.parameter} | distance of the rates | of the phases [deg] | misfit |\n"
+        text += "| ---: | ---: | ---: | ---: |\n"
+        for tried in sorted(self.tried, key=lambda tried: tried.value):
+            rate, phase = (tried.distance[c] for c in CURVES)
+            text += f"| {tried.value:.3g} | {rate:.4f} | {phase:.1f} | {tried.misfit:.1f} |\n"
+        rate, phase = (self.spread[c] for c in CURVES)
+        return text + f"| *spread of the target's starts* | {rate:.4f} | {phase:.1f} | 1 |\n"
+
+
+def calibrate(
+    scene: Scene,
+    parameter: str,
+    between: tuple[float, float],
+    target: Scene,
+    folder: str | Path,
+    *,
+    first: Sequence[float] = (),
+    tries: int = 8,
+    starts: int = 2,
+    until: float | None = None,
+    workers: int | None = None,
+    tell: Tell | None = None,
+) -> Calibration:
+    """Find the value by Brent's method on its logarithm, between two bounds.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is calibrated; a square sail.
+    parameter : str
+        A value of it, such as laws.triangles.buckling_on_creases; see `varied`.
+    between : (float, float)
+        Bounds, above 0.
+    target : Scene
+        Whose curves are to be met.
+    folder : path
+        Where runs are kept, see `mesh_study`.
+    first : sequence of float
+        Values tried beside those that the method asks for.
+    tries : int
+        Values that the method may ask for.
+    starts : int
+        Runs for each value, and half of those of the target; 2 or above.
+    until : float, optional
+        Time up to which curves are compared [s]. Default: the target's.
+    workers, tell
+        As in `mesh_study`.
+
+    Raises
+    ------
+    InputError
+        Bounds that are none, too few starts or tries, or what `mesh_study` and `varied` refuse.
+    """
+    from scipy.optimize import minimize_scalar  # takes a while to import
+
+    low, high = between
+    if not 0.0 < low < high < math.inf:
+        raise InputError(f"between = {between}: must be two numbers above 0, the lower one first")
+    if starts < 2 or tries < 1:
+        raise InputError(f"starts = {starts}, tries = {tries}: must be at least 2 and 1")
+    end = target.run.until if until is None else until
+
+    def runs_of(one: Scene, count: int) -> Density:
+        rows = one.mesh.source.rows_per_strip * one.mesh.source.strips  # type: ignore[union-attr]
+        jobs = jobs_of([rows], {"paper": PAPER}, count, end)
+        return densities(mesh_study(one, jobs, folder, workers=workers, tell=tell))["paper"][0]
+
+    aim = runs_of(target, 2 * starts)
+    times = np.linspace(0.0, end, POINTS)
+    spread = {c: aim.spread(c, end) for c in CURVES}
+    tried: dict[float, Tried] = {}
+
+    def misfit(value: float) -> float:
+        value = float(f"{value:.3g}")
+        if value not in tried:
+            found = runs_of(varied(scene, parameter, value), starts)
+            distance = {c: float(np.sqrt(np.mean((found.mean(c, times) - aim.mean(c, times)) ** 2))) for c in CURVES}
+            size = math.sqrt(sum((distance[c] / spread[c]) ** 2 for c in CURVES) / len(CURVES))
+            tried[value] = Tried(value, found, distance, size)
+            if tell is not None:
+                tell(f"{parameter} = {value}: misfit {size:.2f}")
+        return tried[value].misfit
+
+    for value in first:
+        misfit(value)
+    minimize_scalar(
+        lambda power: misfit(10.0**power),
+        bounds=(math.log10(low), math.log10(high)),
+        method="bounded",
+        options={"maxiter": tries, "xatol": 0.05},
+    )
+    return Calibration(parameter, aim, spread, tuple(tried.values()))

@@ -1,0 +1,144 @@
+"""What a mesh study's runs say together: how far the curves of one mesh are from those of the next, and at what rate.
+
+With d(h) the distance of the curves on cells of height h from those on cells of h/r, an error that goes with h^p makes
+d(h)/d(h/r) = r^p. So three meshes give one order p, and with p the limit that a number is on its way to (Richardson).
+Where starts that differ by nothing to speak of make curves that differ, the mean over starts stands for a mesh,
+and a distance counts where it is clear of what is left of that spread.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from membrane_rs.observe import Floats
+from membrane_rs.output.report import curve_features
+from membrane_rs.study.mesh import COLUMNS, MeshRun
+
+POINTS = 2001
+"""Instants at which curves are compared."""
+CURVES = COLUMNS[1:]
+
+
+@dataclass(frozen=True)
+class Density:
+    """All runs of one form on one mesh."""
+
+    form: str
+    rows: int
+    cell: float
+    """Height of a cell [m]."""
+    runs: tuple[MeshRun, ...]
+
+    @property
+    def until(self) -> float:
+        """Time that all runs came to [s]."""
+        return min(float(run.table["time"][-1]) for run in self.runs)
+
+    def mean(self, column: str, times: Floats) -> Floats:
+        """(n,) mean over the starts of a curve at the given times."""
+        return np.asarray(self._curves(column, times).mean(axis=0))
+
+    def spread(self, column: str, until: float) -> float:
+        """Standard deviation over the starts, root mean square over the time; NaN from one start."""
+        if len(self.runs) < 2:
+            return math.nan
+        curves = self._curves(column, np.linspace(0.0, until, POINTS))
+        return float(np.sqrt(np.mean(curves.var(axis=0, ddof=1))))
+
+    def feature(self, key: str) -> tuple[float, float]:
+        """Mean over the starts of what a curve shows, and its standard deviation; NaN where there is none."""
+        found = [run_features(run)[key] for run in self.runs]
+        known = [value for value in found if value is not None]
+        if len(known) < len(found):
+            return math.nan, math.nan
+        return float(np.mean(known)), float(np.std(known, ddof=1)) if len(known) > 1 else math.nan
+
+    def _curves(self, column: str, times: Floats) -> Floats:
+        return np.array([np.interp(times, run.table["time"], run.table[column]) for run in self.runs])
+
+
+@dataclass(frozen=True)
+class Step:
+    """From one mesh to the next finer one, over the time that all meshes of the form cover."""
+
+    coarse: Density
+    fine: Density
+    until: float
+    distance: dict[str, float]
+    """Root mean square distance of the mean curves, by column."""
+    noise: dict[str, float]
+    """What the spread of starts leaves in that distance, by column; NaN where no mesh has two starts."""
+
+    @property
+    def ratio(self) -> float:
+        """By how much the cells are smaller."""
+        return self.coarse.cell / self.fine.cell
+
+
+def run_features(run: MeshRun) -> dict[str, float | None]:
+    """Peak, trough and zero of a run's curves, None where it has not come that far."""
+    return curve_features(run.table)
+
+
+def densities(runs: Sequence[MeshRun]) -> dict[str, list[Density]]:
+    """By form, from coarse to fine."""
+    groups: dict[tuple[str, int], list[MeshRun]] = {}
+    for run in runs:
+        groups.setdefault((run.form, run.rows), []).append(run)
+    found: dict[str, list[Density]] = {}
+    for form, rows in sorted(groups, key=lambda key: key[1]):
+        members = groups[form, rows]
+        found.setdefault(form, []).append(Density(form, rows, members[0].cell, tuple(members)))
+    return {form: found[form] for form in dict.fromkeys(run.form for run in runs)}
+
+
+def steps(meshes: Sequence[Density], until: float | None = None) -> list[Step]:
+    """Mesh to mesh, coarse to fine, over the time that all of them cover, or up to `until` [s]."""
+    end = min([mesh.until for mesh in meshes] + ([until] if until is not None else []))
+    times = np.linspace(0.0, end, POINTS)
+    spreads = {c: [mesh.spread(c, end) for mesh in meshes] for c in CURVES}
+    found = []
+    for k, (a, b) in enumerate(pairwise(meshes)):
+        distance, noise = {}, {}
+        for c in CURVES:
+            distance[c] = float(np.sqrt(np.mean((a.mean(c, times) - b.mean(c, times)) ** 2)))
+            noise[c] = math.hypot(*(_known(spreads[c], k + j) / math.sqrt(len(m.runs)) for j, m in enumerate((a, b))))
+        found.append(Step(a, b, end, distance, noise))
+    return found
+
+
+def _known(spreads: Sequence[float], k: int) -> float:
+    """The spread of a mesh, or of the next coarser one that has several starts."""
+    return next((spread for spread in reversed(spreads[: k + 1]) if math.isfinite(spread)), math.nan)
+
+
+def orders(found: Sequence[Step], column: str) -> list[float]:
+    """p from each three meshes in a row; NaN where the cells do not shrink by one ratio."""
+    return [
+        math.log(a.distance[column] / b.distance[column]) / math.log(a.ratio)
+        if math.isclose(a.ratio, b.ratio, rel_tol=1e-6) and min(a.distance[column], b.distance[column]) > 0.0
+        else math.nan
+        for a, b in pairwise(found)
+    ]
+
+
+def overall_order(found: Sequence[Step], column: str) -> float:
+    """p from all meshes: slope of log distance against log cell by least squares; NaN from less than three."""
+    values = [(step.coarse.cell, step.distance[column]) for step in found if step.distance[column] > 0.0]
+    if len(values) < 2:
+        return math.nan
+    x, y = np.log(np.array(values)).T
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def limit(meshes: Sequence[Density], key: str, order: float) -> float:
+    """What a feature tends to, from the two finest meshes and the order; NaN where that is not above a half."""
+    if len(meshes) < 2 or not order > 0.5:
+        return math.nan
+    coarse, fine = (mesh.feature(key)[0] for mesh in meshes[-2:])
+    return float(fine + (fine - coarse) / ((meshes[-2].cell / meshes[-1].cell) ** order - 1.0))

@@ -1,0 +1,112 @@
+"""Lengths in place of those that the paper's formulas take from the mesh.
+
+Four of the paper's quantities hold a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force at
+which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
+the dashpots (2 zeta sqrt(k m), whose m goes with L^2). On a finer mesh each is another one. With lengths of their own
+they belong to the film.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from membrane_rs.errors import InputError
+from membrane_rs.laws import Creases, Law, SpringDamping, Springs, Triangles
+from membrane_rs.scene import Scene
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """Physical lengths [m]; None: the mesh's own, the paper's form.
+
+    Attributes
+    ----------
+    buckling : float or None
+        In the critical strain of the film: `Springs.buckling_length`.
+    crease : float or None
+        In the force at which a crease buckles: `Springs.crease_length`.
+    wing : float or None
+        In the stiffness of a crease: `Creases.length_scale`.
+    damping : float or None
+        Of the dashpots: `SpringDamping.length`.
+    """
+
+    buckling: float | None = None
+    crease: float | None = None
+    wing: float | None = None
+    damping: float | None = None
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene with these lengths in its laws."""
+        changed: list[Law] = []
+        for law in scene.laws:
+            if isinstance(law, Springs | Triangles):
+                changed.append(replace(law, buckling_length=self.buckling, crease_length=self.crease))
+            elif isinstance(law, Creases):
+                changed.append(replace(law, length_scale=self.wing))
+            elif isinstance(law, SpringDamping):
+                changed.append(replace(law, length=self.damping))
+            else:
+                changed.append(law)
+        return replace(scene, laws=changed)
+
+
+PAPER = Lengths()
+"""The paper's form."""
+STRAIN = Lengths(buckling=0.012, wing=0.011)
+"""One critical strain and one crease stiffness on every mesh, the dashpots and the creases' own force left to it."""
+PHYSICAL = Lengths(buckling=0.012, crease=0.010, wing=0.011, damping=0.011)
+"""`agreeing` for the paper's model 1, in whole millimetres."""
+FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL}
+"""The forms that a mesh study compares, by name."""
+
+
+def agreeing(scene: Scene) -> Lengths:
+    """The lengths with which the physical form is nearest to the paper's on the scene's own mesh.
+
+    With e the critical strain, N = k e L the force of an edge as it buckles, sums over edges of the reference:
+
+        film      sum of N L (the mean stress at which the film buckles)
+        creases   sum of N L (the mean force along a crease)
+        wings     the mean height of the creases' wings
+        dashpots  sum of c L^2 (what is lost at one rate of strain in all directions)
+
+    each equal in both forms.
+
+    Raises
+    ------
+    InputError
+        A scene without film, springs, creases or damping, or whose creases are no stronger than its film.
+    """
+    mesh, film, springs, damping = scene.mesh, scene.material, scene.law("springs"), scene.law("spring_damping")
+    if mesh is None or film is None or not isinstance(springs, Springs) or damping is None or not len(mesh.creases):
+        raise InputError(f"scene {scene.name!r}: agreeing lengths need a film of springs, with creases and damping")
+    alpha, more = springs.buckling, springs.buckling_on_creases - springs.buckling
+    if alpha <= 0.0 or more <= 0.0:
+        raise InputError(
+            f"scene {scene.name!r}: laws.springs.buckling_on_creases = {springs.buckling_on_creases}: must be greater "
+            f"than laws.springs.buckling = {alpha}, which must be greater than 0"
+        )
+    k, length = mesh.spring_constants(film), mesh.edge_lengths
+    number = {(int(a), int(b)): row for row, (a, b) in enumerate(mesh.edges)}
+    creases = [number[min(a, b), max(a, b)] for a, b in mesh.creases.tolist()]
+    plain = np.ones(len(k), dtype=bool)
+    plain[creases] = False
+    buckling = float(np.sqrt(np.sum(k[plain] * length[plain] ** 2) / np.sum(k[plain])))
+    on, of = k[creases], length[creases]
+    own = springs.buckling_on_creases * np.sum(on) - alpha * np.sum(on * of**2) / buckling**2
+    areas = np.zeros(len(k))
+    corners = np.sort(mesh.triangles, axis=1)
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        rows = [number[i, j] for i, j in corners[:, [a, b]].tolist()]
+        np.add.at(areas, rows, mesh.areas())
+    masses = mesh.masses(film)[mesh.edges].mean(axis=1)
+    square = film.density * film.thickness
+    return Lengths(
+        buckling=buckling,
+        crease=float(more * np.sum(on * of) / own),
+        wing=float(np.mean(areas[creases] / of)),
+        damping=float(np.sum(np.sqrt(k * masses) * length**2) / np.sum(np.sqrt(k * square) * length**2)),
+    )
