@@ -177,6 +177,8 @@ pub struct Simulation {
     state: State,
     ledger: Ledger,
     good: Good,
+    /// The state before the step that is looked at for a fault.
+    suspect: Option<State>,
     adaptive: Option<adaptive::Adaptive>,
     /// The limit of the step at the start.
     start_limit: Limit,
@@ -238,6 +240,7 @@ impl Simulation {
             state,
             ledger,
             good,
+            suspect: None,
             adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
