@@ -138,7 +138,7 @@ def mesh_study(
     Returns
     -------
     list of MeshRun
-        By form in the order of the jobs, then from coarse to fine, then by member.
+        By form (those of `FORMS` first), then from coarse to fine, then by member.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def mesh_study(
         tell=tell,
         outcome=lambda run: run.stopped or f"{run.seconds:.0f} s of stepping",
     )
-    order = list(dict.fromkeys(job.form for job in jobs))
+    order = list(dict.fromkeys([*FORMS, *(job.form for job in jobs)]))
     return sorted(runs, key=lambda run: (order.index(run.form), run.rows, run.member))
 
 
