@@ -44,7 +44,8 @@ fn unstructured() -> Model {
     model.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
     // Creases wherever two triangles still share an inner edge of a row.
     let mut creases: Vec<[u32; 2]> = model.creases.iter().map(|pair| pair.map(renamed)).collect();
-    creases.retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
+    creases
+        .retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
     model.fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
     model.creases = creases;
     model.bridges.clear();

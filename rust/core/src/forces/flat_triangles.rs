@@ -2,7 +2,7 @@
 //! What the elasticity of a film of triangles and its damping share.
 
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
+use crate::lanes::{Lanes, Point, Vector, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh;
 use crate::model::Assembly;

@@ -18,12 +18,14 @@ pub struct Spring {
 /// The springs of the film, without dashpots.
 pub fn film(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
     let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
+    let mut alphas = vec![parameters.buckling; assembly.mesh.edges.len()];
+    for hinge in &assembly.hinges {
+        alphas[hinge.edge as usize] = parameters.buckling_on_creases;
+    }
     let mut springs = Vec::new();
-    for (edge, (&nodes, &stiffness)) in assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).enumerate() {
+    for ((&nodes, &stiffness), alpha) in assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(alphas) {
         let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
         let rest_length = dot(sub(b, a), sub(b, a)).sqrt();
-        let is_crease = assembly.hinges.iter().any(|hinge| hinge.edge as usize == edge);
-        let alpha = if is_crease { parameters.buckling_on_creases } else { parameters.buckling };
         let critical_length = rest_length - alpha * (PI * thickness).powi(2) / (12.0 * rest_length);
         springs.push(Spring { nodes, stiffness, rest_length, critical_length, damping: 0.0 });
     }
