@@ -133,16 +133,21 @@ fn main() {
     if finenesses.is_empty() {
         finenesses = vec![4, 16];
     }
-    let (nodes, parts) = measure(1);
-    let row = |nodes: usize, times: &[f64]| {
-        (format!("{nodes} nodes"), times.iter().map(|time| time * 1e3 / nodes as f64).collect::<Vec<f64>>())
-    };
-    let mut growth = vec![row(nodes, &parts[parts.len() - 1].1)];
-    let parts: Vec<(String, Vec<f64>)> = parts.into_iter().map(|(label, times)| (label.to_owned(), times)).collect();
-    print_table("one evaluation [us]", &parts);
+    finenesses.insert(0, 1);
     for fineness in finenesses {
         let (nodes, parts) = measure(fineness);
-        growth.push(row(nodes, &parts[parts.len() - 1].1));
+        let (title, unit) = match fineness {
+            1 => ("one evaluation [us]".to_owned(), 1.0),
+            _ => (format!("per node, of {nodes} nodes [ns]"), 1e3 / nodes as f64),
+        };
+        let mut rows: Vec<(String, Vec<f64>)> = Vec::new();
+        for (label, times) in parts {
+            rows.push((label.to_owned(), times.iter().map(|time| time * unit).collect()));
+        }
+        if fineness == 1 {
+            let times = rows[rows.len() - 1].1.iter().map(|time| time * 1e3 / nodes as f64);
+            rows.push(("all, per node [ns]".to_owned(), times.collect()));
+        }
+        print_table(&title, &rows);
     }
-    print_table("one evaluation per node [ns]", &growth);
 }

@@ -20,6 +20,9 @@ use crate::width::{Kernel, Width};
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
 
+/// Nodes that are gone over axis by axis while they are in the cache.
+const STRETCH: usize = 1024;
+
 /// How the air moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AirMotion {
@@ -121,26 +124,32 @@ impl Resist<'_> {
     fn add_drag(&mut self) -> f64 {
         let ([x, y, _], [u, v, w]) = (columns(self.positions), columns(self.velocities));
         let [fx, fy, fz] = columns_mut(self.forces);
-        let n = self.flows.len();
-        // Equal lengths, said once, so that the loops need no check.
-        let (x, y, u, v, w) = (&x[..n], &y[..n], &u[..n], &v[..n], &w[..n]);
-        let (fx, fy, fz, flows) = (&mut fx[..n], &mut fy[..n], &mut fz[..n], &mut self.flows[..n]);
-        // One axis at a time: with more arrays in one loop the compiler gives up vectors.
-        for i in 0..n {
-            flows[i] *= -self.drag.factor;
-            fx[i] += flows[i] * (u[i] - self.rate * y[i]);
+        let power = &mut *self.flows;
+        for start in (0..power.len()).step_by(STRETCH) {
+            let here = start..power.len().min(start + STRETCH);
+            let n = here.len();
+            // Equal lengths, said once, so that the loops need no check.
+            let (x, y) = (&x[here.clone()][..n], &y[here.clone()][..n]);
+            let (u, v, w) = (&u[here.clone()][..n], &v[here.clone()][..n], &w[here.clone()][..n]);
+            let (fx, fy) = (&mut fx[here.clone()][..n], &mut fy[here.clone()][..n]);
+            let (fz, flows) = (&mut fz[here.clone()][..n], &mut power[here][..n]);
+            // One axis at a time: with more arrays in one loop the compiler gives up vectors.
+            for i in 0..n {
+                flows[i] *= -self.drag.factor;
+                fx[i] += flows[i] * (u[i] - self.rate * y[i]);
+            }
+            for i in 0..n {
+                fy[i] += flows[i] * (v[i] + self.rate * x[i]);
+            }
+            for i in 0..n {
+                fz[i] += flows[i] * w[i];
+            }
+            for i in 0..n {
+                let (wind_x, wind_y) = (u[i] - self.rate * y[i], v[i] + self.rate * x[i]);
+                flows[i] *= wind_x * u[i] + wind_y * v[i] + w[i] * w[i];
+            }
         }
-        for i in 0..n {
-            fy[i] += flows[i] * (v[i] + self.rate * x[i]);
-        }
-        for i in 0..n {
-            fz[i] += flows[i] * w[i];
-        }
-        for i in 0..n {
-            let (wind_x, wind_y) = (u[i] - self.rate * y[i], v[i] + self.rate * x[i]);
-            flows[i] *= wind_x * u[i] + wind_y * v[i] + w[i] * w[i];
-        }
-        total(flows)
+        total(power)
     }
 }
 
