@@ -111,7 +111,8 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="put the tables into README.md beside this file")
     options = parser.parse_args()
 
-    text = f"Processor: {cpu()}, one thread.\n\n{scalar_table()}\n{sail_table(step_times(options.repeats, options.steps))}"
+    sail = sail_table(step_times(options.repeats, options.steps))
+    text = f"Processor: {cpu()}, one thread.\n\n{scalar_table()}\n{sail}"
     kernels = kernel_table()
     if kernels:
         text += f"\n{kernels}"
