@@ -4,7 +4,8 @@ A law's cost is the step's time with all laws less the time without that law, ov
 RK4 step: what a user saves by leaving it out. Processor time is counted, all are timed in turn, and the median
 of the differences is taken, so that a slow moment of the machine falls on all alike.
 
-With --write the table and criterion's medians of the kernels, if there are any, go into README.md beside it.
+Before it come the kernels against plain scalar loops, which the core's own benchmark measures (`cargo bench`). With
+--write the tables and criterion's medians of the kernels, if there are any, go into README.md beside it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import argparse
 import json
 import platform
 import statistics
+import subprocess
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -84,6 +86,13 @@ def kernel_table() -> str:
     return "\n".join(lines) + "\n"
 
 
+def scalar_table() -> str:
+    """The kernels against plain scalar loops, as `cargo bench --bench model_1` prints them."""
+    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1"]
+    done = subprocess.run(command, cwd=HERE.parent, check=True, capture_output=True, text=True)
+    return done.stdout.strip() + "\n"
+
+
 def cpu() -> str:
     """The processor's name, as far as the system tells it."""
     info = Path("/proc/cpuinfo")
@@ -102,7 +111,8 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="put the tables into README.md beside this file")
     options = parser.parse_args()
 
-    text = f"Processor: {cpu()}, one thread.\n\n{sail_table(step_times(options.repeats, options.steps))}"
+    sail = sail_table(step_times(options.repeats, options.steps))
+    text = f"Processor: {cpu()}, one thread.\n\n{scalar_table()}\n{sail}"
     kernels = kernel_table()
     if kernels:
         text += f"\n{kernels}"

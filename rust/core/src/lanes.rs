@@ -1,8 +1,11 @@
 //! Eight numbers at a time, in portable Rust.
 //!
-//! Every operation is a plain loop over eight lanes that the compiler turns into whatever vectors the enabled instruction
-//! set has: four of SSE2, two of AVX2, one of AVX-512, four of Neon. There is no fused multiply-add and no sum across
-//! lanes but `sum`, so the bits are the same at every width.
+//! `Lanes` are eight numbers in memory, and work everywhere: every operation is a plain loop over them that the compiler
+//! turns into vectors as it can. `x86` has them in the registers of AVX2 and AVX-512. There is no fused multiply-add and no
+//! sum across lanes but `sum`, so the bits are the same in every form.
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod x86;
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -15,7 +18,7 @@ pub const LANES: usize = 8;
 pub struct Lanes(pub [f64; LANES]);
 
 /// A 3-vector in each lane.
-pub type Point = [Lanes; 3];
+pub type Point<V = Lanes> = [V; 3];
 
 macro_rules! lanewise {
     ($trait:ident, $method:ident, $op:tt) => {
@@ -67,77 +70,52 @@ impl Lanes {
     /// Zero in every lane.
     pub const ZERO: Self = Self([0.0; LANES]);
 
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn all(value: f64) -> Self {
-        Self([value; LANES])
-    }
-
-    /// Square root.
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i].sqrt();
-        }
-        Self(out)
-    }
-
-    /// Magnitude.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i].abs();
-        }
-        Self(out)
-    }
-
-    /// The larger; `other` where one is not a number.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] };
-        }
-        Self(out)
-    }
-
-    /// The smaller; `other` where one is not a number.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] };
-        }
-        Self(out)
-    }
-
-    /// `yes` where self < bound, else `no`.
-    #[inline(always)]
-    pub fn below(self, bound: Self, yes: Self, no: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = if self.0[i] < bound.0[i] { yes.0[i] } else { no.0[i] };
-        }
-        Self(out)
-    }
-
-    /// Self with the sign of `sign`.
-    #[inline(always)]
-    pub fn copysign(self, sign: Self) -> Self {
-        let mut out = [0.0; LANES];
-        for i in 0..LANES {
-            out[i] = self.0[i].copysign(sign.0[i]);
-        }
-        Self(out)
-    }
-
     /// The sum over the lanes, in a fixed order.
     #[inline(always)]
     pub fn sum(self) -> f64 {
         let [a, b, c, d, e, f, g, h] = self.0;
         ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+}
+
+/// Eight numbers in the form that one instruction set works on. A kernel is written for any of them.
+pub trait Vector:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// Eight numbers from memory.
+    fn load_from(numbers: &[f64; LANES]) -> Self;
+    /// The same, from where they are aligned.
+    #[inline(always)]
+    fn load(lanes: &Lanes) -> Self {
+        Self::load_from(&lanes.0)
+    }
+    /// The eight numbers.
+    fn lanes(self) -> Lanes;
+    /// The same number in every lane.
+    fn all(value: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// The larger; `other` where one is not a number.
+    fn max(self, other: Self) -> Self;
+    /// The smaller; `other` where one is not a number.
+    fn min(self, other: Self) -> Self;
+    /// `yes` where self < bound, else `no`.
+    fn below(self, bound: Self, yes: Self, no: Self) -> Self;
+    /// Self with the sign of `sign`.
+    fn copysign(self, sign: Self) -> Self;
+    /// Zero in every lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::all(0.0)
     }
 
     /// The angle of the point (x, y) in -pi .. pi, with an error below 5e-16 rad (two units in the last place).
@@ -145,7 +123,7 @@ impl Lanes {
     /// The smaller over the larger coordinate is reduced to |t| <= tan(pi/8) and goes through the rational approximation
     /// of Cephes (Moshier 1984, atan.c). The angle of (0, 0) is that of (1, 0).
     #[inline(always)]
-    pub fn atan2(y: Self, x: Self) -> Self {
+    fn atan2(y: Self, x: Self) -> Self {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
         const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
         const P: [f64; 5] = [
@@ -167,7 +145,7 @@ impl Lanes {
         let bound = Self::all(TAN_PI_8) * large;
         let over = bound.below(small, small - large, small);
         let under = bound.below(small, small + large, large);
-        let shift = bound.below(small, Self::all(FRAC_PI_4), Self::ZERO);
+        let shift = bound.below(small, Self::all(FRAC_PI_4), Self::zero());
         let t = over / under;
         let z = t * t;
         let mut p = Self::all(P[0]);
@@ -178,44 +156,115 @@ impl Lanes {
         }
         let angle = shift + (t + t * (z * p / q));
         let angle = ax.below(ay, Self::all(FRAC_PI_2) - angle, angle);
-        let angle = x.below(Self::ZERO, Self::all(PI) - angle, angle);
+        let angle = x.below(Self::zero(), Self::all(PI) - angle, angle);
         angle.copysign(y)
+    }
+}
+
+impl Vector for Lanes {
+    #[inline(always)]
+    fn load_from(numbers: &[f64; LANES]) -> Self {
+        Self(*numbers)
+    }
+
+    #[inline(always)]
+    fn lanes(self) -> Lanes {
+        self
+    }
+
+    #[inline(always)]
+    fn all(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = self.0[i].sqrt();
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = self.0[i].abs();
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] };
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] };
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn below(self, bound: Self, yes: Self, no: Self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = if self.0[i] < bound.0[i] { yes.0[i] } else { no.0[i] };
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        let mut out = [0.0; LANES];
+        for i in 0..LANES {
+            out[i] = self.0[i].copysign(sign.0[i]);
+        }
+        Self(out)
     }
 }
 
 /// a - b
 #[inline(always)]
-pub fn sub(a: Point, b: Point) -> Point {
+pub fn sub<V: Vector>(a: Point<V>, b: Point<V>) -> Point<V> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// a + b
 #[inline(always)]
-pub fn sum(a: Point, b: Point) -> Point {
+pub fn sum<V: Vector>(a: Point<V>, b: Point<V>) -> Point<V> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// a . b
 #[inline(always)]
-pub fn dot(a: Point, b: Point) -> Lanes {
+pub fn dot<V: Vector>(a: Point<V>, b: Point<V>) -> V {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a x b
 #[inline(always)]
-pub fn cross(a: Point, b: Point) -> Point {
+pub fn cross<V: Vector>(a: Point<V>, b: Point<V>) -> Point<V> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// s a
 #[inline(always)]
-pub fn scale(s: Lanes, a: Point) -> Point {
+pub fn scale<V: Vector>(s: V, a: Point<V>) -> Point<V> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
 /// -a
 #[inline(always)]
-pub fn negate(a: Point) -> Point {
+pub fn negate<V: Vector>(a: Point<V>) -> Point<V> {
     [-a[0], -a[1], -a[2]]
 }
 

@@ -3,6 +3,7 @@
 //! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units.
 //! Imports go one way: `mesh`, `layout`, `state` <- `model` <- `forces`, `integrators` <- `stability`, `ledger` <- `simulation`.
 
+pub mod aligned;
 pub mod columns;
 pub mod error;
 pub mod forces;

@@ -102,15 +102,10 @@ impl Sweep for Add<'_> {
 impl System for Mechanics {
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
         accelerations.as_mut_slice().fill(0.0);
-        for ((law, power), resistance) in self.laws.iter().zip(powers).zip(&mut self.resistances) {
-            *power = if let Some(resistance) = resistance {
-                resistance.as_mut_slice().fill(0.0);
-                let power = law.add_forces(at, resistance);
-                self.width.run(Add { from: resistance.as_slice(), to: accelerations.as_mut_slice() });
-                power
-            } else {
-                law.add_forces(at, accelerations)
-            };
+        let resistances = &mut self.resistances;
+        forces::add_all(&self.laws, at, accelerations, powers, resistances);
+        for resistance in resistances.iter().flatten() {
+            self.width.run(Add { from: resistance.as_slice(), to: accelerations.as_mut_slice() });
         }
         self.width.run(Divide { columns: columns_mut(accelerations), inverse_masses: &self.inverse_masses });
         self.evaluation_count += 1;

@@ -3,7 +3,12 @@
 //! A kernel is written once, as a `Sweep`; `run` compiles it for each width and calls the one that was chosen. Results
 //! have the same bits at every width (see `lanes`).
 
+use std::marker::PhantomData;
 use std::sync::OnceLock;
+
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::x86;
+use crate::lanes::{Lanes, Vector};
 
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,6 +27,26 @@ pub trait Sweep {
     type Output;
     /// The pass.
     fn sweep(self) -> Self::Output;
+}
+
+/// A sweep over groups of eight, written for any form of them. As `Sweep`; closures are not inlined into it.
+pub trait Kernel {
+    /// What the pass gives back.
+    type Output;
+    /// The pass.
+    fn sweep<V: Vector>(self) -> Self::Output;
+}
+
+/// A kernel as a sweep with one form of eight numbers.
+struct With<K, V>(K, PhantomData<V>);
+
+impl<K: Kernel, V: Vector> Sweep for With<K, V> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn sweep(self) -> K::Output {
+        self.0.sweep::<V>()
+    }
 }
 
 impl Width {
@@ -56,6 +81,23 @@ impl Width {
     pub fn widest() -> Self {
         static WIDEST: OnceLock<Width> = OnceLock::new();
         *WIDEST.get_or_init(|| Self::ALL.into_iter().rev().find(|width| width.is_available()).unwrap_or(Self::Baseline))
+    }
+
+    /// Runs `kernel` with this width, or with the widest below it that the machine has.
+    #[inline]
+    #[allow(unsafe_code)]
+    pub fn run_kernel<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the machine has what `avx512` and the form of AVX-512 require, which is checked here.
+            Self::Avx512 if self.is_available() => unsafe { avx512(With(kernel, PhantomData::<x86::Avx512>)) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the machine has what `avx2` and the form of AVX2 require, which is checked here.
+            Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe {
+                avx2(With(kernel, PhantomData::<x86::Avx2>))
+            },
+            _ => kernel.sweep::<Lanes>(),
+        }
     }
 
     /// Runs `sweep` with this width, or with the widest below it that the machine has.

@@ -5,7 +5,11 @@ mod errors;
 mod mesh;
 mod simulation;
 
+use membrane_core::aligned::Aligned;
 use pyo3::prelude::*;
+
+#[global_allocator]
+static ALLOCATOR: Aligned = Aligned;
 
 /// The compiled core of membrane_rs; use it through the package's own classes.
 #[pymodule]

@@ -8,18 +8,23 @@
 
 mod tangent;
 
+use std::sync::{Mutex, PoisonError};
+
 use super::{Law, Spin};
-use crate::columns::{Columns, ColumnsMut};
+use crate::columns::{Columns, ColumnsMut, total};
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, cross, dot, scale, sub, sum};
-use crate::layout::{BATCH, Elements};
+use crate::lanes::{Lanes, Point, Vector, cross, dot, scale, sub, sum};
+use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::width::{Kernel, Width};
 
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
+
+/// Nodes that are gone over axis by axis while they are in the cache.
+const STRETCH: usize = 1024;
 
 /// How the air moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,8 +50,12 @@ pub struct AirDragParameters {
 /// The law: all triangles, eight to a group.
 pub(super) struct AirDrag {
     elements: Elements<3>,
+    /// 1 where there is a triangle, 0 in lanes that are filled up.
+    presence: Vec<Lanes>,
     /// rho_air / 12 [kg/m3]: a sixth, and a half because normals are twice the vector areas.
-    factor: Vec<Lanes>,
+    factor: f64,
+    /// Room for the sum of |S . V| over the triangles of each node, S twice the vector area [m3/s].
+    flows: Mutex<Vec<f64>>,
     /// The frame's turning relative to the air.
     spin: Spin,
     width: Width,
@@ -64,67 +73,98 @@ impl AirDrag {
         };
         let triangles = assembly.mesh.triangles.iter().map(|&nodes| lowest_first(assembly.layout.inward(nodes)));
         let elements = Elements::new(&triangles.collect::<Vec<_>>(), assembly.masses.len());
+        let nodes = assembly.masses.len();
         let factor = parameters.pressure / (GAS_CONSTANT * parameters.temperature) / 12.0;
         Ok(Self {
-            factor: elements.pack(0.0, |_| factor),
+            presence: elements.pack(0.0, |_| 1.0),
             elements,
+            factor,
+            flows: Mutex::new(vec![0.0; nodes]),
             spin: if parameters.air == AirMotion::Still { spin } else { Spin::default() },
             width: assembly.width,
         })
     }
 }
 
-/// The velocity relative to the air of a node at `r` that moves with `v` in the frame.
+/// The velocity relative to the air of nodes at `r` that move with `v` in the frame.
 #[inline(always)]
-fn wind(r: Point, v: Point, rate: Lanes) -> Point {
+fn wind<V: Vector>(r: Point<V>, v: Point<V>, rate: V) -> Point<V> {
     [v[0] - rate * r[1], v[1] + rate * r[0], v[2]]
 }
 
-/// The drag on a node of a triangle with this normal (twice its vector area).
-#[inline(always)]
-fn drag(factor: Lanes, normal: Point, wind: Point) -> Point {
-    scale(-(factor * dot(normal, wind).abs()), wind)
-}
-
-/// Adds the drag to the forces, and gives its power in the frame.
+/// Adds the drag to the forces, and gives its power in the frame: first the flow |S . V| through the triangles round each
+/// node, then F = -(rho_air/6) (sum of flows) V, and F . v.
 struct Resist<'a> {
     drag: &'a AirDrag,
-    positions: Columns<'a>,
-    velocities: Columns<'a>,
-    forces: ColumnsMut<'a>,
+    flows: &'a mut [f64],
+    positions: &'a Vectors,
+    velocities: &'a Vectors,
+    forces: &'a mut Vectors,
     rate: f64,
 }
 
 impl Resist<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) -> Lanes {
-        let AirDrag { elements, factor, .. } = self.drag;
-        let rate = Lanes::all(self.rate);
-        let mut power = Lanes::ZERO;
-        for batch in elements.batches::<LOOSE>() {
-            let mut powers = [Lanes::ZERO; BATCH];
-            for (group, power) in batch.zip(&mut powers) {
-                let [ra, rb, rc] = elements.read::<LOOSE>(self.positions, group);
-                let [va, vb, vc] = elements.read::<LOOSE>(self.velocities, group);
-                let normal = cross(sub(rb, ra), sub(rc, ra));
-                let a = drag(factor[group], normal, wind(ra, va, rate));
-                let b = drag(factor[group], normal, wind(rb, vb, rate));
-                let c = drag(factor[group], normal, wind(rc, vc, rate));
-                *power = dot(a, va) + dot(b, vb) + dot(c, vc);
-                elements.add::<LOOSE>(&mut self.forces, group, [a, b, c]);
+    fn add_flows<V: Vector, const LOOSE: bool>(&mut self) {
+        let pass = self.drag.elements.pass::<LOOSE>(self.positions.nrows());
+        let presence = pass.of(&self.drag.presence);
+        let (positions, velocities) = (Columns::of(self.positions), Columns::of(self.velocities));
+        let mut flows = ColumnsMut::single(self.flows);
+        let rate = V::all(self.rate);
+        for group in 0..pass.len() {
+            let r = pass.read::<V>(positions, group);
+            let v = pass.read::<V>(velocities, group);
+            let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
+            let mut flow = [V::zero(); 3];
+            for k in 0..3 {
+                flow[k] = dot(normal, wind(r[k], v[k], rate)).abs() * V::load(&presence[group]);
             }
-            powers.iter().for_each(|&of_group| power += of_group);
+            pass.add_numbers(&mut flows, group, flow);
         }
-        power
+    }
+
+    #[inline(always)]
+    fn add_drag(&mut self) -> f64 {
+        let ([x, y, _], [u, v, w]) = (columns(self.positions), columns(self.velocities));
+        let [fx, fy, fz] = columns_mut(self.forces);
+        let power = &mut *self.flows;
+        for start in (0..power.len()).step_by(STRETCH) {
+            let here = start..power.len().min(start + STRETCH);
+            let n = here.len();
+            // Equal lengths, said once, so that the loops need no check.
+            let (x, y) = (&x[here.clone()][..n], &y[here.clone()][..n]);
+            let (u, v, w) = (&u[here.clone()][..n], &v[here.clone()][..n], &w[here.clone()][..n]);
+            let (fx, fy) = (&mut fx[here.clone()][..n], &mut fy[here.clone()][..n]);
+            let (fz, flows) = (&mut fz[here.clone()][..n], &mut power[here][..n]);
+            // One axis at a time: with more arrays in one loop the compiler gives up vectors.
+            for i in 0..n {
+                flows[i] *= -self.drag.factor;
+                fx[i] += flows[i] * (u[i] - self.rate * y[i]);
+            }
+            for i in 0..n {
+                fy[i] += flows[i] * (v[i] + self.rate * x[i]);
+            }
+            for i in 0..n {
+                fz[i] += flows[i] * w[i];
+            }
+            for i in 0..n {
+                let (wind_x, wind_y) = (u[i] - self.rate * y[i], v[i] + self.rate * x[i]);
+                flows[i] *= wind_x * u[i] + wind_y * v[i] + w[i] * w[i];
+            }
+        }
+        total(power)
     }
 }
 
-impl Sweep for Resist<'_> {
+impl Kernel for Resist<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn sweep(mut self) -> f64 {
-        (self.part::<false>() + self.part::<true>()).sum()
+    fn sweep<V: Vector>(mut self) -> f64 {
+        self.flows.fill(0.0);
+        self.add_flows::<V, false>();
+        self.add_flows::<V, true>();
+        self.add_drag()
     }
 }
 
@@ -138,11 +178,14 @@ impl Law for AirDrag {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Resist {
+        // What a panic left behind is filled anew.
+        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
+        self.width.run_kernel(Resist {
             drag: self,
-            positions: Columns::of(at.positions),
-            velocities: Columns::of(at.velocities),
-            forces: ColumnsMut::of(forces),
+            flows: &mut flows,
+            positions: at.positions,
+            velocities: at.velocities,
+            forces,
             rate: self.spin.rate_at(at.time),
         })
     }
@@ -160,7 +203,8 @@ impl Law for AirDrag {
                 let wind = wind(r[k], v[k], rate);
                 let flow = dot(normal, wind);
                 let along = scale(dot(normal, p[k]).copysign(flow * dot(normal, p[k])), wind);
-                products[k] = scale(self.factor[group], sum(scale(flow.abs(), p[k]), along));
+                products[k] =
+                    scale(Lanes::all(self.factor) * self.presence[group], sum(scale(flow.abs(), p[k]), along));
             }
             self.elements.add_any(&mut out, group, products);
         }

@@ -6,12 +6,12 @@
 
 use super::Law;
 use crate::columns::{Columns, ColumnsMut};
-use crate::lanes::{Lanes, dot, negate, scale, sub};
+use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
 use crate::slopes::{Block, Slopes, of_link};
 use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::width::{Kernel, Width};
 
 /// The law: all links, of one stiffness, eight to a group.
 pub(super) struct Bridges {
@@ -30,7 +30,12 @@ impl Bridges {
     }
 
     fn pull(&self, positions: &Vectors, out: &mut Vectors, sign: f64) {
-        self.width.run(Pull { bridges: self, positions: Columns::of(positions), out: ColumnsMut::of(out), sign });
+        self.width.run_kernel(Pull {
+            bridges: self,
+            positions: Columns::of(positions),
+            out: ColumnsMut::of(out),
+            sign,
+        });
     }
 }
 
@@ -44,23 +49,24 @@ struct Pull<'a> {
 
 impl Pull<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) {
-        let Bridges { elements, stiffness, .. } = self.bridges;
-        for group in elements.groups::<LOOSE>() {
-            let [a, b] = elements.read::<LOOSE>(self.positions, group);
-            let pull = scale(Lanes::all(self.sign) * stiffness[group], sub(b, a));
-            elements.add::<LOOSE>(&mut self.out, group, [pull, negate(pull)]);
+    fn part<V: Vector, const LOOSE: bool>(&mut self) {
+        let pass = self.bridges.elements.pass::<LOOSE>(self.positions.rows());
+        let stiffness = pass.of(&self.bridges.stiffness);
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V>(self.positions, group);
+            let pull = scale(V::all(self.sign) * V::load(&stiffness[group]), sub(b, a));
+            pass.add(&mut self.out, group, [pull, negate(pull)]);
         }
     }
 }
 
-impl Sweep for Pull<'_> {
+impl Kernel for Pull<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn sweep(mut self) {
-        self.part::<false>();
-        self.part::<true>();
+    fn sweep<V: Vector>(mut self) {
+        self.part::<V, false>();
+        self.part::<V, true>();
     }
 }
 

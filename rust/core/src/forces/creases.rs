@@ -18,17 +18,18 @@
 mod tangent;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
 
 use super::{Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, cross, dot, negate, scale, sub, sum};
-use crate::layout::Elements;
+use crate::lanes::{Lanes, Point, Vector, cross, dot, negate, scale, sub, sum};
+use crate::layout::{BATCH, Elements, Pass};
 use crate::mesh;
 use crate::model::{Assembly, finite, non_negative};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::width::{Kernel, Width};
 
 /// Parameters of the creases.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,57 +49,63 @@ pub struct CreaseParameters {
 /// The law: all creases, eight to a group. The nodes of an element are A, B, C, D.
 pub(super) struct Creases {
     elements: Elements<4>,
-    /// +1 valley, -1 mountain.
-    sign: Vec<Lanes>,
-    /// kappa [N m/rad].
-    stiffness: Vec<Lanes>,
-    /// 4 (c A0)^2 of wing C and of wing D [m4].
-    softening: [Vec<Lanes>; 2],
-    contact_penalty: Lanes,
-    natural_angle: Lanes,
+    parameters: Vec<Parameters>,
+    contact_penalty: f64,
+    natural_angle: f64,
     /// Whether c is zero, so that the force is singular as a wing collapses.
     is_singular: bool,
     width: Width,
 }
 
-/// The creases of a group with their wings where they are now.
-struct Wings {
-    /// B - A, C - A, D - A [m].
-    e: Point,
-    c: Point,
-    d: Point,
-    /// Twice the vector areas of the wings [m2], and the squares of their lengths [m4].
-    normal_c: Point,
-    normal_d: Point,
-    square_c: Lanes,
-    square_d: Lanes,
-    /// |AB| [m] and its square.
-    length: Lanes,
-    length_square: Lanes,
-    /// Crease angle [rad].
-    angle: Lanes,
+/// What the moments of a group of eight depend on.
+#[derive(Debug, Clone, Copy)]
+struct Parameters {
+    /// +1 valley, -1 mountain.
+    sign: Lanes,
+    /// kappa [N m/rad].
+    stiffness: Lanes,
+    /// 4 (c A0)^2 of wing C and of wing D [m4].
+    softening: [Lanes; 2],
 }
 
-impl Wings {
+/// The creases of a group with their wings where they are now.
+struct Wings<V = Lanes> {
+    /// B - A, C - A, D - A [m].
+    e: Point<V>,
+    c: Point<V>,
+    d: Point<V>,
+    /// Twice the vector areas of the wings [m2].
+    normal_c: Point<V>,
+    normal_d: Point<V>,
+    /// |AB| [m] and its square.
+    length: V,
+    length_square: V,
+}
+
+impl<V: Vector> Wings<V> {
     #[inline(always)]
-    fn new([a, b, c, d]: [Point; 4], sign: Lanes) -> Self {
+    fn new([a, b, c, d]: [Point<V>; 4]) -> Self {
         let (e, c, d) = (sub(b, a), sub(c, a), sub(d, a));
-        let (normal_c, normal_d) = (cross(e, c), cross(d, e));
-        let length_square = dot(e, e).max(Lanes::all(f64::MIN_POSITIVE));
+        let length_square = dot(e, e).max(V::all(f64::MIN_POSITIVE));
         let length = length_square.sqrt();
-        let sine = sign * dot(cross(normal_d, normal_c), e) / length;
-        let angle = Lanes::atan2(sine, -dot(normal_c, normal_d));
-        let angle = angle.below(Lanes::all(-FRAC_PI_2), angle + Lanes::all(TAU), angle);
-        let (square_c, square_d) = (dot(normal_c, normal_c), dot(normal_d, normal_d));
-        Self { e, c, d, normal_c, normal_d, square_c, square_d, length, length_square, angle }
+        Self { e, c, d, normal_c: cross(e, c), normal_d: cross(d, e), length, length_square }
     }
 
-    /// Vectors at A, B that balance `c` at C and `d` at D, without force or torque left.
+    /// The crease angle [rad]. The sine times both normals' lengths is |AB| n_D . c, since n_D x n_C = e (n_D . c).
     #[inline(always)]
-    fn balance(&self, c: Point, d: Point) -> (Point, Point) {
-        let (tc, td) = (dot(self.c, self.e) / self.length_square, dot(self.d, self.e) / self.length_square);
-        let one = Lanes::all(1.0);
-        (negate(sum(scale(one - tc, c), scale(one - td, d))), negate(sum(scale(tc, c), scale(td, d))))
+    fn angle(&self, sign: V) -> V {
+        let sine = sign * self.length * dot(self.normal_d, self.c);
+        let cosine = -dot(self.normal_c, self.normal_d);
+        let angle = V::atan2(sine, cosine);
+        angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
+    }
+
+    /// The vector at B that, with its opposite and those at C and D at A, balances `c` at C and `d` at D: no torque is left.
+    #[inline(always)]
+    fn balance(&self, c: Point<V>, d: Point<V>) -> Point<V> {
+        let inverse = V::all(-1.0) / self.length_square;
+        let (tc, td) = (dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse);
+        sum(scale(tc, c), scale(td, d))
     }
 }
 
@@ -135,38 +142,47 @@ impl Creases {
             |row: usize| usize::from(nodes[row][0] != assembly.layout.inward(assembly.hinges[row].nodes)[0]);
         let softening =
             |wing: usize| elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[wing ^ is_turned(row)]).powi(2));
+        let sign = elements.pack(1.0, |row| assembly.model.fold_signs[row]);
+        let stiffness = elements.pack(0.0, |row| {
+            let (length, areas) = sizes[row];
+            let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
+            stiffness * bending * length / height
+        });
+        let softening = [softening(0), softening(1)];
+        let of_group = |group: usize| Parameters {
+            sign: sign[group],
+            stiffness: stiffness[group],
+            softening: [softening[0][group], softening[1][group]],
+        };
         Ok(Self {
-            sign: elements.pack(1.0, |row| assembly.model.fold_signs[row]),
-            stiffness: elements.pack(0.0, |row| {
-                let (length, areas) = sizes[row];
-                let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
-                stiffness * bending * length / height
-            }),
-            softening: [softening(0), softening(1)],
+            parameters: (0..elements.group_count()).map(of_group).collect(),
             elements,
-            contact_penalty: Lanes::all(contact_penalty),
-            natural_angle: Lanes::all(natural_angle),
+            contact_penalty,
+            natural_angle,
             is_singular: collapse == 0.0,
             width: assembly.width,
         })
     }
 
-    fn wings(&self, x: Columns<'_>, group: usize) -> Wings {
-        Wings::new(self.elements.read_any(x, group), self.sign[group])
+    /// The wings of a group and its angles [rad].
+    fn wings(&self, x: Columns<'_>, group: usize) -> (Wings, Lanes) {
+        let wings = Wings::new(self.elements.read_any(x, group));
+        let angle = wings.angle(self.parameters[group].sign);
+        (wings, angle)
     }
 
-    /// u [J] and du/dtheta [N m] of a group.
+    /// u [J] and du/dtheta [N m] of creases of this stiffness.
     #[inline(always)]
-    fn potential(&self, group: usize, angle: Lanes) -> (Lanes, Lanes) {
-        let opening = angle - self.natural_angle;
-        let inside = angle.min(Lanes::ZERO);
-        let overlap = (self.contact_penalty - Lanes::all(1.0)) * inside;
-        let kappa = self.stiffness[group];
-        (Lanes::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
+    fn potential<V: Vector>(&self, kappa: V, angle: V) -> (V, V) {
+        let opening = angle - V::all(self.natural_angle);
+        let inside = angle.min(V::zero());
+        let overlap = V::all(self.contact_penalty - 1.0) * inside;
+        (V::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
     }
 }
 
-/// Adds -dU/dx to the forces.
+/// Adds -dU/dx to the forces. A batch at a time: from one group's positions to its forces is a long chain of operations that
+/// wait for each other; angles and moments first, forces then, makes two short ones, and the processor works on several groups at once.
 struct Open<'a> {
     creases: &'a Creases,
     positions: Columns<'a>,
@@ -175,43 +191,64 @@ struct Open<'a> {
 
 impl Open<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) {
-        let Creases { elements, sign, softening: [soft_c, soft_d], .. } = self.creases;
-        for group in elements.groups::<LOOSE>() {
-            let wings = Wings::new(elements.read::<LOOSE>(self.positions, group), sign[group]);
-            let (energy, moment) = self.creases.potential(group, wings.angle);
-            // 1/(q + s) of each wing, with q the square of its normal: w = q/(q + s).
-            let share_c = Lanes::all(1.0) / (wings.square_c + soft_c[group]);
-            let share_d = Lanes::all(1.0) / (wings.square_d + soft_d[group]);
-            let (weight_c, weight_d) = (wings.square_c * share_c, wings.square_d * share_d);
+    fn part<V: Vector, const LOOSE: bool>(&mut self) {
+        let pass = self.creases.elements.pass::<LOOSE>(self.positions.rows());
+        let parameters = pass.of(&self.creases.parameters);
+        for batch in pass.batches() {
+            let mut potentials = [(V::zero(), V::zero()); BATCH];
+            for (group, potential) in batch.clone().zip(&mut potentials) {
+                let (sign, stiffness) = (V::load(&parameters[group].sign), V::load(&parameters[group].stiffness));
+                let angle = Wings::new(pass.read::<V>(self.positions, group)).angle(sign);
+                *potential = self.creases.potential(stiffness, angle);
+            }
+            self.open(pass, parameters, batch, &potentials);
+        }
+    }
+
+    #[inline(always)]
+    fn open<V: Vector, const LOOSE: bool>(
+        &mut self,
+        pass: Pass<'_, 4, LOOSE>,
+        parameters: &[Parameters],
+        batch: Range<usize>,
+        potentials: &[(V, V); BATCH],
+    ) {
+        for (group, &(energy, moment)) in batch.zip(potentials) {
+            let Parameters { sign, softening: [soft_c, soft_d], .. } = &parameters[group];
+            let (sign, soft_c, soft_d) = (V::load(sign), V::load(soft_c), V::load(soft_d));
+            let wings = Wings::new(pass.read::<V>(self.positions, group));
+            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
+            // 1/(q + s) of each wing, with q the square of its normal, by one division: w = q/(q + s).
+            let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
+            let both = V::all(1.0) / (root_c * root_d);
+            let (share_c, share_d) = (root_d * both, root_c * both);
+            let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
             // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
             // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
-            let turn = sign[group] * moment * wings.length;
+            let turn = sign * moment * wings.length;
             let mut at_c = scale(turn * weight_d * share_c, wings.normal_c);
             let mut at_d = scale(turn * weight_c * share_d, wings.normal_d);
-            let (mut at_a, mut at_b) = wings.balance(at_c, at_d);
+            let mut at_b = wings.balance(at_c, at_d);
             // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the wing).
-            let push = Lanes::all(-2.0) * energy;
-            let push_c = scale(push * weight_d * soft_c[group] * share_c * share_c, wings.normal_c);
-            let push_d = scale(push * weight_c * soft_d[group] * share_d * share_d, wings.normal_d);
+            let push = V::all(-2.0) * energy;
+            let push_c = scale(push * weight_d * soft_c * share_c * share_c, wings.normal_c);
+            let push_d = scale(push * weight_c * soft_d * share_d * share_d, wings.normal_d);
             at_c = sum(at_c, cross(push_c, wings.e));
-            at_b = sum(at_b, cross(wings.c, push_c));
-            at_a = sum(at_a, cross(push_c, sub(wings.c, wings.e)));
             at_d = sum(at_d, cross(wings.e, push_d));
-            at_b = sum(at_b, cross(push_d, wings.d));
-            at_a = sum(at_a, cross(push_d, sub(wings.e, wings.d)));
-            elements.add::<LOOSE>(&mut self.forces, group, [at_a, at_b, at_c, at_d]);
+            at_b = sum(at_b, sum(cross(wings.c, push_c), cross(push_d, wings.d)));
+            let at_a = negate(sum(at_b, sum(at_c, at_d)));
+            pass.add(&mut self.forces, group, [at_a, at_b, at_c, at_d]);
         }
     }
 }
 
-impl Sweep for Open<'_> {
+impl Kernel for Open<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn sweep(mut self) {
-        self.part::<false>();
-        self.part::<true>();
+    fn sweep<V: Vector>(mut self) {
+        self.part::<V, false>();
+        self.part::<V, true>();
     }
 }
 
@@ -225,17 +262,22 @@ impl Law for Creases {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Open { creases: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
+        self.width.run_kernel(Open {
+            creases: self,
+            positions: Columns::of(at.positions),
+            forces: ColumnsMut::of(forces),
+        });
         0.0
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
         let x = Columns::of(at.positions);
         let energies = (0..self.elements.group_count()).map(|group| {
-            let wings = self.wings(x, group);
-            let weight = wings.square_c / (wings.square_c + self.softening[0][group]) * wings.square_d
-                / (wings.square_d + self.softening[1][group]);
-            (weight * self.potential(group, wings.angle).0).sum()
+            let (wings, angle) = self.wings(x, group);
+            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
+            let weight = square_c / (square_c + self.parameters[group].softening[0]) * square_d
+                / (square_d + self.parameters[group].softening[1]);
+            (weight * self.potential(self.parameters[group].stiffness, angle).0).sum()
         });
         energies.sum()
     }
@@ -245,13 +287,15 @@ impl Law for Creases {
         let (x, p) = (Columns::of(at.positions), Columns::of(p));
         let mut out = ColumnsMut::of(out);
         for group in 0..self.elements.group_count() {
-            let wings = self.wings(x, group);
-            let at_c = scale(wings.length / (wings.square_c + self.softening[0][group]), wings.normal_c);
-            let at_d = scale(wings.length / (wings.square_d + self.softening[1][group]), wings.normal_d);
-            let (at_a, at_b) = wings.balance(at_c, at_d);
+            let wings = self.wings(x, group).0;
+            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
+            let at_c = scale(wings.length / (square_c + self.parameters[group].softening[0]), wings.normal_c);
+            let at_d = scale(wings.length / (square_d + self.parameters[group].softening[1]), wings.normal_d);
+            let at_b = wings.balance(at_c, at_d);
+            let at_a = negate(sum(at_b, sum(at_c, at_d)));
             let [a, b, c, d] = self.elements.read_any(p, group);
             let turn = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
-            let moment = self.stiffness[group] * self.contact_penalty.max(Lanes::all(1.0)) * turn;
+            let moment = self.parameters[group].stiffness * Lanes::all(self.contact_penalty.max(1.0)) * turn;
             let product = [scale(moment, at_a), scale(moment, at_b), scale(moment, at_c), scale(moment, at_d)];
             self.elements.add_any(&mut out, group, product);
         }
@@ -259,7 +303,7 @@ impl Law for Creases {
 
     fn readings(&self, at: Instant<'_>) -> Readings {
         let x = Columns::of(at.positions);
-        let angles = (0..self.elements.group_count()).map(|group| self.wings(x, group).angle);
+        let angles = (0..self.elements.group_count()).map(|group| self.wings(x, group).1);
         Readings::Creases { angle: self.elements.unpack(angles) }
     }
 

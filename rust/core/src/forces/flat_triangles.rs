@@ -4,7 +4,7 @@
 mod tangent;
 
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
+use crate::lanes::{Lanes, Point, Vector, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh;
 use crate::model::Assembly;

@@ -4,6 +4,7 @@ mod air_drag;
 mod bridges;
 mod buckling;
 mod creases;
+mod damped_springs;
 mod flat_triangles;
 mod gravity;
 mod mass_damping;
@@ -18,9 +19,12 @@ use crate::error::Result;
 use crate::model::Assembly;
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
+use spring_damping::SpringDamping;
+use springs::Springs;
 
 pub use air_drag::{AirDragParameters, AirMotion};
 pub use creases::CreaseParameters;
+pub use damped_springs::add_all;
 pub use rotating_frame::Spin;
 pub use spool_contact::SpoolContactParameters;
 pub use spring_damping::DampingParameters;
@@ -71,6 +75,18 @@ pub trait Law: Send + Sync {
     /// What there is to read off each element, in the caller's order.
     fn readings(&self, _at: Instant<'_>) -> Readings {
         Readings::None
+    }
+
+    /// The law as springs, and as dashpots: the two go through one pass where a scene has both.
+    #[doc(hidden)]
+    fn springs(&self) -> Option<&Springs> {
+        None
+    }
+
+    /// See `springs`.
+    #[doc(hidden)]
+    fn dashpots(&self) -> Option<&SpringDamping> {
+        None
     }
 
     /// Share of the law's elements that kernels reach in straight runs; `None` for a law without elements.
@@ -153,13 +169,14 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let spin = spin_of(specs);
     let has_triangles = specs.iter().any(|spec| matches!(spec, LawSpec::Triangles(_)));
+    let nets = damped_springs::Nets::default();
     let mut laws: Vec<Box<dyn Law>> = Vec::new();
     for spec in specs {
         laws.push(match *spec {
-            LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly)?),
+            LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly, &nets)?),
             LawSpec::Triangles(parameters) => Box::new(triangles::Triangles::new(parameters, assembly)?),
             LawSpec::SpringDamping(parameters) => {
-                Box::new(spring_damping::SpringDamping::new(parameters, has_triangles, assembly)?)
+                Box::new(spring_damping::SpringDamping::new(parameters, has_triangles, assembly, &nets)?)
             }
             LawSpec::Creases(parameters) => Box::new(creases::Creases::new(parameters, assembly)?),
             LawSpec::AirDrag(parameters) => Box::new(air_drag::AirDrag::new(parameters, spin, assembly)?),
@@ -170,7 +187,7 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
         });
     }
     if !assembly.model.cords.is_empty() {
-        laws.push(Box::new(springs::Springs::tethers(assembly)));
+        laws.push(Box::new(springs::Springs::tethers(assembly, &nets)));
     }
     if !assembly.model.bridges.is_empty() {
         laws.push(Box::new(bridges::Bridges::new(assembly)));

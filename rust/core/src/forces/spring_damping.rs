@@ -14,16 +14,19 @@
 
 mod tangent;
 
+use std::sync::Arc;
+
 use super::Law;
+use super::damped_springs::Nets;
 use super::triangle_damping::TriangleDamping;
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
-use crate::lanes::{Lanes, dot, negate, scale, sub};
-use crate::layout::{BATCH, Elements};
+use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
+use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::width::{Kernel, Width};
 
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,58 +44,111 @@ impl From<f64> for DampingParameters {
     }
 }
 
-/// The law: one dashpot per spring, eight to a group.
-pub(super) struct SpringDamping {
-    elements: Elements<2>,
-    /// c [N s/m].
-    coefficient: Vec<Lanes>,
+/// The law: a dashpot along each spring of each net, or damping of the film itself.
+pub struct SpringDamping {
+    nets: Vec<Dashpots>,
     /// Damping of the film where it is no net of springs.
     film: Option<TriangleDamping>,
     width: Width,
 }
 
+/// The dashpots of the film or of the tethers, eight to a group.
+pub(super) struct Dashpots {
+    /// The law of these springs.
+    pub(super) springs: &'static str,
+    elements: Arc<Elements<2>>,
+    /// c [N s/m].
+    pub(super) coefficient: Vec<Lanes>,
+}
+
+impl Dashpots {
+    /// `mass` is that of each dashpot; without it, half of what its two nodes have.
+    fn new(
+        springs: &'static str,
+        elements: Arc<Elements<2>>,
+        pairs: &[([u32; 2], f64)],
+        ratio: f64,
+        mass: Option<f64>,
+        assembly: &Assembly,
+    ) -> Result<Self> {
+        if let Some(&(edge, stiffness)) = pairs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
+            return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
+        }
+        let coefficient = elements.pack(0.0, |row| {
+            let (nodes, stiffness) = pairs[row];
+            let [i, j] = assembly.layout.inward(nodes).map(|node| assembly.masses[node as usize]);
+            2.0 * ratio * (stiffness * mass.unwrap_or(0.5 * (i + j))).sqrt()
+        });
+        Ok(Self { springs, elements, coefficient })
+    }
+}
+
+/// What dashpots pull with, over their length \[N/m\], from the speed times length at which they open and the inverse square of
+/// that length.
+#[inline(always)]
+pub(super) fn pull<V: Vector>(coefficient: &Lanes, opening: V, inverse_square: V) -> V {
+    V::load(coefficient) * opening * inverse_square
+}
+
 impl SpringDamping {
-    pub(super) fn new(parameters: DampingParameters, has_triangles: bool, assembly: &Assembly) -> Result<Self> {
+    pub(super) fn new(
+        parameters: DampingParameters,
+        has_triangles: bool,
+        assembly: &Assembly,
+        nets: &Nets,
+    ) -> Result<Self> {
         let DampingParameters { ratio, length } = parameters;
         non_negative("damping ratio", ratio)?;
         if let Some(length) = length {
             positive("length of the damping [m]", length)?;
         }
-        let edges = if has_triangles { &[] } else { &assembly.mesh.edges[..] };
-        let film = edges.iter().copied().zip(assembly.edge_stiffness.iter().copied());
-        let springs: Vec<_> =
-            film.chain(assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness))).collect();
-        if let Some(&(edge, stiffness)) = springs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
-            return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
+        let mut found = Vec::new();
+        if !has_triangles {
+            let edges: Vec<_> =
+                assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied()).collect();
+            let square = assembly.square_of_film(length);
+            found.push(Dashpots::new("springs", nets.film(assembly), &edges, ratio, square, assembly)?);
         }
-        let pairs = assembly.layout.inward_pairs(springs.iter().map(|(nodes, _)| *nodes));
-        let elements = Elements::new(&pairs, assembly.masses.len());
-        let square = assembly.square_of_film(length);
-        let coefficient = elements.pack(0.0, |row| {
-            let [i, j] = pairs[row].map(|node| assembly.masses[node as usize]);
-            let mass = square.filter(|_| row < edges.len()).unwrap_or(0.5 * (i + j));
-            2.0 * ratio * (springs[row].1 * mass).sqrt()
-        });
+        if !assembly.model.cords.is_empty() {
+            let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness)).collect();
+            found.push(Dashpots::new("tethers", nets.cords(assembly), &cords, ratio, None, assembly)?);
+        }
         let film = if has_triangles { Some(TriangleDamping::new(parameters, assembly)?) } else { None };
-        Ok(Self { elements, coefficient, film, width: assembly.width })
+        Ok(Self { nets: found, film, width: assembly.width })
     }
 
-    fn resist(&self, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
-        let by_film = self.film.as_ref().map_or(0.0, |film| film.resist(x, v, out, sign));
-        by_film
-            + self.width.run(Resist {
-                damping: self,
+    /// The dashpots along the springs of this law.
+    pub(super) fn along(&self, springs: &str) -> Option<&Dashpots> {
+        self.nets.iter().find(|dashpots| dashpots.springs == springs)
+    }
+
+    /// Adds -sign C v to `out`, and gives the power of -C v on v; without the nets of springs
+    /// that are `done`.
+    pub(super) fn resist(
+        &self,
+        x: &Vectors,
+        v: &Vectors,
+        out: &mut Vectors,
+        sign: f64,
+        is_done: impl Fn(&str) -> bool,
+    ) -> f64 {
+        let mut power = self.film.as_ref().map_or(0.0, |film| film.resist(x, v, out, sign));
+        for dashpots in self.nets.iter().filter(|dashpots| !is_done(dashpots.springs)) {
+            power += self.width.run_kernel(Resist {
+                dashpots,
                 positions: Columns::of(x),
                 velocities: Columns::of(v),
                 out: ColumnsMut::of(out),
                 sign,
-            })
+            });
+        }
+        power
     }
 }
 
 /// Adds -sign C v to `out`, and gives the power of -C v on v.
 struct Resist<'a> {
-    damping: &'a SpringDamping,
+    dashpots: &'a Dashpots,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     out: ColumnsMut<'a>,
@@ -101,33 +157,31 @@ struct Resist<'a> {
 
 impl Resist<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) -> Lanes {
-        let SpringDamping { elements, coefficient, .. } = self.damping;
-        let mut power = Lanes::ZERO;
-        for batch in elements.batches::<LOOSE>() {
-            let mut powers = [Lanes::ZERO; BATCH];
-            for (group, power) in batch.zip(&mut powers) {
-                let [a, b] = elements.read::<LOOSE>(self.positions, group);
-                let [u, v] = elements.read::<LOOSE>(self.velocities, group);
-                let d = sub(b, a);
-                let closing = dot(d, sub(v, u));
-                let pull = coefficient[group] * closing / dot(d, d).max(Lanes::all(f64::MIN_POSITIVE));
-                *power = -(pull * closing);
-                let force = scale(Lanes::all(self.sign) * pull, d);
-                elements.add::<LOOSE>(&mut self.out, group, [force, negate(force)]);
-            }
-            powers.iter().for_each(|&of_group| power += of_group);
+    fn part<V: Vector, const LOOSE: bool>(&mut self) -> V {
+        let pass = self.dashpots.elements.pass::<LOOSE>(self.positions.rows());
+        let coefficient = pass.of(&self.dashpots.coefficient);
+        let mut power = V::zero();
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V>(self.positions, group);
+            let [u, v] = pass.read::<V>(self.velocities, group);
+            let d = sub(b, a);
+            let opening = dot(d, sub(v, u));
+            let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
+            let pull = pull(&coefficient[group], opening, inverse_square);
+            power -= pull * opening;
+            let force = scale(V::all(self.sign) * pull, d);
+            pass.add(&mut self.out, group, [force, negate(force)]);
         }
         power
     }
 }
 
-impl Sweep for Resist<'_> {
+impl Kernel for Resist<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn sweep(mut self) -> f64 {
-        (self.part::<false>() + self.part::<true>()).sum()
+    fn sweep<V: Vector>(mut self) -> f64 {
+        (self.part::<V, false>() + self.part::<V, true>()).lanes().sum()
     }
 }
 
@@ -141,18 +195,24 @@ impl Law for SpringDamping {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.resist(at.positions, at.velocities, forces, 1.0)
+        self.resist(at.positions, at.velocities, forces, 1.0, |_| false)
     }
 
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        self.resist(at.positions, p, out, -1.0);
+        self.resist(at.positions, p, out, -1.0, |_| false);
+    }
+
+    fn dashpots(&self) -> Option<&SpringDamping> {
+        Some(self)
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
         if let Some(film) = &self.film {
             film.nodes(visit);
         }
-        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+        for dashpots in &self.nets {
+            dashpots.elements.each().for_each(|(.., nodes)| visit(&nodes));
+        }
     }
 
     fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
@@ -160,8 +220,8 @@ impl Law for SpringDamping {
     }
 
     fn share_in_runs(&self) -> Option<f64> {
-        let elements = self.elements.share_in_runs();
-        Some(self.film.as_ref().map_or(elements, TriangleDamping::share_in_runs))
+        let film = self.film.as_ref().map(TriangleDamping::share_in_runs);
+        film.or_else(|| self.nets.first().map(|dashpots| dashpots.elements.share_in_runs()))
     }
 
     fn cure(&self) -> &'static str {

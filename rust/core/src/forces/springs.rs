@@ -15,19 +15,22 @@
 
 mod tangent;
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::buckling::Buckling;
+use super::damped_springs::Nets;
 use super::{Excess, Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
-use crate::lanes::{Lanes, Point, dot, negate, scale, sub, sum};
+use crate::lanes::{Lanes, Point, Vector, dot, negate, scale, sub, sum};
 use crate::layout::Elements;
 use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::width::{Kernel, Width};
 
 /// Parameters of the membrane's springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +50,6 @@ pub struct SpringParameters {
 /// One spring, before it is arranged.
 #[derive(Debug, Clone, Copy)]
 struct Spring {
-    nodes: [u32; 2],
     stiffness: f64,
     rest_length: f64,
     critical_length: f64,
@@ -55,16 +57,34 @@ struct Spring {
 }
 
 /// The law: a set of springs and what they are called. One entry per group of eight.
-pub(super) struct Springs {
-    name: &'static str,
-    elements: Elements<2>,
-    stiffness: Vec<Lanes>,
-    rest_length: Vec<Lanes>,
-    critical_length: Vec<Lanes>,
+pub struct Springs {
+    pub(super) name: &'static str,
+    pub(super) elements: Arc<Elements<2>>,
+    pub(super) parameters: Vec<Parameters>,
     strain_limit: Vec<Lanes>,
     /// Whether any constant is negative.
     has_negative: bool,
-    width: Width,
+    pub(super) width: Width,
+}
+
+/// What the pull of a group of eight springs depends on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Parameters {
+    stiffness: Lanes,
+    rest_length: Lanes,
+    critical_length: Lanes,
+}
+
+impl Parameters {
+    /// What springs of length `l` pull with, over their length \[N/m\], and the inverse of that length \[1/m\]. A spring of no
+    /// length has no direction: its force fades out over the last 1e-12 of its rest length.
+    #[inline(always)]
+    pub(super) fn pull<V: Vector>(&self, l: V) -> (V, V) {
+        let rest_length = V::load(&self.rest_length);
+        let tension = V::load(&self.stiffness) * (l.max(V::load(&self.critical_length)) - rest_length);
+        let inverse = V::all(1.0) / l.max(V::all(1e-12) * rest_length);
+        (tension * inverse, inverse)
+    }
 }
 
 impl Mesh {
@@ -95,50 +115,47 @@ impl Mesh {
 
 impl Springs {
     /// The springs of the film.
-    pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly) -> Result<Self> {
+    pub(super) fn membrane(parameters: SpringParameters, assembly: &Assembly, nets: &Nets) -> Result<Self> {
         let SpringParameters { buckling, buckling_on_creases, buckling_length, crease_length, strain_limit } =
             parameters;
         positive("strain limit of the springs", strain_limit)?;
         let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
         let buckling = Buckling { parameter, on_creases, length, crease_length };
         let shortenings = buckling.shortenings(assembly)?;
-        let springs = assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(shortenings);
-        let springs = springs.map(|((&nodes, &stiffness), (rest_length, shortening))| Spring {
-            nodes,
+        let springs = assembly.edge_stiffness.iter().zip(shortenings);
+        let springs = springs.map(|(&stiffness, (rest_length, shortening))| Spring {
             stiffness,
             rest_length,
             critical_length: rest_length - shortening,
             strain_limit,
         });
-        Ok(Self::arranged("springs", &springs.collect::<Vec<_>>(), assembly))
+        Ok(Self::arranged("springs", nets.film(assembly), &springs.collect::<Vec<_>>(), assembly.width))
     }
 
     /// The tethers.
-    pub(super) fn tethers(assembly: &Assembly) -> Self {
+    pub(super) fn tethers(assembly: &Assembly, nets: &Nets) -> Self {
         let cords = assembly.model.cords.iter().map(|cord| Spring {
-            nodes: cord.nodes,
             stiffness: cord.stiffness,
             rest_length: cord.rest_length,
             critical_length: cord.rest_length,
             strain_limit: cord.strain_limit,
         });
-        Self::arranged("tethers", &cords.collect::<Vec<_>>(), assembly)
+        Self::arranged("tethers", nets.cords(assembly), &cords.collect::<Vec<_>>(), assembly.width)
     }
 
-    fn arranged(name: &'static str, springs: &[Spring], assembly: &Assembly) -> Self {
-        let elements = Elements::new(
-            &assembly.layout.inward_pairs(springs.iter().map(|spring| spring.nodes)),
-            assembly.masses.len(),
-        );
+    fn arranged(name: &'static str, elements: Arc<Elements<2>>, springs: &[Spring], width: Width) -> Self {
+        let stiffness = elements.pack(0.0, |row| springs[row].stiffness).into_iter();
+        let rest_length = elements.pack(1.0, |row| springs[row].rest_length);
+        let critical_length = elements.pack(1.0, |row| springs[row].critical_length);
+        let parameters =
+            |((stiffness, rest_length), critical_length)| Parameters { stiffness, rest_length, critical_length };
         Self {
             name,
-            stiffness: elements.pack(0.0, |row| springs[row].stiffness),
-            rest_length: elements.pack(1.0, |row| springs[row].rest_length),
-            critical_length: elements.pack(1.0, |row| springs[row].critical_length),
+            parameters: stiffness.zip(rest_length).zip(critical_length).map(parameters).collect(),
             strain_limit: elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
             elements,
             has_negative: springs.iter().any(|spring| spring.stiffness < 0.0),
-            width: assembly.width,
+            width,
         }
     }
 
@@ -164,28 +181,25 @@ struct Pull<'a> {
 
 impl Pull<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) {
-        let Springs { elements, stiffness, rest_length, critical_length, .. } = self.springs;
-        for group in elements.groups::<LOOSE>() {
-            let [a, b] = elements.read::<LOOSE>(self.positions, group);
+    fn part<V: Vector, const LOOSE: bool>(&mut self) {
+        let pass = self.springs.elements.pass::<LOOSE>(self.positions.rows());
+        let parameters = pass.of(&self.springs.parameters);
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V>(self.positions, group);
             let d = sub(b, a);
-            let l = dot(d, d).sqrt();
-            let rest = rest_length[group];
-            let tension = stiffness[group] * (l.max(critical_length[group]) - rest);
-            // A spring of no length has no direction: its force fades out over the last 1e-12 of its rest length.
-            let pull = scale(tension / l.max(Lanes::all(1e-12) * rest), d);
-            elements.add::<LOOSE>(&mut self.forces, group, [pull, negate(pull)]);
+            let pull = scale(parameters[group].pull(dot(d, d).sqrt()).0, d);
+            pass.add(&mut self.forces, group, [pull, negate(pull)]);
         }
     }
 }
 
-impl Sweep for Pull<'_> {
+impl Kernel for Pull<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn sweep(mut self) {
-        self.part::<false>();
-        self.part::<true>();
+    fn sweep<V: Vector>(mut self) {
+        self.part::<V, false>();
+        self.part::<V, true>();
     }
 }
 
@@ -199,16 +213,20 @@ impl Law for Springs {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Pull { springs: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
+        self.width.run_kernel(Pull {
+            springs: self,
+            positions: Columns::of(at.positions),
+            forces: ColumnsMut::of(forces),
+        });
         0.0
     }
 
     /// The integral of the tension from the rest length.
     fn energy(&self, at: Instant<'_>) -> f64 {
         let energies = self.groups(at, |group, l| {
-            let held = l.max(self.critical_length[group]);
-            let stretch = held - self.rest_length[group];
-            (self.stiffness[group] * stretch * (Lanes::all(0.5) * stretch + (l - held))).sum()
+            let held = l.max(self.parameters[group].critical_length);
+            let stretch = held - self.parameters[group].rest_length;
+            (self.parameters[group].stiffness * stretch * (Lanes::all(0.5) * stretch + (l - held))).sum()
         });
         energies.sum()
     }
@@ -221,9 +239,10 @@ impl Law for Springs {
             let (d, l) = self.span(x, group);
             let [a, b] = self.elements.read_any(p, group);
             let moved = sub(b, a);
-            let k = self.stiffness[group];
+            let k = self.parameters[group].stiffness;
             let stretch = dot(d, moved) / (l * l).max(Lanes::all(f64::MIN_POSITIVE));
-            let stretched = (l - self.rest_length[group]).max(Lanes::ZERO) / l.max(Lanes::all(f64::MIN_POSITIVE));
+            let stretched =
+                (l - self.parameters[group].rest_length).max(Lanes::ZERO) / l.max(Lanes::all(f64::MIN_POSITIVE));
             let across = k * stretched;
             let pull = sum(scale((k - across) * stretch, d), scale(across, moved));
             self.elements.add_any(&mut out, group, [negate(pull), pull]);
@@ -232,7 +251,7 @@ impl Law for Springs {
 
     fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
         let mut excesses = self.groups(at, |group, l| {
-            let [rest, limit] = [self.rest_length[group], self.strain_limit[group]];
+            let [rest, limit] = [self.parameters[group].rest_length, self.strain_limit[group]];
             let lane = (0..l.0.len()).find(|&lane| l.0[lane] > rest.0[lane] * (1.0 + limit.0[lane]))?;
             let (percent, bound) = (100.0 * (l.0[lane] / rest.0[lane] - 1.0), 100.0 * limit.0[lane]);
             let length = rest.0[lane];
@@ -244,8 +263,9 @@ impl Law for Springs {
     }
 
     fn readings(&self, at: Instant<'_>) -> Readings {
-        let strain = self.groups(at, |group, l| l / self.rest_length[group] - Lanes::all(1.0));
-        let buckled = self.groups(at, |group, l| l.below(self.critical_length[group], Lanes::all(1.0), Lanes::ZERO));
+        let strain = self.groups(at, |group, l| l / self.parameters[group].rest_length - Lanes::all(1.0));
+        let buckled =
+            self.groups(at, |group, l| l.below(self.parameters[group].critical_length, Lanes::all(1.0), Lanes::ZERO));
         let buckled = self.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
         Readings::Springs { strain: self.elements.unpack(strain), buckled }
     }
@@ -256,6 +276,10 @@ impl Law for Springs {
 
     fn add_slopes(&self, at: Instant<'_>, slopes: &mut dyn Slopes) {
         self.slopes(at, slopes);
+    }
+
+    fn springs(&self) -> Option<&Springs> {
+        Some(self)
     }
 
     fn share_in_runs(&self) -> Option<f64> {

@@ -14,7 +14,7 @@ use super::DampingParameters;
 use super::flat_triangles::{Flat, strain_rate};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Vector};
 use crate::layout::BATCH;
 use crate::model::Assembly;
 use crate::state::Vectors;
@@ -73,11 +73,13 @@ impl Resist<'_> {
     fn part<const LOOSE: bool>(&mut self) -> Lanes {
         let TriangleDamping { flat, time, .. } = self.damping;
         let mut power = Lanes::ZERO;
-        for batch in flat.elements.batches::<LOOSE>() {
+        let pass = flat.elements.pass::<LOOSE>(self.positions.rows());
+        for batch in pass.batches() {
             let mut powers = [Lanes::ZERO; BATCH];
-            for (group, power) in batch.zip(&mut powers) {
-                let f = flat.gradient(group, flat.elements.read::<LOOSE>(self.positions, group));
-                let velocities = flat.elements.read::<LOOSE>(self.velocities, group);
+            for (place, power) in batch.zip(&mut powers) {
+                let group = pass.place(place);
+                let f = flat.gradient(group, pass.read(self.positions, place));
+                let velocities = pass.read(self.velocities, place);
                 let rate = strain_rate(f, flat.gradient(group, velocities));
                 let eta = time[group];
                 let s = flat.stress(rate);
@@ -86,7 +88,7 @@ impl Resist<'_> {
                 *power = -(flat.stiffness[group] * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12));
                 let sign = Lanes::all(self.sign);
                 let pull = flat.pull(group, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
-                flat.elements.add::<LOOSE>(&mut self.out, group, pull);
+                pass.add(&mut self.out, place, pull);
             }
             powers.iter().for_each(|&of_group| power += of_group);
         }

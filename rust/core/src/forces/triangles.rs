@@ -35,7 +35,7 @@ use super::flat_triangles::{Corners, Flat, Tensor, strain, strain_rate};
 use super::{Excess, Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, negate};
+use crate::lanes::{Lanes, Point, Vector, negate};
 use crate::model::{Assembly, positive, within};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
@@ -174,10 +174,12 @@ impl Pull<'_> {
     #[inline(always)]
     fn part<const LOOSE: bool>(&mut self) {
         let Triangles { flat, .. } = self.triangles;
-        for group in flat.elements.groups::<LOOSE>() {
-            let gradient = flat.gradient(group, flat.elements.read::<LOOSE>(self.positions, group));
+        let pass = flat.elements.pass::<LOOSE>(self.positions.rows());
+        for place in 0..pass.len() {
+            let group = pass.place(place);
+            let gradient = flat.gradient(group, pass.read(self.positions, place));
             let pull = flat.pull(group, gradient, self.triangles.stress(group, strain(gradient)));
-            flat.elements.add::<LOOSE>(&mut self.forces, group, pull);
+            pass.add(&mut self.forces, place, pull);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Models that the tests share.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+pub mod sail;
+
 use membrane_core::forces::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
     TriangleParameters,

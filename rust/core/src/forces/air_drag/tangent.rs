@@ -17,7 +17,7 @@ impl AirDrag {
         for (group, lane, nodes) in self.elements.each() {
             let r = nodes.map(|node| at(instant.positions, node));
             let (to_b, to_c) = (r[1] - r[0], r[2] - r[0]);
-            let (normal, factor) = (to_b.cross(&to_c), self.factor[group].0[lane]);
+            let (normal, factor) = (to_b.cross(&to_c), self.factor * self.presence[group].0[lane]);
             for k in 0..3 {
                 let wind = at(instant.velocities, nodes[k]) + turning * r[k];
                 let flow = normal.dot(&wind);

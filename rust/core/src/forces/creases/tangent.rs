@@ -13,7 +13,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::Creases;
+use super::{Creases, Parameters};
 use crate::lanes::Lanes;
 use crate::slopes::{Slopes, at, crossing, of_differences};
 use crate::state::Instant;
@@ -82,7 +82,7 @@ impl Creases {
         let mut last = (usize::MAX, Lanes::ZERO);
         for (group, lane, nodes) in self.elements.each() {
             if last.0 != group {
-                last = (group, self.wings(x, group).angle);
+                last = (group, self.wings(x, group).1);
             }
             let corners = nodes.map(|node| at(instant.positions, node));
             let hessian = self.hessian(group, lane, last.1, corners);
@@ -91,10 +91,11 @@ impl Creases {
     }
 
     fn hessian(&self, group: usize, lane: usize, angles: Lanes, [a, b, c, d]: [Vector3<f64>; 4]) -> Square {
-        let (energy, moment) = self.potential(group, angles);
+        let Parameters { sign, stiffness, softening } = self.parameters[group];
+        let (energy, moment) = self.potential(stiffness, angles);
         let [energy, moment, angle] = [energy, moment, angles].map(|lanes| lanes.0[lane]);
-        let gamma = if angle < 0.0 { self.contact_penalty.0[lane] } else { 1.0 };
-        let (sign, curvature) = (self.sign[group].0[lane], self.stiffness[group].0[lane] * gamma);
+        let gamma = if angle < 0.0 { self.contact_penalty } else { 1.0 };
+        let (sign, curvature) = (sign.0[lane], stiffness.0[lane] * gamma);
         let e = b - a;
         let wings = [c - a, d - a];
         // theta = pi - sign (f_C - f_D).
@@ -102,7 +103,7 @@ impl Creases {
         let (turn, bend) = ((of_d.0 - of_c.0) * sign, (of_d.1 - of_c.1) * sign);
         let [weight_c, weight_d] = [0, 1].map(|wing| {
             let (gradient, hessian) = Jet::square(&e, &wings[wing]).lift(wing);
-            let (q, s) = (e.cross(&wings[wing]).norm_squared(), self.softening[wing][group].0[lane]);
+            let (q, s) = (e.cross(&wings[wing]).norm_squared(), softening[wing].0[lane]);
             let share = 1.0 / (q + s).max(LEAST);
             let (first, second) = (s * share * share, -2.0 * s * share * share * share);
             (q * share, gradient * first, gradient * gradient.transpose() * second + hessian * first)

@@ -12,12 +12,13 @@ impl SpringDamping {
         if let Some(film) = &self.film {
             film.slopes(instant, slopes);
         }
-        for (group, lane, nodes) in self.elements.each() {
+        let dashpots = self.nets.iter().flat_map(|net| net.elements.each().map(move |place| (net, place)));
+        for (net, (group, lane, nodes)) in dashpots {
             let [i, j] = nodes;
             let d = at(instant.positions, j) - at(instant.positions, i);
             let w = at(instant.velocities, j) - at(instant.velocities, i);
             let square = d.norm_squared().max(f64::MIN_POSITIVE);
-            let factor = self.coefficient[group].0[lane] / square;
+            let factor = net.coefficient[group].0[lane] / square;
             let (outer, closing) = (d * d.transpose(), d.dot(&w));
             of_link(nodes, &(outer * factor), |i, j, block| slopes.by_velocity(i, j, block));
             let turned = Block::identity() * closing - outer * (2.0 * closing / square);

@@ -5,7 +5,7 @@
 //! N' = k, and 0 below the critical length, where only the second, geometric part is left: below zero in a buckled
 //! spring, none in a slack tether.
 
-use super::Springs;
+use super::{Parameters, Springs};
 use crate::slopes::{Block, Slopes, at, of_link};
 use crate::state::Instant;
 
@@ -13,8 +13,8 @@ impl Springs {
     pub(super) fn slopes(&self, instant: Instant<'_>, slopes: &mut dyn Slopes) {
         for (group, lane, nodes) in self.elements.each() {
             let d = at(instant.positions, nodes[1]) - at(instant.positions, nodes[0]);
-            let [k, rest, critical] =
-                [&self.stiffness, &self.rest_length, &self.critical_length].map(|values| values[group].0[lane]);
+            let Parameters { stiffness, rest_length, critical_length } = self.parameters[group];
+            let [k, rest, critical] = [stiffness, rest_length, critical_length].map(|values| values.0[lane]);
             let l = d.norm();
             let tension = k * (l.max(critical) - rest);
             // As in the force: the direction fades out over the last 1e-12 of the rest length.

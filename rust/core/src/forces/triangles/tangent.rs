@@ -7,7 +7,7 @@
 use nalgebra::Matrix3;
 
 use super::{Triangles, Wrinkles};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Vector};
 use crate::slopes::{Slopes, at, of_differences};
 use crate::state::Instant;
 

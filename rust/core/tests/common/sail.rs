@@ -1,0 +1,144 @@
+//! The square sail of model 1 as the core sees it, at any fineness: what `membrane_rs.folding.SquareSail` makes in its
+//! layout "ruled", node for node, but leaning a little in place of stowed; tethers and laws as in the built-in scene.
+
+use super::{Dice, FILM};
+use membrane_core::forces::{
+    AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
+};
+use membrane_core::model::{Cord, Model};
+use std::f64::consts::TAU;
+
+/// Half the inner and half the outer width [m].
+const INNER: f64 = 0.0515;
+const OUTER: f64 = 0.2275;
+/// Strips of each petal; rows of cells in each, and cells along the inner edge, at fineness 1.
+const STRIPS: usize = 8;
+const ROWS: usize = 2;
+const COLUMNS: usize = 11;
+/// How far a strip leans out of the plane [rad].
+const LEAN: f64 = 0.2;
+/// Pieces of each tether, and the radius of the spool [m].
+const SEGMENTS: usize = 19;
+const SPOOL: f64 = 0.025;
+/// Tension of a unit strain [N], and mass of a metre [kg/m].
+const TETHER: (f64, f64) = (17.0, 1.004e-4);
+const TIP_MASS: f64 = 0.36e-3;
+
+/// Nodes of the sail's mesh at a fineness.
+pub fn node_count(fineness: usize) -> usize {
+    let rows = STRIPS * ROWS * fineness;
+    4 * (rows + 1) * (COLUMNS * fineness + rows)
+}
+
+/// The sail with cells `fineness` times as fine as those of model 1, crumpled by a hundredth of a cell, and in motion.
+pub fn sail(fineness: usize) -> Model {
+    let (rows, columns) = (STRIPS * ROWS * fineness, COLUMNS * fineness);
+    let distance = |row: usize| INNER + (OUTER - INNER) * row as f64 / rows as f64;
+    // The first node of each row lies on the diagonal and belongs to the petal before.
+    let size = node_count(fineness) / 4;
+    let before = |row: usize| row * columns + row * row.saturating_sub(1);
+    let node = |petal: usize, row: usize, column: usize| {
+        let (petal, column) = if column == 0 { ((petal + 3) % 4, columns + 2 * row) } else { (petal, column) };
+        (petal * size + before(row) + column - 1) as u32
+    };
+    let mut model = Model { film: Some(FILM), ..Model::default() };
+    let cell = (OUTER - INNER) / rows as f64;
+    let mut dice = Dice(1);
+    for petal in 0..4 {
+        let turned = |[x, y, z]: [f64; 3]| [[x, y, z], [-y, x, z], [-x, -y, z], [y, -x, z]][petal];
+        for row in 0..=rows {
+            let x = distance(row);
+            let strip = rows / STRIPS;
+            let height = strip.abs_diff((row + strip) % (2 * strip)) as f64 * cell * LEAN.sin();
+            let closer = (INNER + (x - INNER) * LEAN.cos()) / x;
+            for column in 1..=columns + 2 * row {
+                let y = if column <= row {
+                    -distance(row - column)
+                } else if column < row + columns {
+                    INNER * (2.0 * (column - row) as f64 / columns as f64 - 1.0)
+                } else {
+                    distance(column - row - columns)
+                };
+                let [dx, dy, dz] = [0, 1, 2].map(|_| 0.01 * cell * dice.roll());
+                model.reference.push(turned([x, y, 0.0]));
+                model.positions.push(turned([closer * x + dx, closer * y + dy, height + dz]));
+            }
+        }
+        for row in 0..rows {
+            let count = columns + 2 * row;
+            let (low, high) = (|c| node(petal, row, c), |c| node(petal, row + 1, c));
+            for c in 0..count {
+                let [a, b, d, e] = [low(c), low(c + 1), high(c + 1), high(c + 2)];
+                // Diagonals alternate, counted from the nearer slanted side.
+                let is_flipped = if c < count.div_ceil(2) { c % 2 == 1 } else { (count + 1 - c).is_multiple_of(2) };
+                model.triangles.extend(if is_flipped { [[a, d, b], [b, d, e]] } else { [[a, d, e], [a, e, b]] });
+            }
+            model.triangles.extend([[low(0), high(0), high(1)], [low(count), high(count + 1), high(count + 2)]]);
+        }
+        for line in 1..STRIPS {
+            let row = line * rows / STRIPS;
+            for column in 0..columns + 2 * row {
+                model.creases.push([node(petal, row, column), node(petal, row, column + 1)]);
+                model.fold_signs.push(if line % 2 == 0 { 1.0 } else { -1.0 });
+            }
+        }
+    }
+    model.extra_masses = vec![0.0; model.positions.len()];
+    for petal in 0..4 {
+        model.extra_masses[node(petal, rows, columns + 2 * rows) as usize] = TIP_MASS;
+    }
+    add_tethers(&mut model, [0, 1, 2, 3].map(|petal| node(petal, 0, columns)));
+    model.velocities = Dice(2).vectors(model.positions.len(), 0.2);
+    model
+}
+
+/// Tethers from the spool to the inner corners.
+fn add_tethers(model: &mut Model, corners: [u32; 4]) {
+    let rest_length = (2.0_f64.sqrt() * INNER - SPOOL) / SEGMENTS as f64;
+    for corner in corners {
+        let mut last = corner;
+        let end = model.positions[corner as usize];
+        let radius = end[0].hypot(end[1]);
+        for segment in 1..=SEGMENTS {
+            let at = segment as f64 / SEGMENTS as f64;
+            let closer = 1.0 - at * (1.0 - SPOOL / radius);
+            let next = model.positions.len() as u32;
+            model.positions.push([closer * end[0], closer * end[1], (1.0 - at) * end[2]]);
+            let (stiffness, strain_limit) = (TETHER.0 / rest_length, 1e9);
+            model.cords.push(Cord { nodes: [last, next], stiffness, rest_length, strain_limit });
+            model.extra_masses.push(TETHER.1 * rest_length);
+            model.contact_nodes.push(next);
+            last = next;
+        }
+        model.fixed.push(last);
+    }
+}
+
+/// The laws of model 1, with no bound on the strain of springs.
+pub fn laws() -> Vec<LawSpec> {
+    vec![
+        LawSpec::Springs(SpringParameters {
+            buckling: 100.0,
+            buckling_on_creases: 1000.0,
+            buckling_length: None,
+            crease_length: None,
+            strain_limit: 1e9,
+        }),
+        LawSpec::SpringDamping(0.02.into()),
+        LawSpec::Creases(CreaseParameters {
+            stiffness: 10.0,
+            contact_penalty: 100.0,
+            natural_angle: 0.0,
+            length_scale: None,
+            collapse: 0.05,
+        }),
+        LawSpec::AirDrag(AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still }),
+        LawSpec::Spin(Spin { rate: 3.0 * TAU, acceleration: 0.0 }),
+        LawSpec::SpoolContact(SpoolContactParameters {
+            radius: SPOOL,
+            stiffness: 200.0,
+            half_height: None,
+            membrane: false,
+        }),
+    ]
+}

@@ -1,0 +1,155 @@
+//! The forces of model 1 by plain loops over index pairs, in the caller's numbering: what the kernels must agree with, and
+//! what their times are compared to.
+//!
+//! Scalar code as one writes it first, with some care: vectors of three side by side, the parameters of an element
+//! together, a spring and its dashpot in one pass, nothing worked out twice. It shares no arithmetic with the kernels.
+#![allow(dead_code, missing_docs, unreachable_pub)]
+
+mod creases;
+mod drag;
+mod springs;
+
+use membrane_core::forces::LawSpec;
+use membrane_core::model::Assembly;
+
+pub type Vector = [f64; 3];
+
+#[inline]
+pub fn sub(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+pub fn scale(s: f64, a: Vector) -> Vector {
+    [s * a[0], s * a[1], s * a[2]]
+}
+
+#[inline]
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline]
+pub fn add(to: &mut Vector, s: f64, a: Vector) {
+    for axis in 0..3 {
+        to[axis] += s * a[axis];
+    }
+}
+
+/// Where nodes are, how they move, and what acts on them.
+pub struct Motion {
+    pub positions: Vec<Vector>,
+    pub velocities: Vec<Vector>,
+    pub forces: Vec<Vector>,
+}
+
+/// A scene of springs, dashpots, creases, drag, a turning frame, tethers and a spool.
+pub struct Oracle {
+    pub springs: Vec<springs::Spring>,
+    pub creases: Vec<creases::Crease>,
+    pub crease_parameters: creases::Parameters,
+    pub triangles: Vec<[u32; 3]>,
+    pub masses: Vec<f64>,
+    /// rho_air / 12, and how fast the frame turns against the air.
+    pub drag: (f64, f64),
+    /// Omega and Omega'.
+    pub spin: (f64, f64),
+    /// Radius, stiffness, and the nodes.
+    pub spool: (f64, f64),
+    pub contact_nodes: Vec<u32>,
+}
+
+/// The parts of an evaluation, by the names of the laws that each stands for.
+pub type Part = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
+
+impl Oracle {
+    pub const PARTS: [Part; 5] = [
+        ("springs, tethers and dashpots", &["springs", "tethers", "spring_damping"], Self::pull),
+        ("creases", &["creases"], Self::fold),
+        ("drag", &["air_drag"], Self::resist),
+        ("frame", &["spin"], Self::turn),
+        ("spool", &["spool_contact"], Self::push),
+    ];
+
+    /// The same scene as the kernels'; its air is at rest.
+    pub fn new(laws: &[LawSpec], assembly: &Assembly) -> Self {
+        let model = &assembly.model;
+        let masses = assembly.layout.scatter(&assembly.masses);
+        let mut oracle = Self {
+            springs: Vec::new(),
+            creases: Vec::new(),
+            crease_parameters: creases::Parameters::default(),
+            triangles: Vec::new(),
+            drag: (0.0, 0.0),
+            spin: (0.0, 0.0),
+            spool: (0.0, 0.0),
+            contact_nodes: model.contact_nodes.clone(),
+            masses,
+        };
+        let mut damping = 0.0;
+        for law in laws {
+            match law {
+                LawSpec::Springs(parameters) => oracle.springs = springs::film(parameters, assembly),
+                LawSpec::SpringDamping(parameters) => damping = parameters.ratio,
+                LawSpec::Creases(parameters) => {
+                    oracle.crease_parameters = creases::Parameters::of(parameters);
+                    oracle.creases = creases::all(parameters, assembly);
+                }
+                LawSpec::AirDrag(parameters) => {
+                    oracle.drag.0 = parameters.pressure / (287.0 * parameters.temperature) / 12.0;
+                    oracle.triangles.clone_from(&model.triangles);
+                }
+                LawSpec::Spin(spin) => (oracle.spin, oracle.drag.1) = ((spin.rate, spin.acceleration), spin.rate),
+                LawSpec::SpoolContact(parameters) => oracle.spool = (parameters.radius, parameters.stiffness),
+                other => unimplemented!("{other:?}"),
+            }
+        }
+        oracle.springs.extend(model.cords.iter().map(|cord| springs::Spring {
+            nodes: cord.nodes,
+            stiffness: cord.stiffness,
+            rest_length: cord.rest_length,
+            critical_length: cord.rest_length,
+            damping: 0.0,
+        }));
+        for spring in &mut oracle.springs {
+            let [i, j] = spring.nodes.map(|node| oracle.masses[node as usize]);
+            spring.damping = 2.0 * damping * (spring.stiffness * 0.5 * (i + j)).sqrt();
+        }
+        oracle
+    }
+
+    /// All forces, and the power of dashpots and drag.
+    pub fn evaluate(&self, motion: &mut Motion) -> f64 {
+        motion.forces.fill([0.0; 3]);
+        self.pull(motion) + self.fold(motion) + self.resist(motion) + self.turn(motion) + self.push(motion)
+    }
+
+    /// The frame that turns, its acceleration's power left out.
+    fn turn(&self, motion: &mut Motion) -> f64 {
+        let (rate, acceleration) = self.spin;
+        let moving = motion.positions.iter().zip(&motion.velocities).zip(&self.masses);
+        for ((([x, y, _], [u, v, _]), mass), force) in moving.zip(&mut motion.forces) {
+            force[0] += mass * (rate * rate * x + 2.0 * rate * v + acceleration * y);
+            force[1] += mass * (rate * rate * y - 2.0 * rate * u - acceleration * x);
+        }
+        0.0
+    }
+
+    /// An endless spool.
+    fn push(&self, motion: &mut Motion) -> f64 {
+        let (radius, stiffness) = self.spool;
+        for &node in &self.contact_nodes {
+            let [x, y, _] = motion.positions[node as usize];
+            let r = (x * x + y * y).sqrt();
+            if r < radius {
+                add(&mut motion.forces[node as usize], stiffness * (radius - r) / r, [x, y, 0.0]);
+            }
+        }
+        0.0
+    }
+}

@@ -1,0 +1,54 @@
+//! Springs that buckle, and their dashpots.
+
+use std::f64::consts::PI;
+
+use membrane_core::forces::SpringParameters;
+use membrane_core::model::Assembly;
+
+use super::{Motion, Oracle, add, dot, sub};
+
+pub struct Spring {
+    pub nodes: [u32; 2],
+    pub stiffness: f64,
+    pub rest_length: f64,
+    pub critical_length: f64,
+    pub damping: f64,
+}
+
+/// The springs of the film, without dashpots.
+pub fn film(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
+    let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
+    let mut alphas = vec![parameters.buckling; assembly.mesh.edges.len()];
+    for hinge in &assembly.hinges {
+        alphas[hinge.edge as usize] = parameters.buckling_on_creases;
+    }
+    let mut springs = Vec::new();
+    for ((&nodes, &stiffness), alpha) in assembly.mesh.edges.iter().zip(&assembly.edge_stiffness).zip(alphas) {
+        let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+        let rest_length = dot(sub(b, a), sub(b, a)).sqrt();
+        let critical_length = rest_length - alpha * (PI * thickness).powi(2) / (12.0 * rest_length);
+        springs.push(Spring { nodes, stiffness, rest_length, critical_length, damping: 0.0 });
+    }
+    springs
+}
+
+impl Oracle {
+    /// Springs, tethers and dashpots, and the dashpots' power.
+    pub(super) fn pull(&self, motion: &mut Motion) -> f64 {
+        let Motion { positions, velocities, forces } = motion;
+        let mut power = 0.0;
+        for spring in &self.springs {
+            let [i, j] = spring.nodes.map(|node| node as usize);
+            let span = sub(positions[j], positions[i]);
+            let length = dot(span, span).sqrt();
+            let rate = dot(span, sub(velocities[j], velocities[i])) / length;
+            let tension = spring.stiffness * (length.max(spring.critical_length) - spring.rest_length);
+            let drag = spring.damping * rate;
+            power -= drag * rate;
+            let pull = (tension + drag) / length;
+            add(&mut forces[i], pull, span);
+            add(&mut forces[j], -pull, span);
+        }
+        power
+    }
+}

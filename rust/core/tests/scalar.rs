@@ -1,0 +1,107 @@
+//! The kernels against plain scalar loops: the same forces to rounding, in runs and out of them, at every width.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod common;
+mod oracle;
+
+use common::{Dice, sail, sheet};
+use membrane_core::model::{Assembly, Model};
+use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::width::Width;
+use oracle::{Motion, Oracle};
+
+/// A sheet whose nodes are numbered at random, whose diagonals are drawn by lot, without a tenth of its triangles.
+fn unstructured() -> Model {
+    let (columns, rows) = (23, 17);
+    let mut dice = Dice(11);
+    let mut model = sheet(columns, rows, 0.01);
+    let nodes = model.reference.len();
+    for cell in model.triangles.chunks_mut(2) {
+        if dice.roll() < 0.0 {
+            let ([a, b, c], d) = (cell[0], *cell[1].iter().find(|node| !cell[0].contains(node)).unwrap());
+            // A square a, b, c, d or a, b, d with c beyond: the other diagonal of the same corners.
+            let corners = if cell[1].contains(&a) && cell[1].contains(&c) { [a, b, c, d] } else { [b, d, c, a] };
+            let [a, b, c, d] = corners;
+            cell.copy_from_slice(&[[a, b, d], [b, c, d]]);
+        }
+    }
+    model.triangles.retain(|_| dice.roll() < 0.8);
+    for (point, reference) in model.positions.iter_mut().zip(&mut model.reference) {
+        for axis in 0..3 {
+            reference[axis] += if axis < 2 { 1e-3 * dice.roll() } else { 0.0 };
+            point[axis] = reference[axis] + 5e-4 * dice.roll();
+        }
+    }
+    let mut name: Vec<u32> = (0..nodes as u32).collect();
+    (1..nodes).rev().for_each(|k| name.swap(k, ((dice.roll() + 1.0) / 2.0 * (k + 1) as f64) as usize));
+    let renamed = |node: u32| *name.get(node as usize).unwrap_or(&node);
+    let (reference, positions) = (model.reference.clone(), model.positions.clone());
+    for (old, &new) in name.iter().enumerate() {
+        model.reference[new as usize] = reference[old];
+        model.positions[new as usize] = positions[old];
+    }
+    model.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    model.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
+    // Creases wherever two triangles still share an inner edge of a row.
+    let mut creases: Vec<[u32; 2]> = model.creases.iter().map(|pair| pair.map(renamed)).collect();
+    creases
+        .retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
+    model.fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
+    model.creases = creases;
+    model.bridges.clear();
+    // Nodes that lost all their triangles have no mass of film.
+    model.extra_masses.fill(1e-6);
+    model.velocities = dice.vectors(model.positions.len(), 0.3);
+    model
+}
+
+fn agree(model: Model, width: Width) {
+    let laws = sail::laws();
+    let settings = Settings { width, ..Settings::default() };
+    let simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-7), settings).unwrap();
+    let assembly = Assembly::new(model, width).unwrap();
+    let oracle = Oracle::new(&laws, &assembly);
+    let forces = vec![[0.0; 3]; simulation.positions().len()];
+    let mut motion = Motion { positions: simulation.positions(), velocities: simulation.velocities(), forces };
+    let mut compare = |what: &str, found: Vec<[f64; 3]>, evaluate: &dyn Fn(&mut Motion)| {
+        motion.forces.fill([0.0; 3]);
+        evaluate(&mut motion);
+        let largest = motion.forces.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
+        let differences = found.iter().flatten().zip(motion.forces.iter().flatten()).map(|(a, b)| (a - b).abs());
+        let worst = differences.fold(0.0, f64::max);
+        assert!(worst <= 1e-12 * largest, "{what}, {}: {worst:e} N of {largest:e} N", width.name());
+        assert!(largest > 0.0 || what == "spool", "{what}");
+    };
+    for (part, laws, evaluate) in Oracle::PARTS {
+        let mut found = vec![[0.0; 3]; simulation.positions().len()];
+        for law in laws {
+            let forces = simulation.forces(Some(law)).unwrap();
+            found.iter_mut().zip(forces).for_each(|(sum, force)| (0..3).for_each(|axis| sum[axis] += force[axis]));
+        }
+        compare(part, found, &|motion| {
+            evaluate(&oracle, motion);
+        });
+    }
+    compare("all", simulation.forces(None).unwrap(), &|motion| {
+        oracle.evaluate(motion);
+    });
+}
+
+fn widths() -> impl Iterator<Item = Width> {
+    Width::ALL.into_iter().filter(|width| width.is_available())
+}
+
+#[test]
+fn on_the_sail_of_model_1() {
+    let sail = sail::sail(1);
+    let assembly = Assembly::new(sail.clone(), Width::Baseline).unwrap();
+    let springs = assembly.mesh.edges.len() + sail.cords.len();
+    let counts = [sail.positions.len(), springs, sail.creases.len(), sail.triangles.len()];
+    assert_eq!(counts, [1912, 5368, 756, 3456]);
+    widths().for_each(|width| agree(sail.clone(), width));
+}
+
+#[test]
+fn on_a_mesh_in_no_order() {
+    widths().for_each(|width| agree(unstructured(), width));
+}

@@ -1,0 +1,81 @@
+//! Work that is counted, not timed: memory that a step asks for, memory that a scene keeps, elements that kernels reach in
+//! straight runs.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use common::sail;
+use membrane_core::simulation::{Settings, Simulation};
+
+thread_local! {
+    /// Bytes that this thread ever asked for, and bytes that it has not given back.
+    static ASKED: Cell<usize> = const { Cell::new(0) };
+    static HELD: Cell<isize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator as it came; counting touches no memory of theirs.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ASKED.set(ASKED.get() + layout.size());
+        HELD.set(HELD.get() + layout.size() as isize);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        HELD.set(HELD.get() - layout.size() as isize);
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+fn simulation(fineness: usize, integrator: &str, settings: Settings) -> Simulation {
+    Simulation::new(sail::sail(fineness), &sail::laws(), integrator, Some(1e-7), settings).unwrap()
+}
+
+#[test]
+fn a_step_asks_for_no_memory() {
+    for (integrator, evaluations) in [("rk4", 4), ("leapfrog", 1)] {
+        let settings = Settings { watch_interval: u64::MAX, ..Settings::default() };
+        let mut simulation = simulation(1, integrator, settings);
+        simulation.step(1).unwrap();
+        let (asked, evaluated) = (ASKED.get(), simulation.evaluation_count());
+        simulation.step(20).unwrap();
+        assert_eq!(ASKED.get() - asked, 0, "{integrator}");
+        assert_eq!(simulation.evaluation_count() - evaluated, 20 * evaluations, "{integrator}");
+    }
+}
+
+#[test]
+fn a_scene_keeps_little_memory() {
+    for integrator in ["rk4", "leapfrog"] {
+        let before = HELD.get();
+        let simulation = simulation(4, integrator, Settings::default());
+        let held = HELD.get() - before;
+        let model = sail::sail(4);
+        // Euler's formula for a ring, and the tethers.
+        let springs = sail::node_count(4) + model.triangles.len() + model.cords.len();
+        let most = 400 * model.positions.len() + 200 * springs;
+        assert!(held as usize <= most, "{integrator}: {held} bytes, more than {most}");
+        assert!(simulation.time() == 0.0);
+    }
+}
+
+#[test]
+fn the_sail_falls_into_runs() {
+    for (fineness, least) in [(1, 0.97), (4, 0.99)] {
+        for law in simulation(fineness, "rk4", Settings::default()).laws() {
+            let share = law.share_in_runs().unwrap_or(1.0);
+            assert!(share >= least || law.name() == "tethers", "{}: {share}", law.name());
+        }
+    }
+}
