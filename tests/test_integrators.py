@@ -218,12 +218,13 @@ def test_tolerance_sets_error_and_cost(name: str) -> None:
         sim.run()
         return sim.positions, sim.evaluation_count
 
-    exact = end(1e-12)[0]
-    (coarse, few), (fine, many) = (end(tolerance) for tolerance in (1e-6, 1e-9))
+    exact = end(1e-13)[0]
+    # From 1e-10 up it is stability that bounds these steps, not the tolerance.
+    (coarse, few), (fine, many) = (end(tolerance) for tolerance in (1e-6, 1e-11))
     errors = [float(np.abs(found - exact).max()) for found in (coarse, fine)]
     assert errors[1] < 1e-7
     assert errors[1] < 0.1 * errors[0]
-    assert few < many
+    assert 1.2 * few < many
 
 
 @pytest.mark.parametrize("name", ADAPTIVE)

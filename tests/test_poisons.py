@@ -1,18 +1,21 @@
-"""Two hundred poisoned runs: none ends quietly wrong, and every error names the true cause."""
+"""Two hundred poisoned scenes by each method: none ends quietly wrong, and every error names the true cause."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from membrane_rs.simulation import integrators
 from poisoned import EACH, ending, endings, table
-from poisons import POISONS
+from poisons import POISONS, Dice, Poisoned
 
 
 @pytest.mark.parametrize("poison", POISONS, ids=lambda poison: str(poison.__name__))
-def test_no_poison_ends_quietly_wrong(poison: object) -> None:
+@pytest.mark.parametrize("method", integrators())
+def test_no_poison_ends_quietly_wrong(poison: Callable[[Dice], Poisoned], method: str) -> None:
     for seed in range(EACH):
-        found = ending(poison, seed)  # type: ignore[arg-type]
+        found = ending(poison, seed, method)
         assert found.outcome in ("refused", "caught", "intact"), found
 
 

@@ -172,6 +172,8 @@ pub struct Simulation {
     state: State,
     ledger: Ledger,
     good: Good,
+    /// The state before the step that is looked at for a fault.
+    suspect: Option<State>,
     adaptive: Option<adaptive::Adaptive>,
     /// The limit of the step at the start.
     start_limit: Limit,
@@ -233,6 +235,7 @@ impl Simulation {
             state,
             ledger,
             good,
+            suspect: None,
             adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };

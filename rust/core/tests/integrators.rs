@@ -116,14 +116,19 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
     for (name, allowed) in [("rk4", 1e-6), ("leapfrog", 1e-3), ("dopri5", 1e-6)] {
         for ratio in [0.02, 0.5, 2.0] {
             let laws = [LawSpec::SpringDamping(ratio)];
-            let new = |offset, dt| Simulation::new(oscillator(offset), &laws, name, Some(dt), unwatched()).unwrap();
-            let limit = new(0.3, 0.01).limit().unwrap().dt;
-            let mut simulation = new(0.3, 0.02 * limit);
+            let new = |offset, dt| {
+                // Hardly stretched: across the cords, where no dashpot acts, tension would limit dopri5 first.
+                let mut model = oscillator(offset);
+                model.cords.iter_mut().for_each(|cord| cord.rest_length = 1.9);
+                Simulation::new(model, &laws, name, Some(dt), unwatched()).unwrap()
+            };
+            let limit = new(0.05, 0.01).limit().unwrap().dt;
+            let mut simulation = new(0.05, 0.02 * limit);
             simulation.step(500).unwrap();
             let error = simulation.ledger().error(&simulation.accounts());
             assert!(error.abs() < allowed, "{name}, zeta {ratio}: energy balance {error:e}");
             // Two cords of k = 1/2, each with its dashpot: c = 2 (2 zeta sqrt(k m)).
-            let steps = steps_to_see(&new(0.3, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
+            let steps = steps_to_see(&new(0.05, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
             let stable = |dt: f64| {
                 let mut simulation = new(1e-6, dt);
                 simulation.step(steps).unwrap();

@@ -16,6 +16,12 @@ const ROUNDING: f64 = 1e-9;
 /// nothing over, but its dashpots' work is booked as of the order of (Omega dt)^2 of its energy in each turn.
 const FLOOR: f64 = 1e-5;
 
+/// By how many times the last digit of the largest coordinate all nodes may be off by rounding.
+const DIGITS: f64 = 64.0;
+/// By how many times the error that is allowed in a step the speeds of an adaptive run are off in a scene at rest: there
+/// its steps grow past the limit until that error shows.
+const ERRORS: f64 = 10.0;
+
 /// What is told of a fault.
 pub(super) struct Fault {
     pub(super) what: String,
@@ -55,6 +61,26 @@ impl Simulation {
         Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
+    /// Energy that rounding may make [J]: a share of the largest account, and, for a scene at rest whose accounts
+    /// are rounding themselves, that of nodes which vibrate by some last digits of their coordinates.
+    fn rounding(&self, largest: f64) -> f64 {
+        let digit = DIGITS * f64::EPSILON * self.state.positions.amax();
+        let vibration = self.kinetic_at(digit * self.start_limit.largest_frequency);
+        // What is not finite excuses nothing.
+        ROUNDING * largest + if vibration.is_finite() { vibration } else { 0.0 }
+    }
+
+    /// Whether an adaptive run has turned over no more than the errors that its user allowed in each step.
+    fn is_within_tolerance(&self, turned_over: f64) -> bool {
+        let allowed = self.kinetic_at(ERRORS * self.settings.tolerance.relative * self.settings.tolerance.speed);
+        self.adaptive.is_some() && turned_over <= self.step_count as f64 * allowed
+    }
+
+    /// Kinetic energy where every node has this speed [J].
+    fn kinetic_at(&self, speed: f64) -> f64 {
+        0.5 * self.mechanics.masses.iter().sum::<f64>() * speed * speed
+    }
+
     /// Surplus of energy, the energy turned over, and the largest account [J].
     ///
     /// A method that keeps energy keeps it but for a swing, which stays below what is turned over as long as the step is
@@ -62,7 +88,7 @@ impl Simulation {
     fn balance(&self, now: &Accounts) -> (f64, f64, f64) {
         let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
         let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + ROUNDING * largest || surplus.is_nan() {
+        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + self.rounding(largest) || surplus.is_nan() {
             return (surplus, turned_over, largest);
         }
         let kept = surplus + self.energy_shift(self.dt) - self.ledger.start_shift;
@@ -75,7 +101,10 @@ impl Simulation {
         let (surplus, turned_over, largest) = self.balance(now);
         let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
         let created = surplus + taken;
-        if !surplus.is_nan() && created <= self.settings.energy_tolerance * turned_over + ROUNDING * largest {
+        if self.is_within_tolerance(turned_over) {
+            return None;
+        }
+        if !surplus.is_nan() && created <= self.settings.energy_tolerance * turned_over + self.rounding(largest) {
             return None;
         }
         let what = format!(
@@ -89,8 +118,11 @@ impl Simulation {
     /// of damping that it hardly resolves is booked wrongly.
     fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
         let (surplus, turned_over, largest) = self.balance(now);
+        if self.is_within_tolerance(turned_over) {
+            return None;
+        }
         let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
-        let loose = self.settings.loss_tolerance * turned_over + FLOOR * largest;
+        let loose = self.settings.loss_tolerance * turned_over + FLOOR * largest + self.rounding(largest);
         if surplus > loose {
             let work = &self.ledger.work;
             let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
@@ -214,10 +246,12 @@ impl Simulation {
                 cure.strip_prefix("use a smaller dt, ").or(cure.strip_prefix("use a smaller dt or ")).unwrap_or(cure)
             ));
         }
-        let State { positions, velocities } = &self.good.state;
-        let good = Instant { time: self.good.time, positions, velocities };
-        let limit = stability::limit(self.integrator.as_ref(), laws, good, &self.mechanics.inverse_masses);
-        let now = limit.ok().filter(|now| self.dt > now.dt)?;
+        let now = [Some(&self.good.state), self.suspect.as_ref()].into_iter().flatten().find_map(|state| {
+            let State { positions, velocities } = state;
+            let at = Instant { time: self.good.time, positions, velocities };
+            let limit = stability::limit(self.integrator.as_ref(), laws, at, &self.mechanics.inverse_masses);
+            limit.ok().filter(|now| self.dt > now.dt)
+        })?;
         Some(format!(
             "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {}",
             start.dt,

@@ -43,7 +43,9 @@ impl Simulation {
         let last = self.step_count;
         self.rewind();
         while self.step_count < last {
-            let (time, before) = (self.time(), self.state.clone());
+            self.start_if_needed();
+            let time = self.time();
+            let before = self.suspect.insert(self.state.clone()).clone();
             self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
             self.step_count += 1;
             let now = self.accounts();
@@ -89,6 +91,7 @@ impl Simulation {
         let Fault { what, place, law, cure, .. } = fault;
         let (time, step) = (self.time(), self.step_count);
         self.rewind();
+        self.suspect = None;
         let good_time = self.good.time;
         self.set_back_adaptive(good_time);
         Error::Unstable { time, step, good_time, what, place, law, cure }

@@ -2,8 +2,10 @@
 //!
 //! K and C share no modes where masses or spring constants vary, and the root that limits the step may belong to a mode
 //! that is neither the stiffest nor the most damped: on random meshes near critical damping, taking just those two
-//! overestimates the step by up to a third. So the problem is projected on a small subspace that starts
-//! with those two modes and grows by the residual of the roots that limit the step (Davidson 1975).
+//! overestimates the step by up to a third. And where damping lengthens the step, as it does near the imaginary axis, a
+//! stiff mode that no dashpot reaches may limit it. So the problem is projected on a small subspace that starts with
+//! those two modes and with stiff modes that avoid damping, the largest of K - w C for some rates w, and grows by the
+//! residual of the roots that limit the step (Davidson 1975).
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
@@ -19,6 +21,8 @@ const STORAGE: usize = 24_000_000;
 const FOLLOWED: usize = 2;
 /// Most steps of the QR iteration for each vector.
 const QR_STEPS: usize = 60;
+/// The rates w of the modes that avoid damping, over the largest frequency.
+const AVOIDANCES: [f64; 3] = [1.0, 10.0, 100.0];
 /// Most rounds of `worst_of_sum`.
 const MOST_SUMS: usize = 20;
 /// Relative change of the step over `CALM` rounds at which it counts as found.
@@ -187,6 +191,16 @@ pub(super) fn worst(
     let most = (STORAGE / system.roots.len().max(1)).clamp(8, MOST_VECTORS);
     for v in start {
         space.add(v);
+    }
+    let largest_frequency = quotient(system.stiffness, system.roots, &space.basis[0]).max(0.0).sqrt();
+    for avoidance in AVOIDANCES {
+        let rest = |p: &Vectors, out: &mut Vectors| {
+            let mut resistance = Vectors::zeros(p.nrows());
+            (system.damping)(p, &mut resistance);
+            (system.stiffness)(p, out);
+            *out -= resistance * (avoidance * largest_frequency);
+        };
+        space.add(largest(&rest, system.roots)?.1);
     }
     let mut history: Vec<f64> = Vec::new();
     loop {
