@@ -21,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 MAP = (
-    "stability", "hanging-strip", "--until", "0.2", "--integrator", "rk4", "--values", "0,0.02,0.1,0.3,1,3",
+    "stability", "hanging-strip", "--integrator", "rk4", "--values", "0,0.02,0.1,0.3,1,3",
     "--steps", "0.05,0.1,0.25,0.5,0.75,0.95,1.05,1.5,3", "--out", "out/stability",
 )  # fmt: skip
 

@@ -12,7 +12,7 @@ import math
 import shutil
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -64,23 +64,28 @@ SHARE = 0.3
 Make = Callable[[str, float, Path], tuple[str, dict[str, Path]]]
 NAMES = [*(f"{name}-chart" for name in CHARTS), *(f"{name}-ablation" for name in ABLATIONS)]
 """What can be made, and the marks in docs/studies.md."""
+TRIED = ("spinning-disc-chart", "single-crease-chart", "deployment-chart", "spinning-tether-ablation")
+"""What a trial makes."""
 
 
 def main() -> None:
     """Make all charts and tables, or some."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--only", nargs="+", default=NAMES, metavar="NAME", help=f"of {', '.join(NAMES)}")
-    parser.add_argument("--until", type=float, default=math.inf, help="a trial: end here [s], with short ladders")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help=f"of {', '.join(NAMES)}")
+    parser.add_argument(
+        "--until", type=float, default=math.inf, help="a trial: end here [s]; a few, with short ladders"
+    )
     parser.add_argument("--out", type=Path, default=Path("out"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
     options = parser.parse_args()
-    for name in options.only:
+    wanted: Sequence[str] = options.only or (NAMES if math.isinf(options.until) else TRIED)
+    for name in wanted:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, 1) or [", ".join(NAMES)]
             parser.error(f"--only: there is no {name!r}; did you mean {near[0]}?")
 
     failed = []
-    for name in options.only:
+    for name in wanted:
         began = time.perf_counter()
         what, _, kind = name.rpartition("-")
         make: Make = charted if kind == "chart" else ablated

@@ -111,6 +111,8 @@ def test_curves_have_a_floor_from_perturbed_starts(tmp_path: Path) -> None:
     text = found.summary()
     assert "no method of the ladder reaches it" in text
     assert "cannot be told apart" in text
+    reach = replace(found, floors={"rate": 1.0, "phase": 1.0}).summary()
+    assert "Least force evaluations within the bound: rk4 with dt = " in reach
     found.save(tmp_path)
     with Image.open(tmp_path / "chart.png") as picture:
         assert picture.height > 800  # two rows of panels

@@ -115,6 +115,10 @@ class Chart:
         bound = _bounds(self.reference_errors, self.floors, curves=first in CURVES)[first]
         if self.wanted < bound:
             lines.append(f"But an error of {self.wanted:g} cannot be told apart here: the bound is {bound:.1e}.")
+            by_line = {line: self.rungs(line) for line in self.orders}
+            for cost, words in COSTS.items():
+                found = cheapest(by_line, first, bound, cost)
+                lines += [f"Least {words.lower()} within the bound: {found.words()}, {found.cost:.3g}"] if found else []
         return "\n".join(lines)
 
     def _told(self, line: str, order: float) -> str:
