@@ -3,7 +3,7 @@
 Four of the paper's quantities hold a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force at
 which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
 the dashpots (2 zeta sqrt(k m), whose m goes with L^2). On a finer mesh each is another one. With lengths of their own
-they belong to the film.
+they belong to the film, to which degree is in docs/mesh_parameters.md.
 """
 
 from __future__ import annotations
