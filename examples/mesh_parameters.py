@@ -10,14 +10,16 @@ import argparse
 import shutil
 import time
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
 
-from membrane_rs import scenes
+import numpy as np
+from membrane_rs import Simulation, Springs, scenes
+from membrane_rs.folding import SquareSail
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.lengths import PHYSICAL
-from membrane_rs.study.mesh import Job, kept
+from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
 
 DOCS = Path(__file__).parent.parent / "docs"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
@@ -50,6 +52,7 @@ def main() -> None:
         texts[model] = f"{tables.rstrip()}\n\n{on_the_papers_mesh(runs)}"
         if options.write:
             shutil.copy(folder / "mesh-study.png", DOCS / f"mesh_parameters-{model[-1]}.png")
+    texts["compression"] = compression(options.until)
     texts["triangles"] = calibrated(options.until, options.out / "runs", options.jobs)
     for name, text in texts.items():
         print(f"\n{name}\n\n{text}", flush=True)
@@ -63,9 +66,9 @@ def planned(model: str, until: float | None) -> list[Job]:
     if until is not None:
         return jobs_of([8, 16], members=2, until=until)
     forms = ["paper", "strain"] if model == MODELS[0] else ["paper"]
-    jobs = jobs_of([FINEST], ["physical"], until=SHORT)
+    jobs = jobs_of([FINEST], ["physical", "tension"], until=SHORT)
     jobs += jobs_of([32, 16, 8], ["physical"], STARTS)
-    jobs += jobs_of([32, 16, 8], forms, {8: 2, 16: 2})
+    jobs += jobs_of([32, 16, 8], [*forms, "tension"], {8: 2, 16: 2})
     return sorted(jobs, key=lambda job: -job.rows)
 
 
@@ -73,9 +76,9 @@ def lengths() -> str:
     """The lengths that agree with the paper's form on the paper's mesh, and those that were chosen."""
     found = [agreeing(scenes.load(model)) for model in MODELS]
     rows = [f"| | {' | '.join(MODELS)} | chosen |\n| --- | ---: | ---: | ---: |\n"]
-    for item in fields(PHYSICAL):
-        values = [getattr(each, item.name) for each in (*found, PHYSICAL)]
-        rows.append(f"| {item.name} | " + " | ".join(f"{1e3 * value:.2f} mm" for value in values) + " |\n")
+    for name in ("buckling", "crease", "wing", "damping"):
+        values = [getattr(each, name) for each in (*found, PHYSICAL)]
+        rows.append(f"| {name} | " + " | ".join(f"{1e3 * value:.2f} mm" for value in values) + " |\n")
     return "".join(rows).rstrip()
 
 
@@ -89,6 +92,35 @@ def on_the_papers_mesh(runs: Sequence[MeshRun]) -> str:
         f"{step.distance[rate]:.4f} apart in the rate and {step.distance[phase]:.1f} degrees in the phase; "
         f"{step.noise[rate]:.4f} and {step.noise[phase]:.1f} come from the spread of the starts."
     )
+
+
+def compression(until: float | None) -> str:
+    """How much of the compression at which the physical form's film buckles it bears, on average over the unfolding."""
+    text = "| cells [mm] | borne [N/m] | at buckling [N/m] | share | springs buckled |\n" + "| ---: " * 5 + "|\n"
+    for rows in (8, 16, 32) if until is None else (8,):
+        scene = scenes.load(MODELS[0])
+        film = scene.material
+        assert film is not None
+        mesh = SquareSail(fold_lines=7, rows=rows).mesh()
+        scene = PHYSICAL.of(replace(scene, mesh=mesh, run=replace(scene.run, integrator=INTEGRATOR, energy_loss=0.2)))
+        sim = Simulation(scene, dt=SHARE * Simulation(scene).stable_dt())
+        creases = np.sort(mesh.creases, axis=1) @ [mesh.node_count, 1]
+        is_crease = np.isin(mesh.edges @ [mesh.node_count, 1], creases)
+        k, length = mesh.spring_constants(film)[~is_crease], mesh.edge_lengths[~is_crease]
+        springs = scene.law("springs")
+        assert isinstance(springs, Springs)
+        assert PHYSICAL.buckling is not None
+        critical = springs.buckling * np.pi**2 * film.thickness**2 / (12 * PHYSICAL.buckling**2)
+        weight = k * length**2 / mesh.areas().sum()  # of a strain, in the sum of both principal stress resultants
+        seen = []
+        for instant in np.arange(0.05, 0.301, 0.01) if until is None else [until]:
+            sim.run(until=float(instant), frames=2, samples=2)
+            strain = sim.spring_strains()[: len(mesh.edges)][~is_crease]
+            borne = np.minimum(np.maximum(-strain, 0.0), critical)
+            seen.append([float(weight @ borne), float(np.mean(strain < -critical))])
+        (force, buckled), full = np.mean(seen, axis=0), float(weight.sum() * critical)
+        text += f"| {176 / rows:.3g} | {force:.2f} | {full:.2f} | {force / full:.2f} | {100 * buckled:.0f} % |\n"
+    return text.rstrip()
 
 
 def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:

@@ -168,3 +168,6 @@ def test_lengths_set_what_each_law_takes() -> None:
     assert creases == Creases(length_scale=0.3)
     assert damping == SpringDamping(length=0.4)
     assert Lengths().of(lengths.of(film)).laws == film.laws
+    slack = FORMS["tension"].of(film).laws[0]
+    assert isinstance(slack, Triangles)
+    assert (slack.buckling, slack.buckling_on_creases) == (0.0, 0.0)

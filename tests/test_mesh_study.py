@@ -111,7 +111,7 @@ def test_runs_are_kept_and_those_that_are_there_are_not_made_again(sail: Scene, 
 def test_what_cannot_be_refined_is_refused(sail: Scene, tmp_path: Path) -> None:
     crease = scenes.load("single-crease")
     refused(lambda: mesh_study(crease, jobs_of([8]), tmp_path), InputError, "no square sail")
-    refused(lambda: jobs_of([8], ["other"]), InputError, "must be one of paper, strain, physical")
+    refused(lambda: jobs_of([8], ["other"]), InputError, "must be one of paper, strain, physical, tension")
     refused(lambda: jobs_of([8], members=0), InputError, "members = 0: must be 1 or above")
     refused(lambda: mesh_study(sail, jobs_of([16, 9]), tmp_path / "runs"), InputError, "multiple of 8")
     assert not (tmp_path / "runs").exists()
@@ -142,7 +142,7 @@ def test_the_command_and_its_other_name(words: list[str], tmp_path: Path) -> Non
     result = CliRunner().invoke(app, given)
     assert result.exit_code == 0, result.output
     assert "| physical | 22 | 580 | 1 |" in result.output
-    assert len(list((tmp_path / "study" / "runs").iterdir())) == 3
+    assert len(list((tmp_path / "study" / "runs").iterdir())) == 4
     wrong = CliRunner().invoke(app, [*given, "--rows", "8.5"])
     assert wrong.exit_code == 2
     assert "--rows = 8.5: must be whole numbers from 1 on" in wrong.output

@@ -220,11 +220,10 @@ def chart(
 ) -> None:
     """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
     with _told_errors():
-        from membrane_rs.study import FORMS
         from membrane_rs.study import chart as charted
 
         if mesh:
-            _study_meshes(scene, rows=rows, forms=list(FORMS), ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+            _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
             return
 
         chosen = _load(scene)
@@ -267,7 +266,7 @@ def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
     rows: Rows = "8,16",
-    forms: Annotated[str, typer.Option(help="Forms of the parameters, parted by commas.")] = "paper,strain,physical",
+    forms: Annotated[str | None, typer.Option(help="Of the parameters, parted by commas. Default: all.")] = None,
     ensemble: Annotated[int, typer.Option(help="Runs from perturbed starts, on each mesh, beside the true one.")] = 0,
     until: Until = None,
     jobs: Jobs = None,
@@ -275,19 +274,36 @@ def mesh_study(
 ) -> None:
     """Run a square sail at several mesh densities: do its curves approach a limit, and at what rate?"""
     with _told_errors():
-        _study_meshes(scene, rows=rows, forms=forms.split(","), ensemble=ensemble, until=until, jobs=jobs, out=out)
+        _study_meshes(
+            scene,
+            rows=rows,
+            forms=forms.split(",") if forms else None,
+            ensemble=ensemble,
+            until=until,
+            jobs=jobs,
+            out=out,
+        )
 
 
 def _study_meshes(
-    scene: str, *, rows: str, forms: list[str], ensemble: int, until: float | None, jobs: int | None, out: Path | None
+    scene: str,
+    *,
+    rows: str,
+    forms: list[str] | None,
+    ensemble: int,
+    until: float | None,
+    jobs: int | None,
+    out: Path | None,
 ) -> None:
-    from membrane_rs.study import jobs_of, write_mesh_study
+    from membrane_rs.study import FORMS, jobs_of, write_mesh_study
     from membrane_rs.study import mesh_study as study
 
     chosen = _load(scene)
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     counts = [_whole(number, "--rows") for number in _numbers(rows, "--rows")]
-    made = study(chosen, jobs_of(counts, forms, 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell)
+    made = study(
+        chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell
+    )
     typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
 
 

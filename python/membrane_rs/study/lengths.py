@@ -3,7 +3,7 @@
 Four of the paper's quantities hold a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force at
 which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
 the dashpots (2 zeta sqrt(k m), whose m goes with L^2). On a finer mesh each is another one. With lengths of their own
-they belong to the film.
+they belong to the film, to which degree is in docs/mesh_parameters.md.
 """
 
 from __future__ import annotations
@@ -31,19 +31,23 @@ class Lengths:
         In the stiffness of a crease: `Creases.length_scale`.
     damping : float or None
         Of the dashpots: `SpringDamping.length`.
+    tension_only : bool
+        The film bears no compression at all, alpha = alpha_c = 0: a tension field.
     """
 
     buckling: float | None = None
     crease: float | None = None
     wing: float | None = None
     damping: float | None = None
+    tension_only: bool = False
 
     def of(self, scene: Scene) -> Scene:
         """The scene with these lengths in its laws."""
         changed: list[Law] = []
         for law in scene.laws:
             if isinstance(law, Springs | Triangles):
-                changed.append(replace(law, buckling_length=self.buckling, crease_length=self.crease))
+                film = replace(law, buckling_length=self.buckling, crease_length=self.crease)
+                changed.append(replace(film, buckling=0.0, buckling_on_creases=0.0) if self.tension_only else film)
             elif isinstance(law, Creases):
                 changed.append(replace(law, length_scale=self.wing))
             elif isinstance(law, SpringDamping):
@@ -59,7 +63,9 @@ STRAIN = Lengths(buckling=0.012, wing=0.011)
 """One critical strain and one crease stiffness on every mesh, the dashpots and the creases' own force left to it."""
 PHYSICAL = Lengths(buckling=0.012, crease=0.010, wing=0.011, damping=0.011)
 """`agreeing` for the paper's model 1, in whole millimetres."""
-FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL}
+TENSION = Lengths(wing=0.011, damping=0.011, tension_only=True)
+"""A film that wrinkles at no stress."""
+FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL, "tension": TENSION}
 """The forms that a mesh study compares, by name."""
 
 

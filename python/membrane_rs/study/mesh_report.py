@@ -71,7 +71,8 @@ def verdict(forms: dict[str, list[Density]]) -> str:
         p = {c: overall_order(found, c) for c in CURVES}
         shrinking = {c: all(b.distance[c] < a.distance[c] for a, b in pairwise(found)) for c in CURVES}
         over = f"over {len(meshes)} meshes, order {p[CURVES[0]]:.1f} in the rate and {p[CURVES[1]]:.1f} in the phase"
-        if all(shrinking.values()) and min(p.values()) > 0.5:
+        latest = [orders(found, c)[-1] for c in CURVES]  # of the three finest meshes
+        if all(shrinking.values()) and min(*p.values(), *latest) > 0.5:
             trough = limit(meshes, "phase_trough_deg", p[CURVES[1]])
             to = f"; the trough of the phase tends to {trough:.0f} degrees" if math.isfinite(trough) else ""
             last, digits = found[-1], dict(zip(CURVES, (".4f", ".1f"), strict=True))
