@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import platform
 import statistics
 import subprocess
 import time
 from dataclasses import replace
 from pathlib import Path
 
+from machine import cpu
 from membrane_rs import Scene, Simulation, scenes
 
 HERE = Path(__file__).resolve().parent
@@ -91,16 +91,6 @@ def scalar_table() -> str:
     command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1"]
     done = subprocess.run(command, cwd=HERE.parent, check=True, capture_output=True, text=True)
     return done.stdout.strip() + "\n"
-
-
-def cpu() -> str:
-    """The processor's name, as far as the system tells it."""
-    info = Path("/proc/cpuinfo")
-    if info.is_file():
-        for line in info.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
 
 
 def main() -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Sequence
-from pathlib import Path
+
+from machine import cpu
 
 from peers.chart import WANTED, Chart, measured_order, seconds_at
 from peers.measure import GROWTH, TRIAL_STEPS, Ladder, nearest
@@ -20,16 +20,6 @@ def text(chart: Chart, speed: Speed, versions: dict[str, str]) -> str:
     """The whole page."""
     parts = [*_head(versions), *_same(chart), *_work(chart), _best(chart), *pace(speed), *aims(speed), _limits(chart)]
     return "\n\n".join(parts) + "\n"
-
-
-def cpu() -> str:
-    """The processor's name, as far as the system tells it."""
-    info = Path("/proc/cpuinfo")
-    if info.is_file():
-        for line in info.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
 
 
 def _head(versions: dict[str, str]) -> list[str]:

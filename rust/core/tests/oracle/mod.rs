@@ -106,7 +106,7 @@ impl Oracle {
                 }
                 LawSpec::Spin(spin) => (oracle.spin, oracle.drag.1) = ((spin.rate, spin.acceleration), spin.rate),
                 LawSpec::SpoolContact(parameters) => oracle.spool = (parameters.radius, parameters.stiffness),
-                other => unimplemented!("{other:?}"),
+                other => unreachable!("the oracle knows the laws of model 1, not {other:?}"),
             }
         }
         oracle.springs.extend(model.cords.iter().map(|cord| springs::Spring {
