@@ -13,6 +13,7 @@ pub mod layout;
 pub mod ledger;
 pub mod mesh;
 pub mod model;
+pub(crate) mod rowwise;
 pub mod simulation;
 pub mod slopes;
 pub mod stability;

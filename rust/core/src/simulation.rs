@@ -3,18 +3,23 @@
 mod adaptive;
 mod diagnosis;
 mod implicit;
+mod mechanics;
+mod progress;
 mod watch;
 
 use crate::error::{Error, Result};
 use crate::forces::{self, Law, LawSpec, Readings, Spin};
-use crate::integrators::{self, Controller, Integrator, Memory, System, Tolerance};
+use crate::integrators::{self, Integrator, Memory, Tolerance};
 use crate::layout::Layout;
 use crate::ledger::{Accounts, Ledger};
 use crate::model::{Assembly, Model, non_negative, positive, within};
 use crate::stability::{self, Limit};
-use crate::state::{Instant, State, Vectors, columns_mut};
-use crate::tangent::{Tangent, Weights};
-use crate::width::{Sweep, Width};
+use crate::state::{Instant, State, Vectors};
+use crate::tangent::Tangent;
+use crate::width::Width;
+use mechanics::Mechanics;
+
+pub use progress::{AdaptiveProgress, Progress};
 
 /// How a run is watched, and how its step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,122 +56,6 @@ impl Default for Settings {
 
 /// A step that is this many times the limit is refused at once.
 const HOPELESS: f64 = 100.0;
-
-/// The laws and masses, as an integrator sees them.
-struct Mechanics {
-    laws: Vec<Box<dyn Law>>,
-    masses: Vec<f64>,
-    inverse_masses: Vec<f64>,
-    evaluation_count: u64,
-    /// The last forces of each law without a potential, where the method asks for their work later [N].
-    resistances: Vec<Option<Vectors>>,
-    /// Where the method is implicit.
-    tangent: Option<Tangent>,
-    width: Width,
-}
-
-/// Forces to accelerations.
-struct Divide<'a> {
-    columns: [&'a mut [f64]; 3],
-    inverse_masses: &'a [f64],
-}
-
-impl Sweep for Divide<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep(self) {
-        for column in self.columns {
-            for (value, inverse) in column.iter_mut().zip(self.inverse_masses) {
-                *value *= inverse;
-            }
-        }
-    }
-}
-
-/// Adds one array to another.
-struct Add<'a> {
-    from: &'a [f64],
-    to: &'a mut [f64],
-}
-
-impl Sweep for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep(self) {
-        self.to.iter_mut().zip(self.from).for_each(|(to, from)| *to += from);
-    }
-}
-
-impl System for Mechanics {
-    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
-        accelerations.as_mut_slice().fill(0.0);
-        let resistances = &mut self.resistances;
-        forces::add_all(&self.laws, at, accelerations, powers, resistances);
-        for resistance in resistances.iter().flatten() {
-            self.width.run(Add { from: resistance.as_slice(), to: accelerations.as_mut_slice() });
-        }
-        self.width.run(Divide { columns: columns_mut(accelerations), inverse_masses: &self.inverse_masses });
-        self.evaluation_count += 1;
-    }
-
-    fn rework(&self, velocities: &Vectors, powers: &mut [f64]) {
-        for (power, resistance) in powers.iter_mut().zip(&self.resistances) {
-            if let Some(resistance) = resistance {
-                *power = resistance.dot(velocities);
-            }
-        }
-    }
-
-    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool {
-        let Some(tangent) = &mut self.tangent else { return false };
-        tangent.assemble(&self.laws, &self.masses, at, weights);
-        tangent.factorise()
-    }
-
-    fn solve(&mut self, accelerations: &mut Vectors) {
-        if let Some(tangent) = &mut self.tangent {
-            tangent.solve(&self.masses, accelerations);
-        }
-    }
-
-    fn gyration(&self, time: f64) -> f64 {
-        self.laws.iter().map(|law| law.gyration(time)).sum()
-    }
-}
-
-/// Everything that changes while a simulation runs: saving and restoring it continues with the same bits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
-    /// Steps taken since `origin`.
-    pub step_count: u64,
-    /// Evaluations of the forces.
-    pub evaluation_count: u64,
-    /// The time from which steps are counted \[s\]: t = origin + step_count dt, never a running sum.
-    pub origin: f64,
-    /// Positions and velocities, in the caller's numbering.
-    pub positions: Vec<[f64; 3]>,
-    /// See `positions`.
-    pub velocities: Vec<[f64; 3]>,
-    /// The ledger.
-    pub ledger: Ledger,
-    /// What the method keeps from step to step: vectors per node, and numbers.
-    pub memory: (Vec<Vec<[f64; 3]>>, Vec<f64>),
-    /// Where steps are chosen by their error; positions, velocities and work are then those at the end of the last step.
-    pub adaptive: Option<AdaptiveProgress>,
-}
-
-/// What an adaptive run has beside.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AdaptiveProgress {
-    /// The end of the last step \[s\].
-    pub front: f64,
-    /// The instant that is shown, within that step \[s\].
-    pub shown: f64,
-    /// The step to come.
-    pub controller: Controller,
-}
 
 /// The state at a check that found nothing.
 struct Good {
@@ -228,19 +117,9 @@ impl Simulation {
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
-        let resistance = |law: &dyn Law| {
-            let is_asked_for = integrator.evaluates_elsewhere() && !law.is_conservative();
-            is_asked_for.then(|| Vectors::zeros(assembly.masses.len()))
-        };
-        let mechanics = Mechanics {
-            resistances: laws.iter().map(|law| resistance(law.as_ref())).collect(),
-            tangent,
-            laws,
-            masses: assembly.masses,
-            inverse_masses: assembly.inverse_masses,
-            evaluation_count: 0,
-            width: settings.width,
-        };
+        let Assembly { masses, inverse_masses, layout, .. } = assembly;
+        let is_reworked = integrator.evaluates_elsewhere();
+        let mechanics = Mechanics::new(laws, masses, inverse_masses, tangent, is_reworked, settings.width);
         let accounts = Accounts::take(&mechanics.laws, &mechanics.masses, 0.0, &state);
         let ledger = Ledger::open(accounts.clone());
         let good = Good {
@@ -253,7 +132,7 @@ impl Simulation {
         };
         let mut simulation = Self {
             mechanics,
-            layout: assembly.layout,
+            layout,
             spin,
             integrator,
             settings,
@@ -475,52 +354,6 @@ impl Simulation {
 
     fn instant(&self) -> Instant<'_> {
         Instant { time: self.time(), positions: &self.state.positions, velocities: &self.state.velocities }
-    }
-
-    /// The progress, to be saved.
-    pub fn progress(&self) -> Progress {
-        let memory = self.integrator.memory();
-        let vectors = memory.vectors.iter().map(|vectors| self.layout.scatter_vectors(vectors)).collect();
-        let (state, work) = self.front();
-        Progress {
-            step_count: self.step_count,
-            evaluation_count: self.evaluation_count(),
-            origin: self.origin,
-            positions: self.layout.scatter_vectors(&state.positions),
-            velocities: self.layout.scatter_vectors(&state.velocities),
-            ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
-            memory: (vectors, memory.numbers),
-            adaptive: self.adaptive_progress(),
-        }
-    }
-
-    /// Continues from a saved progress of the same model, laws, method and step.
-    ///
-    /// # Errors
-    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`.
-    pub fn resume(&mut self, progress: &Progress) -> Result<()> {
-        let nodes = self.mechanics.masses.len();
-        let length = |what, found: usize, expected: usize, per| {
-            if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
-        };
-        length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
-        length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
-        for rows in &progress.memory.0 {
-            length("the saved memory of the method", rows.len(), nodes, "node")?;
-        }
-        (self.origin, self.step_count) = (progress.origin, progress.step_count);
-        self.set_motion(&progress.positions, &progress.velocities)?;
-        self.mechanics.evaluation_count = progress.evaluation_count;
-        self.ledger = progress.ledger.clone();
-        let vectors = progress.memory.0.iter().map(|rows| self.layout.gather_vectors(rows)).collect();
-        if !self.integrator.recall(Memory { vectors, numbers: progress.memory.1.clone() }) {
-            let (found, expected) = (progress.memory.1.len(), self.laws().len());
-            return Err(Error::LengthMismatch { what: "the saved memory of the method", found, expected, per: "law" });
-        }
-        self.resume_adaptive(progress.adaptive.as_ref())?;
-        self.keep(self.accounts());
-        self.show_saved(progress.adaptive.as_ref());
-        Ok(())
     }
 
     /// Evaluations of the forces while stepping.

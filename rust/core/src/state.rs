@@ -1,5 +1,7 @@
 //! Positions and velocities, each component a contiguous column.
 
+use std::ops::Range;
+
 use nalgebra::MatrixXx3;
 
 /// One 3-vector per node: x, y and z are three contiguous columns.
@@ -41,4 +43,30 @@ pub fn columns_mut(vectors: &mut Vectors) -> [&mut [f64]; 3] {
     let (x, rest) = vectors.as_mut_slice().split_at_mut(n);
     let (y, z) = rest.split_at_mut(n);
     [x, y, z]
+}
+
+/// `rows` of the three columns of `vectors`.
+#[inline]
+pub fn rows(vectors: &Vectors, rows: Range<usize>) -> [&[f64]; 3] {
+    columns(vectors).map(|column| &column[rows.clone()])
+}
+
+/// `rows` of the three columns of `vectors`, to be written.
+#[inline]
+pub fn rows_mut(vectors: &mut Vectors, rows: Range<usize>) -> [&mut [f64]; 3] {
+    columns_mut(vectors).map(|column| &mut column[rows.clone()])
+}
+
+/// Columns that are only read after all.
+#[inline]
+pub fn shared<'a>(columns: &'a [&mut [f64]; 3]) -> [&'a [f64]; 3] {
+    columns.each_ref().map(|column| &**column)
+}
+
+/// Rows that are gone over together, by one pass after the other while they are in the nearest cache.
+pub const STRETCH: usize = 256;
+
+/// The stretches of `count` rows.
+pub fn stretches(count: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..count).step_by(STRETCH).map(move |start| start..count.min(start + STRETCH))
 }

@@ -153,6 +153,38 @@ fn the_power_of_each_law_is_what_its_forces_do() {
 }
 
 #[test]
+fn what_a_law_remembers_gives_the_power_of_its_forces_on_other_velocities() {
+    let mut tested = 0;
+    for with_springs in [true, false] {
+        // Dashpots go through one pass with the springs, or through their own.
+        let specs: Vec<LawSpec> =
+            every_law().into_iter().filter(|spec| with_springs || !matches!(spec, LawSpec::Springs(_))).collect();
+        let assembly = Assembly::new(sheet(4, 3, 0.01), Width::widest()).unwrap();
+        let mut laws = forces::build(&specs, &assembly).unwrap();
+        let remembered: Vec<usize> = (0..laws.len()).filter(|&row| laws[row].remember()).collect();
+        let nodes = assembly.masses.len();
+        let mut dice = Dice(7);
+        let [rest, moved] = [1.0, 1.0].map(|size| assembly.layout.gather_vectors(&dice.vectors(nodes, size)));
+        let positions = assembly.layout.gather_vectors(&assembly.model.positions);
+        let at = |velocities| Instant { time: 0.0, positions: &positions, velocities };
+        let (mut all, mut powers) = (Vectors::zeros(nodes), vec![0.0; laws.len()]);
+        let mut apart: Vec<Option<Vectors>> = laws.iter().map(|_| None).collect();
+        forces::add_all(&laws, at(&rest), &mut all, &mut powers, &mut apart);
+        for row in remembered {
+            assert!(!laws[row].is_conservative());
+            let reworked = laws[row].rework(at(&moved));
+            let mut own = Vectors::zeros(nodes);
+            laws[row].add_forces(at(&rest), &mut own);
+            let expected = own.dot(&moved);
+            let scale = own.abs().dot(&moved.abs());
+            assert!((reworked - expected).abs() <= 1e-12 * scale, "{}: {reworked} {expected}", laws[row].name());
+            tested += 1;
+        }
+    }
+    assert_eq!(tested, 2);
+}
+
+#[test]
 fn stiffness_and_damping_products_are_the_slopes_of_the_forces() {
     // A flat sheet at rest, taut: the forces are linear to first order in what moves and how fast.
     let model = sheet(4, 3, 0.01);

@@ -8,23 +8,22 @@
 
 mod tangent;
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::{Law, Spin};
+use super::{ByNode, Law, Spin};
 use crate::columns::{Columns, ColumnsMut, total};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, Vector, cross, dot, scale, sub, sum};
 use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
+use crate::rowwise::{Formula, each};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors, rows};
 use crate::width::{Kernel, Width};
 
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
-
-/// Nodes that are gone over axis by axis while they are in the cache.
-const STRETCH: usize = 1024;
 
 /// How the air moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -92,20 +91,18 @@ fn wind<V: Vector>(r: Point<V>, v: Point<V>, rate: V) -> Point<V> {
     [v[0] - rate * r[1], v[1] + rate * r[0], v[2]]
 }
 
-/// Adds the drag to the forces, and gives its power in the frame: first the flow |S . V| through the triangles round each
-/// node, then F = -(rho_air/6) (sum of flows) V, and F . v.
-struct Resist<'a> {
+/// Sums the flow |S . V| through the triangles round each node.
+struct Flow<'a> {
     drag: &'a AirDrag,
     flows: &'a mut [f64],
     positions: &'a Vectors,
     velocities: &'a Vectors,
-    forces: &'a mut Vectors,
     rate: f64,
 }
 
-impl Resist<'_> {
+impl Flow<'_> {
     #[inline(always)]
-    fn add_flows<V: Vector, const LOOSE: bool>(&mut self) {
+    fn part<V: Vector, const LOOSE: bool>(&mut self) {
         let pass = self.drag.elements.pass::<LOOSE>(self.positions.nrows());
         let presence = pass.of(&self.drag.presence);
         let (positions, velocities) = (Columns::of(self.positions), Columns::of(self.velocities));
@@ -122,49 +119,51 @@ impl Resist<'_> {
             pass.add_numbers(&mut flows, group, flow);
         }
     }
+}
+
+impl Kernel for Flow<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn add_drag(&mut self) -> f64 {
-        let ([x, y, _], [u, v, w]) = (columns(self.positions), columns(self.velocities));
-        let [fx, fy, fz] = columns_mut(self.forces);
-        let power = &mut *self.flows;
-        for start in (0..power.len()).step_by(STRETCH) {
-            let here = start..power.len().min(start + STRETCH);
-            let n = here.len();
-            // Equal lengths, said once, so that the loops need no check.
-            let (x, y) = (&x[here.clone()][..n], &y[here.clone()][..n]);
-            let (u, v, w) = (&u[here.clone()][..n], &v[here.clone()][..n], &w[here.clone()][..n]);
-            let (fx, fy) = (&mut fx[here.clone()][..n], &mut fy[here.clone()][..n]);
-            let (fz, flows) = (&mut fz[here.clone()][..n], &mut power[here][..n]);
-            // One axis at a time: with more arrays in one loop the compiler gives up vectors.
-            for i in 0..n {
-                flows[i] *= -self.drag.factor;
-                fx[i] += flows[i] * (u[i] - self.rate * y[i]);
-            }
-            for i in 0..n {
-                fy[i] += flows[i] * (v[i] + self.rate * x[i]);
-            }
-            for i in 0..n {
-                fz[i] += flows[i] * w[i];
-            }
-            for i in 0..n {
-                let (wind_x, wind_y) = (u[i] - self.rate * y[i], v[i] + self.rate * x[i]);
-                flows[i] *= wind_x * u[i] + wind_y * v[i] + w[i] * w[i];
-            }
-        }
-        total(power)
+    fn sweep<V: Vector>(mut self) {
+        self.part::<V, false>();
+        self.part::<V, true>();
     }
 }
 
-impl Kernel for Resist<'_> {
-    type Output = f64;
+/// F = -(rho_air/6) (sum of flows) V on a node, and F . v in place of the sum.
+struct Resist {
+    factor: f64,
+    rate: f64,
+}
 
+impl Formula<5, 4> for Resist {
     #[inline(always)]
-    fn sweep<V: Vector>(mut self) -> f64 {
-        self.flows.fill(0.0);
-        self.add_flows::<V, false>();
-        self.add_flows::<V, true>();
-        self.add_drag()
+    fn row<V: Vector>(&self, [x, y, u, v, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
+        let pull = flow * V::all(-self.factor);
+        let [wind_x, wind_y, _] = wind([x, y, V::zero()], [u, v, w], V::all(self.rate));
+        let power = pull * (wind_x * u + wind_y * v + w * w);
+        [fx + pull * wind_x, fy + pull * wind_y, fz + pull * w, power]
+    }
+}
+
+impl ByNode for AirDrag {
+    fn prepare(&self, at: Instant<'_>) {
+        // What a panic left behind is filled anew.
+        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
+        flows.fill(0.0);
+        let rate = self.spin.rate_at(at.time);
+        let (positions, velocities) = (at.positions, at.velocities);
+        self.width.run_kernel(Flow { drag: self, flows: &mut flows, positions, velocities, rate });
+    }
+
+    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
+        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
+        let power = &mut flows[range.clone()];
+        let ([x, y, _], [u, v, w]) = (rows(at.positions, range.clone()), rows(at.velocities, range));
+        let resist = Resist { factor: self.factor, rate: self.spin.rate_at(at.time) };
+        each(self.width, &resist, [x, y, u, v, w], [fx, fy, fz, power]);
+        total(power)
     }
 }
 
@@ -178,16 +177,11 @@ impl Law for AirDrag {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        // What a panic left behind is filled anew.
-        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
-        self.width.run_kernel(Resist {
-            drag: self,
-            flows: &mut flows,
-            positions: at.positions,
-            velocities: at.velocities,
-            forces,
-            rate: self.spin.rate_at(at.time),
-        })
+        self.add_to_all(at, forces)
+    }
+
+    fn by_node(&self) -> Option<&dyn ByNode> {
+        Some(self)
     }
 
     /// The derivative of |S . V| V by V.

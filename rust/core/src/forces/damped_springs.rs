@@ -10,10 +10,10 @@ use super::Law;
 use super::spring_damping::{self, Dashpots};
 use super::springs::Springs;
 use crate::columns::{Columns, ColumnsMut};
-use crate::lanes::{Vector, dot, negate, scale, sub};
+use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
-use crate::state::{Instant, Vectors};
+use crate::state::{Instant, Vectors, columns_mut};
 use crate::width::Kernel;
 
 /// The springs of a scene, arranged once for both laws.
@@ -48,27 +48,53 @@ pub fn add_all(
     powers: &mut [f64],
     resistances: &mut [Option<Vectors>],
 ) {
-    powers.fill(0.0);
     resistances.iter_mut().flatten().for_each(|resistance| resistance.as_mut_slice().fill(0.0));
+    add_between_nodes(laws, at, forces, powers, resistances);
+    for (row, law) in laws.iter().enumerate() {
+        if let Some(law) = law.by_node() {
+            let out = resistances[row].as_mut().unwrap_or(forces);
+            powers[row] += law.add_to_rows(0..at.positions.nrows(), at, columns_mut(out));
+        }
+    }
+}
+
+/// As `add_all`, but laws that act on each node by itself are only prepared, and resistances are added to.
+pub fn add_between_nodes(
+    laws: &[Box<dyn Law>],
+    at: Instant<'_>,
+    forces: &mut Vectors,
+    powers: &mut [f64],
+    resistances: &mut [Option<Vectors>],
+) {
+    powers.fill(0.0);
     let damping = laws.iter().enumerate().find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
     for (row, law) in laws.iter().enumerate() {
+        if let Some(law) = law.by_node() {
+            law.prepare(at);
+            continue;
+        }
         if let (Some(springs), Some((damping_row, damping))) = (law.springs(), damping)
+            && resistances[damping_row].is_none()
             && let Some(dashpots) = damping.along(springs.name)
         {
             let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
             let pass = Damped { springs, dashpots, positions, velocities, forces: ColumnsMut::of(forces) };
-            powers[damping_row] += match &mut resistances[damping_row] {
-                Some(resistance) => springs.width.run_kernel(Apart(pass, ColumnsMut::of(resistance))),
-                None => springs.width.run_kernel(pass),
+            let mut pulls = dashpots.pulls();
+            powers[damping_row] += if pulls.is_empty() {
+                springs.width.run_kernel(pass)
+            } else {
+                springs.width.run_kernel(Remembered(pass, &mut pulls))
             };
             continue;
         }
-        let out = resistances[row].as_mut().unwrap_or(forces);
-        powers[row] += if let Some(damping) = law.dashpots() {
-            let is_done = |name: &str| laws.iter().any(|law| law.springs().is_some_and(|springs| springs.name == name));
-            damping.resist(at.positions, at.velocities, out, 1.0, is_done)
-        } else {
-            law.add_forces(at, out)
+        powers[row] += match (law.dashpots(), &mut resistances[row]) {
+            (_, Some(resistance)) => law.add_forces(at, resistance),
+            (Some(damping), None) => {
+                let is_done =
+                    |name: &str| laws.iter().any(|law| law.springs().is_some_and(|springs| springs.name == name));
+                damping.resist(at.positions, at.velocities, forces, 1.0, is_done)
+            }
+            (None, None) => law.add_forces(at, forces),
         };
     }
 }
@@ -82,12 +108,12 @@ struct Damped<'a> {
     forces: ColumnsMut<'a>,
 }
 
-/// The same, what the dashpots pull with going elsewhere.
-struct Apart<'a>(Damped<'a>, ColumnsMut<'a>);
+/// The same, remembering what each dashpot pulls with.
+struct Remembered<'a>(Damped<'a>, &'a mut [Lanes]);
 
 impl Damped<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self, mut elsewhere: Option<&mut ColumnsMut<'_>>) -> V {
+    fn part<V: Vector, const LOOSE: bool>(&mut self, mut pulls: Option<&mut [Lanes]>) -> V {
         let pass = self.springs.elements.pass::<LOOSE>(self.positions.rows());
         let (parameters, coefficient) = (pass.of(&self.springs.parameters), pass.of(&self.dashpots.coefficient));
         let mut power = V::zero();
@@ -99,13 +125,10 @@ impl Damped<'_> {
             let (tension, inverse) = parameters[group].pull(dot(d, d).sqrt());
             let resistance = spring_damping::pull(&coefficient[group], opening, inverse * inverse);
             power -= resistance * opening;
-            if let Some(elsewhere) = &mut elsewhere {
-                let (pull, resist) = (scale(tension, d), scale(resistance, d));
-                pass.add(&mut self.forces, group, [pull, negate(pull)]);
-                pass.add(elsewhere, group, [resist, negate(resist)]);
-            } else {
-                let pull = scale(tension + resistance, d);
-                pass.add(&mut self.forces, group, [pull, negate(pull)]);
+            let pull = scale(tension + resistance, d);
+            pass.add(&mut self.forces, group, [pull, negate(pull)]);
+            if let Some(pulls) = &mut pulls {
+                pulls[pass.place(group)] = resistance.lanes();
             }
         }
         power
@@ -121,12 +144,12 @@ impl Kernel for Damped<'_> {
     }
 }
 
-impl Kernel for Apart<'_> {
+impl Kernel for Remembered<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn sweep<V: Vector>(mut self) -> f64 {
-        let runs = self.0.part::<V, false>(Some(&mut self.1));
-        (runs + self.0.part::<V, true>(Some(&mut self.1))).lanes().sum()
+        let runs = self.0.part::<V, false>(Some(self.1));
+        (runs + self.0.part::<V, true>(Some(self.1))).lanes().sum()
     }
 }

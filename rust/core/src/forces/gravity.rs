@@ -3,10 +3,12 @@
 //! In the frame that has turned by phi = integral of Omega, g's components turn by -phi; unless g lies along the axis, U
 //! then depends on time, and its partial derivative sum m (Omega x g) . x counts as work done on the system.
 
-use super::{Law, Spin};
+use std::ops::Range;
+
+use super::{ByNode, Law, Spin};
 use crate::error::Result;
 use crate::model::{Assembly, finite};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors, columns, rows};
 
 /// The law.
 pub(super) struct Gravity {
@@ -33,7 +35,29 @@ impl Gravity {
 
     /// sum m x [kg m].
     fn moment(&self, positions: &Vectors) -> [f64; 3] {
-        columns(positions).map(|column| column.iter().zip(&self.masses).map(|(x, m)| m * x).sum())
+        columns(positions).map(|column| moment(column, &self.masses))
+    }
+}
+
+/// sum m x along one axis [kg m].
+fn moment(column: &[f64], masses: &[f64]) -> f64 {
+    column.iter().zip(masses).map(|(x, m)| m * x).sum()
+}
+
+impl ByNode for Gravity {
+    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
+        let (g, masses) = (self.turned(at.time), &self.masses[range.clone()]);
+        for (column, g) in forces.into_iter().zip(g) {
+            for (force, mass) in column.iter_mut().zip(masses) {
+                *force += mass * g;
+            }
+        }
+        let rate = self.spin.rate_at(at.time);
+        if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
+            return 0.0;
+        }
+        let [x, y, _] = rows(at.positions, range);
+        rate * (g[0] * moment(y, masses) - g[1] * moment(x, masses))
     }
 }
 
@@ -47,18 +71,11 @@ impl Law for Gravity {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        let g = self.turned(at.time);
-        for (column, g) in columns_mut(forces).into_iter().zip(g) {
-            for (force, mass) in column.iter_mut().zip(&self.masses) {
-                *force += mass * g;
-            }
-        }
-        let rate = self.spin.rate_at(at.time);
-        if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
-            return 0.0;
-        }
-        let [x, y, _] = self.moment(at.positions);
-        rate * (g[0] * y - g[1] * x)
+        self.add_to_all(at, forces)
+    }
+
+    fn by_node(&self) -> Option<&dyn ByNode> {
+        Some(self)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {

@@ -1,11 +1,13 @@
 //! Damping of all motion relative to the turning frame, F = -rate m v \[N\]: a numerical means to bring a stowed sail
 //! to rest, not a property of film or air.
 
-use super::Law;
+use std::ops::Range;
+
+use super::{ByNode, Law};
 use crate::error::Result;
 use crate::model::{Assembly, non_negative};
 use crate::slopes::{Block, Slopes};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors, columns, columns_mut, rows};
 
 /// The law.
 pub(super) struct MassDamping {
@@ -20,6 +22,19 @@ impl MassDamping {
     }
 }
 
+impl ByNode for MassDamping {
+    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
+        let mut power = 0.0;
+        for (force, velocity) in forces.into_iter().zip(rows(at.velocities, range.clone())) {
+            for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients[range.clone()]) {
+                *f -= c * v;
+                power -= c * v * v;
+            }
+        }
+        power
+    }
+}
+
 impl Law for MassDamping {
     fn name(&self) -> &'static str {
         "mass_damping"
@@ -30,14 +45,11 @@ impl Law for MassDamping {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        let mut power = 0.0;
-        for (force, velocity) in columns_mut(forces).into_iter().zip(columns(at.velocities)) {
-            for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients) {
-                *f -= c * v;
-                power -= c * v * v;
-            }
-        }
-        power
+        self.add_to_all(at, forces)
+    }
+
+    fn by_node(&self) -> Option<&dyn ByNode> {
+        Some(self)
     }
 
     fn add_damping_product(&self, _at: Instant<'_>, p: &Vectors, out: &mut Vectors) {

@@ -15,16 +15,18 @@ mod springs;
 mod triangle_damping;
 mod triangles;
 
+use std::ops::Range;
+
 use crate::error::Result;
 use crate::model::Assembly;
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors};
+use crate::state::{Instant, Vectors, columns_mut};
 use spring_damping::SpringDamping;
 use springs::Springs;
 
 pub use air_drag::{AirDragParameters, AirMotion};
 pub use creases::CreaseParameters;
-pub use damped_springs::add_all;
+pub use damped_springs::{add_all, add_between_nodes};
 pub use rotating_frame::Spin;
 pub use spool_contact::SpoolContactParameters;
 pub use spring_damping::DampingParameters;
@@ -41,6 +43,22 @@ pub trait Law: Send + Sync {
     /// Adds the forces \[N\], and returns the rate at which the law changes the mechanical energy \[W\]: the power
     /// of forces without a potential, plus the partial time derivative of a potential that depends on time.
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64;
+
+    /// Asks a law without a potential to remember of each evaluation what `rework` needs. Whether it does.
+    fn remember(&mut self) -> bool {
+        false
+    }
+
+    /// The power \[W\] of the forces of the last evaluation on the velocities of `at`, whose positions are those of that
+    /// evaluation; of a law that remembers.
+    fn rework(&self, _at: Instant<'_>) -> f64 {
+        0.0
+    }
+
+    /// The law as one that acts on each node by itself.
+    fn by_node(&self) -> Option<&dyn ByNode> {
+        None
+    }
 
     /// The rate w \[1/s\] where the law's forces hold m w (v_y, -v_x, 0), which does no work; methods may treat it apart.
     fn gyration(&self, _time: f64) -> f64 {
@@ -96,6 +114,22 @@ pub trait Law: Send + Sync {
 
     /// What a user can do when this law lets a run fail.
     fn cure(&self) -> &'static str;
+}
+
+/// A law whose force on a node depends on that node alone, or on a sum over its neighbours that is worked out before: so
+/// that it can be added stretch by stretch, in the pass of a method that has the nodes in the cache.
+pub trait ByNode {
+    /// Works out what depends on neighbours; once before `add_to_rows` goes over all nodes at this instant.
+    fn prepare(&self, _at: Instant<'_>) {}
+
+    /// Adds the forces \[N\] on `rows` to three columns of as many, and returns the power as `add_forces` does.
+    fn add_to_rows(&self, rows: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64;
+
+    /// Adds the forces on all nodes.
+    fn add_to_all(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.prepare(at);
+        self.add_to_rows(0..forces.nrows(), at, columns_mut(forces))
+    }
 }
 
 /// An element beyond its bound: nodes in the core's numbering, and what happened.

@@ -7,12 +7,16 @@
 //! force and the change of U with Omega are counted as work done on the system. The same law as the cylindrical one of
 //! Okuizumi et al. (2012), section 3.5, without its singularity on the axis.
 
-use super::Law;
+use std::ops::Range;
+
+use super::{ByNode, Law};
 use crate::error::Result;
+use crate::lanes::Vector;
 use crate::model::{Assembly, finite};
+use crate::rowwise::{Formula, each};
 use crate::slopes::{Block, Slopes};
-use crate::state::{Instant, Vectors, columns, columns_mut};
-use crate::width::{Sweep, Width};
+use crate::state::{Instant, Vectors, columns, rows};
+use crate::width::Width;
 
 /// How fast the hub turns about z.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,33 +54,37 @@ impl RotatingFrame {
     }
 }
 
-/// Adds the forces of the frame, node by node.
-struct Swing<'a> {
-    masses: &'a [f64],
-    x: &'a [f64],
-    y: &'a [f64],
-    u: &'a [f64],
-    v: &'a [f64],
-    fx: &'a mut [f64],
-    fy: &'a mut [f64],
+/// Adds the forces of the frame on a node.
+struct Swing {
     rate: f64,
     acceleration: f64,
 }
 
-impl Sweep for Swing<'_> {
-    type Output = ();
-
+impl Formula<5, 2> for Swing {
     #[inline(always)]
-    fn sweep(self) {
-        let Swing { masses, x, y, u, v, fx, fy, rate, acceleration } = self;
-        let n = masses.len();
-        // Equal lengths, said once, so that the loop needs no check.
-        let (x, y, u, v, fx, fy) = (&x[..n], &y[..n], &u[..n], &v[..n], &mut fx[..n], &mut fy[..n]);
-        let (square, twice) = (rate * rate, 2.0 * rate);
-        for i in 0..n {
-            fx[i] += masses[i] * (square * x[i] + twice * v[i] + acceleration * y[i]);
-            fy[i] += masses[i] * (square * y[i] - twice * u[i] - acceleration * x[i]);
+    fn row<V: Vector>(&self, [mass, x, y, u, v]: [V; 5], [fx, fy]: [V; 2]) -> [V; 2] {
+        let (square, twice) = (V::all(self.rate * self.rate), V::all(2.0 * self.rate));
+        let acceleration = V::all(self.acceleration);
+        [
+            fx + mass * (square * x + twice * v + acceleration * y),
+            fy + mass * (square * y - twice * u - acceleration * x),
+        ]
+    }
+}
+
+impl ByNode for RotatingFrame {
+    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, [fx, fy, _]: [&mut [f64]; 3]) -> f64 {
+        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
+        let [x, y, _] = rows(at.positions, range.clone());
+        let [u, v, _] = rows(at.velocities, range.clone());
+        let masses = &self.masses[range];
+        each(self.width, &Swing { rate, acceleration }, [masses, x, y, u, v], [fx, fy]);
+        if acceleration == 0.0 {
+            return 0.0;
         }
+        let powers =
+            (0..masses.len()).map(|i| masses[i] * (y[i] * u[i] - x[i] * v[i] - rate * (x[i] * x[i] + y[i] * y[i])));
+        acceleration * powers.sum::<f64>()
     }
 }
 
@@ -90,17 +98,11 @@ impl Law for RotatingFrame {
     }
 
     fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
-        let [x, y, _] = columns(at.positions);
-        let [u, v, _] = columns(at.velocities);
-        let [fx, fy, _] = columns_mut(forces);
-        self.width.run(Swing { masses: &self.masses, x, y, u, v, fx, fy, rate, acceleration });
-        if acceleration == 0.0 {
-            return 0.0;
-        }
-        let powers = (0..self.masses.len())
-            .map(|i| self.masses[i] * (y[i] * u[i] - x[i] * v[i] - rate * (x[i] * x[i] + y[i] * y[i])));
-        acceleration * powers.sum::<f64>()
+        self.add_to_all(at, forces)
+    }
+
+    fn by_node(&self) -> Option<&dyn ByNode> {
+        Some(self)
     }
 
     fn gyration(&self, time: f64) -> f64 {

@@ -14,7 +14,7 @@
 
 mod tangent;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Law;
 use super::damped_springs::Nets;
@@ -59,6 +59,8 @@ pub(super) struct Dashpots {
     elements: Arc<Elements<2>>,
     /// c [N s/m].
     pub(super) coefficient: Vec<Lanes>,
+    /// What each dashpot pulled with last, over its length \[N/m\]; empty unless that is remembered.
+    pulls: Mutex<Vec<Lanes>>,
 }
 
 impl Dashpots {
@@ -79,7 +81,12 @@ impl Dashpots {
             let [i, j] = assembly.layout.inward(nodes).map(|node| assembly.masses[node as usize]);
             2.0 * ratio * (stiffness * mass.unwrap_or(0.5 * (i + j))).sqrt()
         });
-        Ok(Self { springs, elements, coefficient })
+        Ok(Self { springs, elements, coefficient, pulls: Mutex::default() })
+    }
+
+    /// Room for what each dashpot pulls with, if that is remembered. What a panic left behind is written anew.
+    pub(super) fn pulls(&self) -> MutexGuard<'_, Vec<Lanes>> {
+        self.pulls.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -134,11 +141,14 @@ impl SpringDamping {
     ) -> f64 {
         let mut power = self.film.as_ref().map_or(0.0, |film| film.resist(x, v, out, sign));
         for dashpots in self.nets.iter().filter(|dashpots| !is_done(dashpots.springs)) {
+            let mut pulls = (sign > 0.0).then(|| dashpots.pulls());
+            let pulls = pulls.as_deref_mut().filter(|pulls| !pulls.is_empty()).map(Vec::as_mut_slice);
             power += self.width.run_kernel(Resist {
                 dashpots,
                 positions: Columns::of(x),
                 velocities: Columns::of(v),
                 out: ColumnsMut::of(out),
+                pulls,
                 sign,
             });
         }
@@ -146,12 +156,13 @@ impl SpringDamping {
     }
 }
 
-/// Adds -sign C v to `out`, and gives the power of -C v on v.
+/// Adds -sign C v to `out`, and gives the power of -C v on v; and remembers the pulls.
 struct Resist<'a> {
     dashpots: &'a Dashpots,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     out: ColumnsMut<'a>,
+    pulls: Option<&'a mut [Lanes]>,
     sign: f64,
 }
 
@@ -169,6 +180,9 @@ impl Resist<'_> {
             let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
             let pull = pull(&coefficient[group], opening, inverse_square);
             power -= pull * opening;
+            if let Some(pulls) = &mut self.pulls {
+                pulls[pass.place(group)] = pull.lanes();
+            }
             let force = scale(V::all(self.sign) * pull, d);
             pass.add(&mut self.out, group, [force, negate(force)]);
         }
@@ -181,6 +195,38 @@ impl Kernel for Resist<'_> {
 
     #[inline(always)]
     fn sweep<V: Vector>(mut self) -> f64 {
+        (self.part::<V, false>() + self.part::<V, true>()).lanes().sum()
+    }
+}
+
+/// Gives the power of the pulls that are remembered on other velocities.
+struct Rework<'a> {
+    dashpots: &'a Dashpots,
+    pulls: &'a [Lanes],
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+}
+
+impl Rework<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const LOOSE: bool>(&self) -> V {
+        let pass = self.dashpots.elements.pass::<LOOSE>(self.positions.rows());
+        let pulls = pass.of(self.pulls);
+        let mut power = V::zero();
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V>(self.positions, group);
+            let [u, v] = pass.read::<V>(self.velocities, group);
+            power -= V::load(&pulls[group]) * dot(sub(b, a), sub(v, u));
+        }
+        power
+    }
+}
+
+impl Kernel for Rework<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn sweep<V: Vector>(self) -> f64 {
         (self.part::<V, false>() + self.part::<V, true>()).lanes().sum()
     }
 }
@@ -200,6 +246,27 @@ impl Law for SpringDamping {
 
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
         self.resist(at.positions, p, out, -1.0, |_| false);
+    }
+
+    /// Only what goes through one pass with the springs is remembered.
+    fn remember(&mut self) -> bool {
+        if self.film.is_some() {
+            return false;
+        }
+        for dashpots in &mut self.nets {
+            let count = dashpots.coefficient.len();
+            dashpots.pulls = Mutex::new(vec![Lanes::ZERO; count]);
+        }
+        true
+    }
+
+    fn rework(&self, at: Instant<'_>) -> f64 {
+        let mut power = 0.0;
+        for dashpots in &self.nets {
+            let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
+            power += self.width.run_kernel(Rework { dashpots, pulls: &dashpots.pulls(), positions, velocities });
+        }
+        power
     }
 
     fn dashpots(&self) -> Option<&SpringDamping> {

@@ -24,13 +24,16 @@
 //! is conserved: the energy swings about it by (omega dt)^2/4 of the potential energy, and does not drift.
 //! The work of laws is integrated by the trapezoidal rule; that of a force evaluated with p is its product with v_n, which
 //! is what the sum of kicks takes out of that quantity, step by step.
-//! Storage: two vectors per node beside the state.
+//! Storage: one vector per node beside the state, in which p takes the place of v_n until v_n+1 = p + d is known; r is
+//! dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
 use nalgebra::Matrix3;
 
 use super::{Integrator, Memory, System};
-use crate::state::{Instant, State, Vectors, columns, columns_mut};
-use crate::width::{Sweep, Width};
+use crate::lanes::Vector;
+use crate::rowwise::{Formula, each};
+use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, stretches};
+use crate::width::Width;
 
 /// The method and what it keeps.
 pub(super) struct Leapfrog {
@@ -38,8 +41,8 @@ pub(super) struct Leapfrog {
     acceleration: Vectors,
     powers: Vec<f64>,
     is_started: bool,
-    /// p.
-    prediction: Vectors,
+    /// a_n+1 of one stretch of nodes.
+    stretch: Vectors,
     width: Width,
 }
 
@@ -49,81 +52,52 @@ impl Leapfrog {
             acceleration: Vectors::zeros(nodes),
             powers: vec![0.0; laws],
             is_started: false,
-            prediction: Vectors::zeros(nodes),
+            stretch: Vectors::zeros(STRETCH.min(nodes)),
             width,
         }
     }
 }
 
-/// Half a kick, the drift, and the prediction.
-struct KickAndDrift<'a> {
+/// The drift, and the prediction in place of the velocity.
+struct Drift {
     dt: f64,
-    x: &'a mut [f64],
-    v: &'a mut [f64],
-    p: &'a mut [f64],
-    a: &'a [f64],
 }
 
-impl Sweep for KickAndDrift<'_> {
-    type Output = ();
-
+impl Formula<1, 2> for Drift {
     #[inline(always)]
-    fn sweep(self) {
-        let KickAndDrift { dt, x, v, p, a } = self;
-        let n = a.len();
-        // Equal lengths, said once, so that the loop needs no check.
-        let (x, v, p) = (&mut x[..n], &mut v[..n], &mut p[..n]);
-        let half = 0.5 * dt;
-        for i in 0..n {
-            let kicked = v[i] + half * a[i];
-            v[i] = kicked;
-            x[i] += dt * kicked;
-            p[i] = kicked + half * a[i];
-        }
+    fn row<V: Vector>(&self, [a]: [V; 1], [x, v]: [V; 2]) -> [V; 2] {
+        let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
+        let kicked = v + half * a;
+        [x + dt * kicked, kicked + half * a]
     }
 }
 
-/// Half a kick without gyration.
-struct Kick<'a> {
+/// The velocity from its prediction, without gyration: v = p + dt/2 (a' - a). Then a' stands in place of a.
+struct Correct {
     half: f64,
-    v: &'a mut [f64],
-    a: &'a [f64],
 }
 
-impl Sweep for Kick<'_> {
-    type Output = ();
-
+impl Formula<1, 2> for Correct {
     #[inline(always)]
-    fn sweep(self) {
-        self.v.iter_mut().zip(self.a).for_each(|(v, a)| *v += self.half * a);
+    fn row<V: Vector>(&self, [new]: [V; 1], [a, p]: [V; 2]) -> [V; 2] {
+        [new, p + V::all(self.half) * (new - a)]
     }
 }
 
-/// Half a kick with gyration, in x and y.
-struct Gyrate<'a> {
+/// The same with gyration, in x and y.
+struct Gyrate {
     half: f64,
     rate: f64,
-    v: [&'a mut [f64]; 2],
-    p: [&'a [f64]; 2],
-    a: [&'a mut [f64]; 2],
 }
 
-impl Sweep for Gyrate<'_> {
-    type Output = ();
-
+impl Formula<2, 4> for Gyrate {
     #[inline(always)]
-    fn sweep(self) {
-        let Gyrate { half, rate, v: [vx, vy], p: [px, py], a: [ax, ay] } = self;
-        let n = vx.len();
-        let (vy, px, py, ax, ay) = (&mut vy[..n], &px[..n], &py[..n], &mut ax[..n], &mut ay[..n]);
-        let h = rate * half;
-        let scale = 1.0 / (1.0 + h * h);
-        for i in 0..n {
-            let (rx, ry) = (vx[i] + half * ax[i] - px[i], vy[i] + half * ay[i] - py[i]);
-            let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
-            (ax[i], ay[i]) = (ax[i] + rate * dy, ay[i] - rate * dx);
-            (vx[i], vy[i]) = (px[i] + dx, py[i] + dy);
-        }
+    fn row<V: Vector>(&self, [new_x, new_y]: [V; 2], [ax, ay, px, py]: [V; 4]) -> [V; 4] {
+        let h = self.rate * self.half;
+        let (half, rate, scale, h) = (V::all(self.half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
+        let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
+        let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
+        [new_x + rate * dy, new_y - rate * dx, px + dx, py + dy]
     }
 }
 
@@ -179,34 +153,42 @@ impl Integrator for Leapfrog {
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
         let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        system.accelerate(at, &mut self.acceleration, &mut self.powers);
+        system.gather(at, &mut self.powers);
+        for range in stretches(self.acceleration.nrows()) {
+            system.finish(range.clone(), at, rows_mut(&mut self.acceleration, range.clone()), &mut self.powers);
+            system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.powers);
+        }
+        system.rework(at, &mut self.powers);
         self.is_started = true;
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let half = 0.5 * dt;
-        let Self { acceleration, powers, prediction, width, .. } = self;
+        let Self { acceleration, powers, stretch, width, .. } = self;
+        let width = *width;
         let mut add_work = |powers: &[f64]| work.iter_mut().zip(powers).for_each(|(work, power)| *work += half * power);
         add_work(powers);
-        width.run(KickAndDrift {
-            dt,
-            x: state.positions.as_mut_slice(),
-            v: state.velocities.as_mut_slice(),
-            p: prediction.as_mut_slice(),
-            a: acceleration.as_slice(),
-        });
-        let at = Instant { time: time + dt, positions: &state.positions, velocities: prediction };
-        system.accelerate(at, acceleration, powers);
-        let rate = system.gyration(time + dt);
-        if rate == 0.0 {
-            width.run(Kick { half, v: state.velocities.as_mut_slice(), a: acceleration.as_slice() });
-        } else {
-            let ([vx, vy, vz], [px, py, _]) = (columns_mut(&mut state.velocities), columns(prediction));
-            let [ax, ay, az] = columns_mut(acceleration);
-            width.run(Gyrate { half, rate, v: [vx, vy], p: [px, py], a: [ax, ay] });
-            width.run(Kick { half, v: vz, a: az });
+        let (x, v) = (state.positions.as_mut_slice(), state.velocities.as_mut_slice());
+        each(width, &Drift { dt }, [acceleration.as_slice()], [x, v]);
+        let time = time + dt;
+        let rate = system.gyration(time);
+        system.gather(Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
+        for range in stretches(acceleration.nrows()) {
+            let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
+            system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
+            let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
+            let [ax, ay, az] = rows_mut(acceleration, range.clone());
+            let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+            if rate == 0.0 {
+                each(width, &Correct { half }, [new_x], [ax, vx]);
+                each(width, &Correct { half }, [new_y], [ay, vy]);
+            } else {
+                each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+            }
+            each(width, &Correct { half }, [new_z], [az, vz]);
+            system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
         }
-        system.rework(&state.velocities, powers);
+        system.rework(Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
         add_work(powers);
     }
 

@@ -8,10 +8,12 @@ mod generalized_alpha;
 mod leapfrog;
 mod rk4;
 
+use std::ops::Range;
+
 use nalgebra::Complex;
 
 use crate::error::{Error, Result};
-use crate::state::{Instant, State, Vectors};
+use crate::state::{Instant, State, Vectors, rows_mut, stretches};
 use crate::tangent::Weights;
 use crate::width::Width;
 
@@ -19,13 +21,28 @@ pub use controller::Controller;
 
 /// What is integrated: x'' = a(t, x, v).
 pub trait System {
-    /// Fills the accelerations \[m/s2\], and for each law the power by which it changes the mechanical energy \[W\].
-    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]);
+    /// Works out what nodes do to each other at this instant, and starts the power of each law anew.
+    fn gather(&mut self, at: Instant<'_>, powers: &mut [f64]);
+    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of nodes, at the instant of the last `gather`, and adds to the
+    /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once after each `gather`, but
+    /// what is known of it may be changed as soon as it is done: so methods can use a stretch while it is in the cache.
+    fn finish(&mut self, rows: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]);
+    /// Fills all accelerations \[m/s2\], and the power of each law \[W\].
+    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
+        self.gather(at, powers);
+        for rows in stretches(at.positions.nrows()) {
+            self.finish(rows.clone(), at, rows_mut(accelerations, rows), powers);
+        }
+    }
     /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
     fn gyration(&self, time: f64) -> f64;
-    /// Replaces the power of each law without a potential by that of its last forces on `velocities`; for methods that
-    /// say `evaluates_elsewhere`.
-    fn rework(&self, velocities: &Vectors, powers: &mut [f64]);
+    /// For methods that say `evaluates_elsewhere`: laws without a potential leave their power out of `gather` and `finish`,
+    /// and it is added here. That of laws which act on each node by itself: after each `finish`, the power of these forces on
+    /// the `velocities` of these rows.
+    fn rework_rows(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
+    /// That of laws between nodes: after all rows, the power of the forces of the last `gather` on the velocities of `at`,
+    /// whose positions are the same.
+    fn rework(&mut self, at: Instant<'_>, powers: &mut [f64]);
     /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for methods that say `is_implicit`. Whether it is positive
     /// definite.
     fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool;

@@ -6,15 +6,24 @@
 //!       1  |  0   0   1
 //!          | 1/6 1/3 1/3 1/6
 //!
-//! Four evaluations a step. R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on
-//! the negative real one. It loses energy: on an oscillator the amplitude shrinks by (omega dt)^6/144 per step.
-//! Storage: five vectors per node beside the state.
+//! Four evaluations a step. The stages' velocities v1 = v_n, v2 = v_n + dt/2 a1, v3 = v_n + dt/2 a2, v4 = v_n + dt a3 hold
+//! their accelerations, so that none is kept:
+//!
+//!     x_n+1 = x_n + dt/6 (v1 + 2 v2 + 2 v3 + v4)
+//!     v_n+1 = v_n + ((v2 - v_n) + 2 (v3 - v_n) + (v4 - v_n))/3 + dt/6 a4
+//!
+//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real one. It
+//! loses energy: on an oscillator the amplitude shrinks by (omega dt)^6/144 per step.
+//! Storage: three vectors per node beside the state. Each stretch of nodes goes on to its next stage as soon as its
+//! accelerations are known.
 
 use nalgebra::Complex;
 
 use super::{Integrator, System, growth_of};
-use crate::state::{Instant, State, Vectors};
-use crate::width::{Sweep, Width};
+use crate::lanes::Vector;
+use crate::rowwise::{Formula, on_axes};
+use crate::state::{Instant, STRETCH, State, Vectors, rows, rows_mut, shared, stretches};
+use crate::width::Width;
 
 /// Node of each stage in the step, and its weight.
 const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
@@ -22,12 +31,11 @@ const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 /// The method and its stages.
 pub(super) struct Rk4 {
-    /// The stage's state and its acceleration.
     stage: State,
-    acceleration: Vectors,
-    /// Weighted sums of the stages' velocities and accelerations.
-    velocity_sum: Vectors,
-    acceleration_sum: Vectors,
+    /// The second stage's velocities.
+    second: Vectors,
+    /// Accelerations of one stretch.
+    stretch: Vectors,
     powers: Vec<f64>,
     width: Width,
 }
@@ -37,48 +45,65 @@ impl Rk4 {
         let zeros = || Vectors::zeros(nodes);
         Self {
             stage: State { positions: zeros(), velocities: zeros() },
-            acceleration: zeros(),
-            velocity_sum: zeros(),
-            acceleration_sum: zeros(),
+            second: zeros(),
+            stretch: Vectors::zeros(STRETCH.min(nodes)),
             powers: vec![0.0; laws],
             width,
         }
     }
 }
 
-/// One pass per stage: adds the stage to the sums, and lays out the next one.
-struct Combine<'a> {
-    is_first: bool,
-    weight: f64,
-    ahead: f64,
-    /// Positions and velocities at the start of the step.
-    start: [&'a [f64]; 2],
-    acceleration: &'a [f64],
-    stage: [&'a mut [f64]; 2],
-    sums: [&'a mut [f64]; 2],
+/// Lays out the second stage: x2 = x0 + h v0, v2 = v0 + h a1.
+struct Second {
+    h: f64,
 }
 
-impl Sweep for Combine<'_> {
-    type Output = ();
-
+impl Formula<3, 2> for Second {
     #[inline(always)]
-    fn sweep(self) {
-        let Combine { is_first, weight, ahead, start: [x0, v0], acceleration: a, stage: [x, v], sums: [dx, dv] } = self;
-        let n = a.len();
-        // Equal lengths, said once, so that the loops need no check.
-        let (x0, v0, x, v, dx, dv) = (&x0[..n], &v0[..n], &mut x[..n], &mut v[..n], &mut dx[..n], &mut dv[..n]);
-        if is_first {
-            for i in 0..n {
-                (dx[i], dv[i]) = (weight * v0[i], weight * a[i]);
-                (x[i], v[i]) = (x0[i] + ahead * v0[i], v0[i] + ahead * a[i]);
-            }
-        } else {
-            for i in 0..n {
-                dx[i] += weight * v[i];
-                dv[i] += weight * a[i];
-                (x[i], v[i]) = (x0[i] + ahead * v[i], v0[i] + ahead * a[i]);
-            }
-        }
+    fn row<V: Vector>(&self, [a, x0, v0]: [V; 3], _: [V; 2]) -> [V; 2] {
+        let h = V::all(self.h);
+        [x0 + h * v0, v0 + h * a]
+    }
+}
+
+/// Lays out the third stage: x3 = x0 + h v2, v3 = v0 + h a2.
+struct Third {
+    h: f64,
+}
+
+impl Formula<4, 2> for Third {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [a2, x0, v0, v2]: [V; 4], _: [V; 2]) -> [V; 2] {
+        let h = V::all(self.h);
+        [x0 + h * v2, v0 + h * a2]
+    }
+}
+
+/// Lays out the last stage: x4 = x0 + dt v3, v4 = v0 + dt a3. And moves the state on by all that is known then.
+struct Fourth {
+    dt: f64,
+}
+
+impl Formula<2, 4> for Fourth {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [a3, v2]: [V; 2], [_, v3, x0, v0]: [V; 4]) -> [V; 4] {
+        let (dt, two) = (V::all(self.dt), V::all(2.0));
+        let gained = dt * a3;
+        let sum = (v2 - v0) + two * (v3 - v0) + gained;
+        let moved = dt * (v0 + V::all(1.0 / 6.0) * (sum + (v2 - v0)));
+        [x0 + dt * v3, v0 + gained, x0 + moved, v0 + V::all(1.0 / 3.0) * sum]
+    }
+}
+
+/// Ends the step: v += dt/6 a4.
+struct End {
+    sixth: f64,
+}
+
+impl Formula<1, 1> for End {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [a]: [V; 1], [v]: [V; 1]) -> [V; 1] {
+        [v + V::all(self.sixth) * a]
     }
 }
 
@@ -101,27 +126,32 @@ impl Integrator for Rk4 {
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
+        let Self { stage, second, stretch, powers, width } = self;
+        let (width, h, sixth) = (*width, 0.5 * dt, dt / 6.0);
         for k in 0..4 {
-            let (before, weight) = (NODES[k] * dt, WEIGHTS[k] * dt);
-            let velocities = if k == 0 { &state.velocities } else { &self.stage.velocities };
-            let positions = if k == 0 { &state.positions } else { &self.stage.positions };
-            let at = Instant { time: time + before, positions, velocities };
-            system.accelerate(at, &mut self.acceleration, &mut self.powers);
-            for (work, power) in work.iter_mut().zip(&self.powers) {
-                *work += weight * power;
+            let time = time + NODES[k] * dt;
+            system.gather(instant(if k == 0 { state } else { stage }, second, k, time), powers);
+            for range in stretches(second.nrows()) {
+                let at = instant(if k == 0 { state } else { stage }, second, k, time);
+                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
+                let (a, v2) = (rows(stretch, 0..range.len()), rows_mut(second, range.clone()));
+                let [x0, v0] = [&mut state.positions, &mut state.velocities].map(|all| rows_mut(all, range.clone()));
+                let [x, v] = [&mut stage.positions, &mut stage.velocities].map(|all| rows_mut(all, range.clone()));
+                match k {
+                    0 => on_axes(width, &Second { h }, [a, shared(&x0), shared(&v0)], [x, v2]),
+                    1 => on_axes(width, &Third { h }, [a, shared(&x0), shared(&v0), shared(&v2)], [x, v]),
+                    2 => on_axes(width, &Fourth { dt }, [a, shared(&v2)], [x, v, x0, v0]),
+                    _ => on_axes(width, &End { sixth }, [a], [v0]),
+                }
             }
-            let ahead = if k < 3 { NODES[k + 1] * dt } else { 0.0 };
-            self.width.run(Combine {
-                is_first: k == 0,
-                weight,
-                ahead,
-                start: [state.positions.as_slice(), state.velocities.as_slice()],
-                acceleration: self.acceleration.as_slice(),
-                stage: [self.stage.positions.as_mut_slice(), self.stage.velocities.as_mut_slice()],
-                sums: [self.velocity_sum.as_mut_slice(), self.acceleration_sum.as_mut_slice()],
-            });
+            for (work, power) in work.iter_mut().zip(&*powers) {
+                *work += WEIGHTS[k] * dt * power;
+            }
         }
-        state.positions += &self.velocity_sum;
-        state.velocities += &self.acceleration_sum;
     }
+}
+
+/// Where stage `k` is evaluated.
+fn instant<'a>(stage: &'a State, second: &'a Vectors, k: usize, time: f64) -> Instant<'a> {
+    Instant { time, positions: &stage.positions, velocities: if k == 1 { second } else { &stage.velocities } }
 }

@@ -1,0 +1,163 @@
+//! Laws and masses, as an integrator sees them.
+
+use std::ops::Range;
+
+use crate::columns::total;
+use crate::forces::{self, Law};
+use crate::integrators::System;
+use crate::lanes::Vector;
+use crate::rowwise::{Add, Formula, each, on_axes};
+use crate::state::{Instant, STRETCH, Vectors, rows, rows_mut, stretches};
+use crate::tangent::{Tangent, Weights};
+use crate::width::Width;
+
+/// The laws and masses.
+pub(super) struct Mechanics {
+    pub(super) laws: Vec<Box<dyn Law>>,
+    pub(super) masses: Vec<f64>,
+    pub(super) inverse_masses: Vec<f64>,
+    pub(super) evaluation_count: u64,
+    /// Where the method is implicit.
+    pub(super) tangent: Option<Tangent>,
+    /// The forces between nodes \[N\]; zero but from `gather` to `finish`.
+    forces: Vectors,
+    /// Laws without a potential whose power the method asks for later: those that remember their last evaluation.
+    remembered: Vec<bool>,
+    /// And the forces of the others \[N\]: all rows of a law between nodes, zero but from `gather` to `rework`; those of one
+    /// stretch of a law node by node.
+    resistances: Vec<Option<Vectors>>,
+    /// F . v of each row of a stretch \[W\].
+    row_powers: Vec<f64>,
+    width: Width,
+}
+
+impl Mechanics {
+    /// With `is_reworked` for a method that `evaluates_elsewhere`.
+    pub(super) fn new(
+        mut laws: Vec<Box<dyn Law>>,
+        masses: Vec<f64>,
+        inverse_masses: Vec<f64>,
+        tangent: Option<Tangent>,
+        is_reworked: bool,
+        width: Width,
+    ) -> Self {
+        let nodes = masses.len();
+        let is_asked = |law: &dyn Law| is_reworked && !law.is_conservative();
+        let remembered: Vec<bool> = laws.iter_mut().map(|law| is_asked(law.as_ref()) && law.remember()).collect();
+        let resistance = |law: &dyn Law, is_remembered: bool| {
+            let count = if law.by_node().is_some() { STRETCH.min(nodes) } else { nodes };
+            (is_asked(law) && !is_remembered).then(|| Vectors::zeros(count))
+        };
+        let rows = laws.iter().zip(&remembered);
+        Self {
+            resistances: rows.map(|(law, &is_remembered)| resistance(law.as_ref(), is_remembered)).collect(),
+            remembered,
+            laws,
+            masses,
+            inverse_masses,
+            evaluation_count: 0,
+            tangent,
+            forces: Vectors::zeros(nodes),
+            row_powers: vec![0.0; STRETCH.min(nodes)],
+            width,
+        }
+    }
+}
+
+/// Forces to accelerations; the forces are zero then.
+struct Divide;
+
+impl Formula<1, 2> for Divide {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [inverse_mass]: [V; 1], [_, force]: [V; 2]) -> [V; 2] {
+        [force * inverse_mass, V::zero()]
+    }
+}
+
+/// F . v.
+struct Power;
+
+impl Formula<6, 1> for Power {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [fx, fy, fz, vx, vy, vz]: [V; 6], _: [V; 1]) -> [V; 1] {
+        [fx * vx + fy * vy + fz * vz]
+    }
+}
+
+/// The sum of F . v over a stretch \[W\], with room for as many numbers.
+fn power_of(width: Width, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3], room: &mut [f64]) -> f64 {
+    let powers = &mut room[..u.len()];
+    each(width, &Power, [fx, fy, fz, u, v, w], [powers]);
+    total(powers)
+}
+
+impl System for Mechanics {
+    fn gather(&mut self, at: Instant<'_>, powers: &mut [f64]) {
+        forces::add_between_nodes(&self.laws, at, &mut self.forces, powers, &mut self.resistances);
+        for (row, power) in powers.iter_mut().enumerate() {
+            if self.remembered[row] || self.resistances[row].is_some() {
+                *power = 0.0;
+            }
+        }
+        self.evaluation_count += 1;
+    }
+
+    fn finish(&mut self, range: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]) {
+        let width = self.width;
+        for ((law, resistance), power) in self.laws.iter().zip(&mut self.resistances).zip(powers) {
+            let forces = rows_mut(&mut self.forces, range.clone());
+            match (law.by_node(), resistance) {
+                (Some(law), None) => *power += law.add_to_rows(range.clone(), at, forces),
+                (Some(law), Some(resistance)) => {
+                    let own = || 0..range.len();
+                    rows_mut(resistance, own()).into_iter().for_each(|column| column.fill(0.0));
+                    law.add_to_rows(range.clone(), at, rows_mut(resistance, own()));
+                    on_axes(width, &Add, [rows(resistance, own())], [forces]);
+                }
+                (None, Some(resistance)) => on_axes(width, &Add, [rows(resistance, range.clone())], [forces]),
+                (None, None) => {}
+            }
+        }
+        let inverse_masses = &self.inverse_masses[range.clone()];
+        on_axes(width, &Divide, [[inverse_masses; 3]], [accelerations, rows_mut(&mut self.forces, range)]);
+    }
+
+    fn rework_rows(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {
+        for ((law, resistance), power) in self.laws.iter().zip(&self.resistances).zip(powers) {
+            if let (Some(_), Some(resistance)) = (law.by_node(), resistance) {
+                let forces = rows(resistance, 0..range.len());
+                *power += power_of(self.width, forces, velocities, &mut self.row_powers);
+            }
+        }
+    }
+
+    fn rework(&mut self, at: Instant<'_>, powers: &mut [f64]) {
+        for (row, (law, resistance)) in self.laws.iter().zip(&mut self.resistances).enumerate() {
+            if self.remembered[row] {
+                powers[row] += law.rework(at);
+            } else if let (None, Some(resistance)) = (law.by_node(), resistance) {
+                for range in stretches(resistance.nrows()) {
+                    let (forces, velocities) = (rows(resistance, range.clone()), rows(at.velocities, range));
+                    powers[row] += power_of(self.width, forces, velocities, &mut self.row_powers);
+                }
+                resistance.fill(0.0);
+            }
+        }
+    }
+
+    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool {
+        let Some(tangent) = &mut self.tangent else { return false };
+        tangent.assemble(&self.laws, &self.masses, at, weights);
+        tangent.factorise()
+    }
+
+    fn solve(&mut self, accelerations: &mut Vectors) {
+        if let Some(tangent) = &mut self.tangent {
+            tangent.solve(&self.masses, accelerations);
+        }
+    }
+
+    fn gyration(&self, time: f64) -> f64 {
+        self.laws.iter().map(|law| law.gyration(time)).sum()
+    }
+}
