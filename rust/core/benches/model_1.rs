@@ -87,8 +87,6 @@ fn measure(fineness: usize) -> (usize, Vec<(&'static str, Vec<f64>)>) {
         for (laws, width) in built.iter().zip(&widths) {
             let mut forces = Vectors::zeros(nodes);
             let mut powers = vec![0.0; laws.len()];
-            // No law's own forces are kept, as under RK4.
-            let mut resistances: Vec<Option<Vectors>> = laws.iter().map(|_| None).collect();
             let mut taken = Vec::new();
             if let Some((_, names, _)) = part {
                 let all = forces::build(&scene, &assemblies[row.len() - 1]).unwrap();
@@ -98,7 +96,7 @@ fn measure(fineness: usize) -> (usize, Vec<(&'static str, Vec<f64>)>) {
                 let laws = if part.is_some() { &taken } else { laws };
                 forces.as_mut_slice().fill(0.0);
                 let count = laws.len();
-                forces::add_all(laws, black_box(at), &mut forces, &mut powers[..count], &mut resistances[..count]);
+                forces::add_all(laws, black_box(at), &mut forces, &mut powers[..count]);
             }));
         }
         rows.push(row);

@@ -6,15 +6,15 @@
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::state::Vectors;
 
-/// Three columns of equal length, one after the other.
+/// `COUNT` columns of equal length, one after the other.
 #[derive(Debug, Clone, Copy)]
-pub struct Columns<'a> {
-    /// 3 `rows` numbers.
+pub struct Columns<'a, const COUNT: usize = 3> {
+    /// `COUNT` `rows` numbers.
     data: &'a [f64],
     rows: usize,
 }
 
-/// `COUNT` such columns, to be written.
+/// Such columns, to be written.
 #[derive(Debug)]
 pub struct ColumnsMut<'a, const COUNT: usize = 3> {
     /// `COUNT` `rows` numbers.
@@ -48,6 +48,22 @@ impl<'a> Columns<'a> {
         Self { data: vectors.as_slice(), rows: vectors.nrows() }
     }
 
+    /// The vector in a row.
+    pub fn at(self, row: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.data[axis * self.rows + row])
+    }
+}
+
+impl<'a, const COUNT: usize> Columns<'a, COUNT> {
+    /// The columns in `data`.
+    ///
+    /// # Panics
+    /// Where `data` does not hold as many numbers in each column.
+    pub fn in_slice(data: &'a [f64]) -> Self {
+        assert!(data.len().is_multiple_of(COUNT));
+        Self { data, rows: data.len() / COUNT }
+    }
+
     /// Number of rows.
     #[inline(always)]
     pub fn rows(&self) -> usize {
@@ -57,24 +73,38 @@ impl<'a> Columns<'a> {
     /// Rows `at` to `at + 8` of a column.
     ///
     /// # Safety
-    /// `axis < 3` and `at + 8 <= rows`.
+    /// `axis < COUNT` and `at + 8 <= rows`.
     #[inline(always)]
     #[allow(unsafe_code)]
     pub unsafe fn read<V: Vector>(self, axis: usize, at: u32) -> V {
-        // SAFETY: `data` has 3 `rows` numbers, so eight from axis rows + at on lie within it.
+        // SAFETY: `data` has COUNT `rows` numbers, so eight from axis rows + at on lie within it.
         V::load_from(unsafe { &*self.data.as_ptr().add(axis * self.rows + at as usize).cast() })
+    }
+
+    /// Rows `at` to `at + 4` of a column, for both places.
+    ///
+    /// # Safety
+    /// `axis < COUNT` and `at + 4 <= rows`.
+    #[inline(always)]
+    #[allow(unsafe_code)]
+    pub unsafe fn read_halves<V: Vector>(self, axis: usize, at: [u32; 2]) -> V {
+        // SAFETY: `data` has COUNT `rows` numbers, so four from axis rows + at on lie within it.
+        let low = unsafe { &*self.data.as_ptr().add(axis * self.rows + at[0] as usize).cast() };
+        // SAFETY: the same.
+        let high = unsafe { &*self.data.as_ptr().add(axis * self.rows + at[1] as usize).cast() };
+        V::load_halves(low, high)
     }
 
     /// Eight rows of a column.
     ///
     /// # Safety
-    /// `axis < 3` and every place is below `rows`.
+    /// `axis < COUNT` and every place is below `rows`.
     #[inline(always)]
     #[allow(unsafe_code)]
     pub unsafe fn gather(self, axis: usize, places: &[u32; LANES]) -> Lanes {
         let mut out = [0.0; LANES];
         for lane in 0..LANES {
-            // SAFETY: `data` has 3 `rows` numbers, and places[lane] < rows.
+            // SAFETY: `data` has COUNT `rows` numbers, and places[lane] < rows.
             out[lane] = unsafe { *self.data.get_unchecked(axis * self.rows + places[lane] as usize) };
         }
         Lanes(out)
@@ -86,6 +116,11 @@ impl<'a> ColumnsMut<'a> {
     pub fn of(vectors: &'a mut Vectors) -> Self {
         let rows = vectors.nrows();
         Self { data: vectors.as_mut_slice(), rows }
+    }
+
+    /// Adds to the vector in a row.
+    pub fn add_at(&mut self, row: usize, vector: [f64; 3]) {
+        (0..3).for_each(|axis| self.data[axis * self.rows + row] += vector[axis]);
     }
 }
 
@@ -115,6 +150,20 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
         let place: &mut [f64; LANES] =
             unsafe { &mut *self.data.as_mut_ptr().add(axis * self.rows + at as usize).cast() };
         *place = (V::load_from(place) + values).lanes().0;
+    }
+
+    /// Adds to rows `at` to `at + 4` of a column, for one place after the other: they may overlap.
+    ///
+    /// # Safety
+    /// `axis < COUNT` and `at + 4 <= rows`.
+    #[inline(always)]
+    #[allow(unsafe_code)]
+    pub unsafe fn add_halves<V: Vector>(&mut self, axis: usize, at: [u32; 2], values: V) {
+        let (low, high) = (axis * self.rows + at[0] as usize, axis * self.rows + at[1] as usize);
+        // SAFETY: as in `read_halves`; the borrow is unique, because `self` is, and ends before the next.
+        values.add_low_to(unsafe { &mut *self.data.as_mut_ptr().add(low).cast() });
+        // SAFETY: the same.
+        values.add_high_to(unsafe { &mut *self.data.as_mut_ptr().add(high).cast() });
     }
 
     /// Adds to eight rows of a column, one after the other: two places may be the same.

@@ -12,6 +12,9 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 /// Lanes per vector.
 pub const LANES: usize = 8;
 
+/// Half of them.
+pub const HALF: usize = LANES / 2;
+
 /// Eight numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
@@ -96,6 +99,12 @@ pub trait Vector:
     fn load(lanes: &Lanes) -> Self {
         Self::load_from(&lanes.0)
     }
+    /// Four numbers from one place and four from another.
+    fn load_halves(low: &[f64; HALF], high: &[f64; HALF]) -> Self;
+    /// Adds the first four numbers to a place.
+    fn add_low_to(self, place: &mut [f64; HALF]);
+    /// Adds the last four numbers to a place.
+    fn add_high_to(self, place: &mut [f64; HALF]);
     /// The eight numbers.
     fn lanes(self) -> Lanes;
     /// The same number in every lane.
@@ -165,6 +174,28 @@ impl Vector for Lanes {
     #[inline(always)]
     fn load_from(numbers: &[f64; LANES]) -> Self {
         Self(*numbers)
+    }
+
+    #[inline(always)]
+    fn load_halves(low: &[f64; HALF], high: &[f64; HALF]) -> Self {
+        let mut out = [0.0; LANES];
+        out[..HALF].copy_from_slice(low);
+        out[HALF..].copy_from_slice(high);
+        Self(out)
+    }
+
+    #[inline(always)]
+    fn add_low_to(self, place: &mut [f64; HALF]) {
+        for i in 0..HALF {
+            place[i] += self.0[i];
+        }
+    }
+
+    #[inline(always)]
+    fn add_high_to(self, place: &mut [f64; HALF]) {
+        for i in 0..HALF {
+            place[i] += self.0[i + HALF];
+        }
     }
 
     #[inline(always)]

@@ -9,6 +9,12 @@ use crate::width::{Kernel, Width};
 pub(crate) trait Formula<const R: usize, const W: usize> {
     /// The numbers that were to be changed, changed.
     fn row<V: Vector>(&self, read: [V; R], changed: [V; W]) -> [V; W];
+
+    /// A number of the row, from what it was, that is summed over all rows.
+    #[inline(always)]
+    fn summand<V: Vector>(&self, _read: [V; R], _changed: [V; W]) -> V {
+        V::zero()
+    }
 }
 
 /// A formula with its arrays.
@@ -25,7 +31,7 @@ struct Axes<'a, F, const R: usize, const W: usize> {
     changed: [[&'a mut [f64]; 3]; W],
 }
 
-/// Works a formula out on all rows.
+/// Works a formula out on all rows, and gives the sum of its summands, in a fixed order.
 ///
 /// # Panics
 /// Where arrays differ in length.
@@ -34,8 +40,8 @@ pub(crate) fn each<F: Formula<R, W>, const R: usize, const W: usize>(
     formula: &F,
     read: [&[f64]; R],
     changed: [&mut [f64]; W],
-) {
-    width.run_kernel(Each { formula, read, changed });
+) -> f64 {
+    width.run_kernel(Each { formula, read, changed })
 }
 
 /// Works a formula out on all rows of three columns, one axis after the other.
@@ -66,12 +72,13 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Axes<'_, F, R,
 }
 
 impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R, W> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn sweep<V: Vector>(self) {
+    fn sweep<V: Vector>(self) -> f64 {
         let Self { formula, read, changed } = self;
-        let count = changed[0].len() / LANES;
+        let rows = if W > 0 { changed[0].len() } else { read[0].len() };
+        let count = rows / LANES;
         // Equal lengths, said once, so that the loop needs no check.
         let read = read.map(|array| {
             let (blocks, rest) = array.as_chunks::<LANES>();
@@ -81,6 +88,7 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
             let (blocks, rest) = array.as_chunks_mut::<LANES>();
             (&mut blocks[..count], rest)
         });
+        let mut sum = V::zero();
         for i in 0..count {
             let (mut numbers, mut old) = ([V::zero(); R], [V::zero(); W]);
             for k in 0..R {
@@ -90,11 +98,12 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
                 old[k] = V::load_from(&changed[k].0[i]);
             }
             let new = formula.row(numbers, old);
+            sum += formula.summand(numbers, old);
             for k in 0..W {
                 changed[k].0[i] = new[k].lanes().0;
             }
         }
-        let rest = changed[0].1.len();
+        let rest = rows - count * LANES;
         if rest > 0 {
             let (mut numbers, mut old) = ([V::zero(); R], [V::zero(); W]);
             for k in 0..R {
@@ -104,10 +113,12 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
                 old[k] = filled_up(&changed[k].1[..rest]);
             }
             let new = formula.row(numbers, old);
+            sum += formula.summand(numbers, old);
             for k in 0..W {
                 changed[k].1.copy_from_slice(&new[k].lanes().0[..rest]);
             }
         }
+        sum.lanes().sum()
     }
 }
 

@@ -66,7 +66,20 @@ pub fn shared<'a>(columns: &'a [&mut [f64]; 3]) -> [&'a [f64]; 3] {
 /// Rows that are gone over together, by one pass after the other while they are in the nearest cache.
 pub const STRETCH: usize = 256;
 
-/// The stretches of `count` rows.
-pub fn stretches(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count).step_by(STRETCH).map(move |start| start..count.min(start + STRETCH))
+/// The stretches of some rows.
+pub fn stretches(rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    rows.clone().step_by(STRETCH).map(move |start| start..rows.end.min(start + STRETCH))
+}
+
+/// Rows of a tile: what belongs to so many fits the cache of one processor. A multiple of `STRETCH`.
+pub const TILE: usize = 2048;
+
+/// The tiles of `count` rows, at least one.
+pub fn tiles(count: usize) -> Range<usize> {
+    0..count.div_ceil(TILE).max(1)
+}
+
+/// The rows of a tile.
+pub fn rows_of(tile: usize, count: usize) -> Range<usize> {
+    tile * TILE..count.min((tile + 1) * TILE)
 }

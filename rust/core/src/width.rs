@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::x86;
 use crate::lanes::{Lanes, Vector};
+use crate::layout::{HALVES, LOOSE, RUNS};
 
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +36,24 @@ pub trait Kernel {
     type Output;
     /// The pass.
     fn sweep<V: Vector>(self) -> Self::Output;
+}
+
+/// A kernel over groups of elements: one kind of group (see `layout`) after another, and the sum of what they give.
+pub trait GroupKernel {
+    /// Goes over the groups of one kind.
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V;
+}
+
+/// All kinds of groups.
+struct Kinds<G>(G);
+
+impl<G: GroupKernel> Kernel for Kinds<G> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn sweep<V: Vector>(mut self) -> f64 {
+        (self.0.part::<V, RUNS>() + self.0.part::<V, HALVES>() + self.0.part::<V, LOOSE>()).lanes().sum()
+    }
 }
 
 /// A kernel as a sweep with one form of eight numbers.
@@ -81,6 +100,12 @@ impl Width {
     pub fn widest() -> Self {
         static WIDEST: OnceLock<Width> = OnceLock::new();
         *WIDEST.get_or_init(|| Self::ALL.into_iter().rev().find(|width| width.is_available()).unwrap_or(Self::Baseline))
+    }
+
+    /// Runs `kernel` with this width over all kinds of groups, and gives the sum over lanes and kinds.
+    #[inline]
+    pub fn run_groups(self, kernel: impl GroupKernel) -> f64 {
+        self.run_kernel(Kinds(kernel))
     }
 
     /// Runs `kernel` with this width, or with the widest below it that the machine has.

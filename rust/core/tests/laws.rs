@@ -168,8 +168,7 @@ fn what_a_law_remembers_gives_the_power_of_its_forces_on_other_velocities() {
         let positions = assembly.layout.gather_vectors(&assembly.model.positions);
         let at = |velocities| Instant { time: 0.0, positions: &positions, velocities };
         let (mut all, mut powers) = (Vectors::zeros(nodes), vec![0.0; laws.len()]);
-        let mut apart: Vec<Option<Vectors>> = laws.iter().map(|_| None).collect();
-        forces::add_all(&laws, at(&rest), &mut all, &mut powers, &mut apart);
+        forces::add_all(&laws, at(&rest), &mut all, &mut powers);
         for row in remembered {
             assert!(!laws[row].is_conservative());
             let reworked = laws[row].rework(at(&moved));

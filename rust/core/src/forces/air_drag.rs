@@ -9,18 +9,18 @@
 mod tangent;
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use super::{ByNode, Law, Spin};
-use crate::columns::{Columns, ColumnsMut, total};
+use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
-use crate::lanes::{Lanes, Point, Vector, cross, dot, scale, sub, sum};
+use crate::lanes::{Lanes, Vector, cross, dot, scale, sub, sum};
 use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
 use crate::rowwise::{Formula, each};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors, rows};
-use crate::width::{Kernel, Width};
+use crate::state::{Instant, Vectors, columns, rows};
+use crate::width::{GroupKernel, Width};
 
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
@@ -53,11 +53,18 @@ pub(super) struct AirDrag {
     presence: Vec<Lanes>,
     /// rho_air / 12 [kg/m3]: a sixth, and a half because normals are twice the vector areas.
     factor: f64,
-    /// Room for the sum of |S . V| over the triangles of each node, S twice the vector area [m3/s].
-    flows: Mutex<Vec<f64>>,
+    air: Mutex<Air>,
     /// The frame's turning relative to the air.
     spin: Spin,
     width: Width,
+}
+
+/// Room for what one evaluation needs.
+struct Air {
+    /// Velocity relative to the air along x, then along y [m/s].
+    wind: Vec<f64>,
+    /// The sum of |S . V| over the triangles of each node, S twice the vector area [m3/s]; zero between evaluations.
+    flows: Vec<f64>,
 }
 
 impl AirDrag {
@@ -78,92 +85,115 @@ impl AirDrag {
             presence: elements.pack(0.0, |_| 1.0),
             elements,
             factor,
-            flows: Mutex::new(vec![0.0; nodes]),
+            air: Mutex::new(Air { wind: vec![0.0; 2 * nodes], flows: vec![0.0; nodes] }),
             spin: if parameters.air == AirMotion::Still { spin } else { Spin::default() },
             width: assembly.width,
         })
     }
+
+    fn air(&self) -> MutexGuard<'_, Air> {
+        self.air.lock().unwrap_or_else(|poisoned| {
+            // What a panic left behind.
+            self.air.clear_poison();
+            let mut air = poisoned.into_inner();
+            air.flows.fill(0.0);
+            air
+        })
+    }
 }
 
-/// The velocity relative to the air of nodes at `r` that move with `v` in the frame.
+/// The velocity relative to the air, across the axis, of nodes that move with (u, v) at (x, y) in the frame.
 #[inline(always)]
-fn wind<V: Vector>(r: Point<V>, v: Point<V>, rate: V) -> Point<V> {
-    [v[0] - rate * r[1], v[1] + rate * r[0], v[2]]
+fn wind<V: Vector>([x, y]: [V; 2], [u, v]: [V; 2], rate: V) -> [V; 2] {
+    [u - rate * y, v + rate * x]
 }
 
-/// Sums the flow |S . V| through the triangles round each node.
+/// Works out the wind.
+struct Blow {
+    rate: f64,
+}
+
+impl Formula<4, 2> for Blow {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [x, y, u, v]: [V; 4], _: [V; 2]) -> [V; 2] {
+        wind([x, y], [u, v], V::all(self.rate))
+    }
+}
+
+/// Adds the flow |S . V| through the triangles of one tile to their nodes'.
 struct Flow<'a> {
     drag: &'a AirDrag,
-    flows: &'a mut [f64],
-    positions: &'a Vectors,
-    velocities: &'a Vectors,
-    rate: f64,
+    tile: usize,
+    flows: ColumnsMut<'a, 1>,
+    positions: Columns<'a>,
+    wind: Columns<'a, 2>,
+    /// Velocities along the axis.
+    along: Columns<'a, 1>,
 }
 
-impl Flow<'_> {
+impl GroupKernel for Flow<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self) {
-        let pass = self.drag.elements.pass::<LOOSE>(self.positions.nrows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.drag.elements.pass::<KIND>(self.tile, self.positions.rows());
         let presence = pass.of(&self.drag.presence);
-        let (positions, velocities) = (Columns::of(self.positions), Columns::of(self.velocities));
-        let mut flows = ColumnsMut::single(self.flows);
-        let rate = V::all(self.rate);
         for group in 0..pass.len() {
-            let r = pass.read::<V>(positions, group);
-            let v = pass.read::<V>(velocities, group);
-            let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
+            let r = pass.read::<V, 3>(self.positions, group);
+            let normal = scale(V::load(&presence[group]), cross(sub(r[1], r[0]), sub(r[2], r[0])));
+            let (wind, along) = (pass.read::<V, 2>(self.wind, group), pass.read::<V, 1>(self.along, group));
             let mut flow = [V::zero(); 3];
             for k in 0..3 {
-                flow[k] = dot(normal, wind(r[k], v[k], rate)).abs() * V::load(&presence[group]);
+                flow[k] = dot(normal, [wind[k][0], wind[k][1], along[k][0]]).abs();
             }
-            pass.add_numbers(&mut flows, group, flow);
+            pass.add_numbers(&mut self.flows, group, flow);
         }
+        V::zero()
     }
 }
 
-impl Kernel for Flow<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep<V: Vector>(mut self) {
-        self.part::<V, false>();
-        self.part::<V, true>();
-    }
-}
-
-/// F = -(rho_air/6) (sum of flows) V on a node, and F . v in place of the sum.
+/// F = -(rho_air/6) (sum of flows) V on a node, and F . v; leaves no flow behind.
 struct Resist {
     factor: f64,
-    rate: f64,
+}
+
+impl Resist {
+    #[inline(always)]
+    fn pull<V: Vector>(&self, flow: V) -> V {
+        V::all(-self.factor) * flow
+    }
 }
 
 impl Formula<5, 4> for Resist {
     #[inline(always)]
-    fn row<V: Vector>(&self, [x, y, u, v, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
-        let pull = flow * V::all(-self.factor);
-        let [wind_x, wind_y, _] = wind([x, y, V::zero()], [u, v, w], V::all(self.rate));
-        let power = pull * (wind_x * u + wind_y * v + w * w);
-        [fx + pull * wind_x, fy + pull * wind_y, fz + pull * w, power]
+    fn row<V: Vector>(&self, [wind_x, wind_y, _, _, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
+        let pull = self.pull(flow);
+        [fx + pull * wind_x, fy + pull * wind_y, fz + pull * w, V::zero()]
+    }
+
+    #[inline(always)]
+    fn summand<V: Vector>(&self, [wind_x, wind_y, u, v, w]: [V; 5], [.., flow]: [V; 4]) -> V {
+        self.pull(flow) * (wind_x * u + wind_y * v + w * w)
     }
 }
 
 impl ByNode for AirDrag {
-    fn prepare(&self, at: Instant<'_>) {
-        // What a panic left behind is filled anew.
-        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
-        flows.fill(0.0);
+    fn prepare(&self, tile: usize, at: Instant<'_>) {
+        let Air { wind, flows } = &mut *self.air();
         let rate = self.spin.rate_at(at.time);
-        let (positions, velocities) = (at.positions, at.velocities);
-        self.width.run_kernel(Flow { drag: self, flows: &mut flows, positions, velocities, rate });
+        let ahead = self.elements.new_rows(tile);
+        let (wind_x, wind_y) = wind.split_at_mut(flows.len());
+        let ([x, y, _], [u, v, _]) = (rows(at.positions, ahead.clone()), rows(at.velocities, ahead.clone()));
+        each(self.width, &Blow { rate }, [x, y, u, v], [&mut wind_x[ahead.clone()], &mut wind_y[ahead]]);
+        let (positions, wind) = (Columns::of(at.positions), Columns::in_slice(wind));
+        let along = Columns::in_slice(columns(at.velocities)[2]);
+        self.width.run_groups(Flow { drag: self, tile, flows: ColumnsMut::single(flows), positions, wind, along });
     }
 
     fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
-        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
-        let power = &mut flows[range.clone()];
-        let ([x, y, _], [u, v, w]) = (rows(at.positions, range.clone()), rows(at.velocities, range));
-        let resist = Resist { factor: self.factor, rate: self.spin.rate_at(at.time) };
-        each(self.width, &resist, [x, y, u, v, w], [fx, fy, fz, power]);
-        total(power)
+        let Air { wind, flows } = &mut *self.air();
+        let (wind_x, wind_y) = wind.split_at(flows.len());
+        let [u, v, w] = rows(at.velocities, range.clone());
+        let read = [&wind_x[range.clone()], &wind_y[range.clone()], u, v, w];
+        each(self.width, &Resist { factor: self.factor }, read, [fx, fy, fz, &mut flows[range]])
     }
 }
 
@@ -176,8 +206,8 @@ impl Law for AirDrag {
         false
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.add_to_all(at, forces)
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.add_to_nodes(tile, at, forces)
     }
 
     fn by_node(&self) -> Option<&dyn ByNode> {
@@ -194,7 +224,8 @@ impl Law for AirDrag {
             let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
             let mut products = [[Lanes::ZERO; 3]; 3];
             for k in 0..3 {
-                let wind = wind(r[k], v[k], rate);
+                let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], rate);
+                let wind = [wind_x, wind_y, v[k][2]];
                 let flow = dot(normal, wind);
                 let along = scale(dot(normal, p[k]).copysign(flow * dot(normal, p[k])), wind);
                 products[k] =

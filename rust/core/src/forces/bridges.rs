@@ -10,8 +10,8 @@ use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
 use crate::slopes::{Block, Slopes, of_link};
-use crate::state::{Instant, Vectors};
-use crate::width::{Kernel, Width};
+use crate::state::{Instant, Vectors, tiles};
+use crate::width::{GroupKernel, Width};
 
 /// The law: all links, of one stiffness, eight to a group.
 pub(super) struct Bridges {
@@ -29,44 +29,32 @@ impl Bridges {
         Self { elements, stiffness, width: assembly.width }
     }
 
-    fn pull(&self, positions: &Vectors, out: &mut Vectors, sign: f64) {
-        self.width.run_kernel(Pull {
-            bridges: self,
-            positions: Columns::of(positions),
-            out: ColumnsMut::of(out),
-            sign,
-        });
+    fn pull(&self, tile: usize, positions: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
+        let (positions, out) = (Columns::of(positions), ColumnsMut::of(out));
+        self.width.run_groups(Pull { bridges: self, tile, positions, out, sign })
     }
 }
 
 /// Adds sign k (x_j - x_i) to the first end of each link, and its opposite to the second.
 struct Pull<'a> {
     bridges: &'a Bridges,
+    tile: usize,
     positions: Columns<'a>,
     out: ColumnsMut<'a>,
     sign: f64,
 }
 
-impl Pull<'_> {
+impl GroupKernel for Pull<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self) {
-        let pass = self.bridges.elements.pass::<LOOSE>(self.positions.rows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
         let stiffness = pass.of(&self.bridges.stiffness);
         for group in 0..pass.len() {
-            let [a, b] = pass.read::<V>(self.positions, group);
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
             let pull = scale(V::all(self.sign) * V::load(&stiffness[group]), sub(b, a));
             pass.add(&mut self.out, group, [pull, negate(pull)]);
         }
-    }
-}
-
-impl Kernel for Pull<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep<V: Vector>(mut self) {
-        self.part::<V, false>();
-        self.part::<V, true>();
+        V::zero()
     }
 }
 
@@ -79,9 +67,8 @@ impl Law for Bridges {
         true
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.pull(at.positions, forces, 1.0);
-        0.0
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.pull(tile, at.positions, forces, 1.0)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
@@ -95,7 +82,9 @@ impl Law for Bridges {
     }
 
     fn add_stiffness_product(&self, _at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        self.pull(p, out, -1.0);
+        for tile in tiles(p.nrows()) {
+            self.pull(tile, p, out, -1.0);
+        }
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {

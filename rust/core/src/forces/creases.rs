@@ -18,18 +18,17 @@
 mod tangent;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::ops::Range;
 
 use super::{Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Point, Vector, cross, dot, negate, scale, sub, sum};
-use crate::layout::{BATCH, Elements, Pass};
+use crate::layout::{BATCH, Elements};
 use crate::mesh;
 use crate::model::{Assembly, finite, non_negative};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Kernel, Width};
+use crate::width::{GroupKernel, Width};
 
 /// Parameters of the creases.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +81,17 @@ struct Wings<V = Lanes> {
     length_square: V,
 }
 
+/// What makes the forces of a group out of its wings: factors of the normals of wing C and of wing D.
+#[derive(Clone, Copy)]
+struct Pulls<V> {
+    /// Across the wings.
+    turn: [V; 2],
+    /// In their planes.
+    push: [V; 2],
+    /// The share of `turn` that acts at B.
+    at_b: [V; 2],
+}
+
 impl<V: Vector> Wings<V> {
     #[inline(always)]
     fn new([a, b, c, d]: [Point<V>; 4]) -> Self {
@@ -100,12 +110,45 @@ impl<V: Vector> Wings<V> {
         angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
     }
 
-    /// The vector at B that, with its opposite and those at C and D at A, balances `c` at C and `d` at D: no torque is left.
+    /// The shares of vectors at C and at D that act at B, the rest at A, so that no torque is left of them.
     #[inline(always)]
-    fn balance(&self, c: Point<V>, d: Point<V>) -> Point<V> {
+    fn shares_at_b(&self) -> [V; 2] {
         let inverse = V::all(-1.0) / self.length_square;
-        let (tc, td) = (dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse);
-        sum(scale(tc, c), scale(td, d))
+        [dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse]
+    }
+
+    /// What turns the wings, and what pushes their nodes in their planes, for u [J] and du/dtheta [N m] as the crease is now.
+    #[inline(always)]
+    fn pulls(&self, parameters: &Parameters, energy: V, moment: V) -> Pulls<V> {
+        let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
+        let (square_c, square_d) = (dot(self.normal_c, self.normal_c), dot(self.normal_d, self.normal_d));
+        // 1/(q + s) of each wing, with q the square of its normal, by one division: w = q/(q + s).
+        let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
+        let both = V::all(1.0) / (root_c * root_d);
+        let (share_c, share_d) = (root_d * both, root_c * both);
+        let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
+        // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
+        // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
+        let turn = V::load(&parameters.sign) * moment * self.length;
+        // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the wing).
+        let push = V::all(-2.0) * energy;
+        Pulls {
+            turn: [turn * weight_d * share_c, turn * weight_c * share_d],
+            push: [push * weight_d * soft_c * share_c * share_c, push * weight_c * soft_d * share_d * share_d],
+            at_b: self.shares_at_b(),
+        }
+    }
+
+    /// The forces on A, B, C and D.
+    #[inline(always)]
+    fn forces(&self, pulls: &Pulls<V>) -> [Point<V>; 4] {
+        let (turn_c, turn_d) = (scale(pulls.turn[0], self.normal_c), scale(pulls.turn[1], self.normal_d));
+        let (push_c, push_d) = (scale(pulls.push[0], self.normal_c), scale(pulls.push[1], self.normal_d));
+        let at_c = sum(turn_c, cross(push_c, self.e));
+        let at_d = sum(turn_d, cross(self.e, push_d));
+        let turn_b = sum(scale(pulls.at_b[0], turn_c), scale(pulls.at_b[1], turn_d));
+        let at_b = sum(turn_b, sum(cross(self.c, push_c), cross(push_d, self.d)));
+        [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
     }
 }
 
@@ -182,73 +225,36 @@ impl Creases {
 }
 
 /// Adds -dU/dx to the forces. A batch at a time: from one group's positions to its forces is a long chain of operations that
-/// wait for each other; angles and moments first, forces then, makes two short ones, and the processor works on several groups at once.
+/// wait for each other, and a processor sees little more than one group ahead. What needs angles, roots and divisions first,
+/// then the vectors: two shorter chains, of several groups at once.
 struct Open<'a> {
     creases: &'a Creases,
+    tile: usize,
     positions: Columns<'a>,
     forces: ColumnsMut<'a>,
 }
 
-impl Open<'_> {
+impl GroupKernel for Open<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self) {
-        let pass = self.creases.elements.pass::<LOOSE>(self.positions.rows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.creases.parameters);
+        let none = [V::zero(); 2];
+        let mut pulls = [Pulls { turn: none, push: none, at_b: none }; BATCH];
         for batch in pass.batches() {
-            let mut potentials = [(V::zero(), V::zero()); BATCH];
-            for (group, potential) in batch.clone().zip(&mut potentials) {
-                let (sign, stiffness) = (V::load(&parameters[group].sign), V::load(&parameters[group].stiffness));
-                let angle = Wings::new(pass.read::<V>(self.positions, group)).angle(sign);
-                *potential = self.creases.potential(stiffness, angle);
+            for (group, pulls) in batch.clone().zip(&mut pulls) {
+                let parameters = &parameters[group];
+                let wings = Wings::new(pass.read::<V, 3>(self.positions, group));
+                let angle = wings.angle(V::load(&parameters.sign));
+                let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
+                *pulls = wings.pulls(parameters, energy, moment);
             }
-            self.open(pass, parameters, batch, &potentials);
+            for (group, pulls) in batch.zip(&pulls) {
+                let forces = Wings::new(pass.read::<V, 3>(self.positions, group)).forces(pulls);
+                pass.add(&mut self.forces, group, forces);
+            }
         }
-    }
-
-    #[inline(always)]
-    fn open<V: Vector, const LOOSE: bool>(
-        &mut self,
-        pass: Pass<'_, 4, LOOSE>,
-        parameters: &[Parameters],
-        batch: Range<usize>,
-        potentials: &[(V, V); BATCH],
-    ) {
-        for (group, &(energy, moment)) in batch.zip(potentials) {
-            let Parameters { sign, softening: [soft_c, soft_d], .. } = &parameters[group];
-            let (sign, soft_c, soft_d) = (V::load(sign), V::load(soft_c), V::load(soft_d));
-            let wings = Wings::new(pass.read::<V>(self.positions, group));
-            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
-            // 1/(q + s) of each wing, with q the square of its normal, by one division: w = q/(q + s).
-            let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
-            let both = V::all(1.0) / (root_c * root_d);
-            let (share_c, share_d) = (root_d * both, root_c * both);
-            let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
-            // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
-            // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
-            let turn = sign * moment * wings.length;
-            let mut at_c = scale(turn * weight_d * share_c, wings.normal_c);
-            let mut at_d = scale(turn * weight_c * share_d, wings.normal_d);
-            let mut at_b = wings.balance(at_c, at_d);
-            // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the wing).
-            let push = V::all(-2.0) * energy;
-            let push_c = scale(push * weight_d * soft_c * share_c * share_c, wings.normal_c);
-            let push_d = scale(push * weight_c * soft_d * share_d * share_d, wings.normal_d);
-            at_c = sum(at_c, cross(push_c, wings.e));
-            at_d = sum(at_d, cross(wings.e, push_d));
-            at_b = sum(at_b, sum(cross(wings.c, push_c), cross(push_d, wings.d)));
-            let at_a = negate(sum(at_b, sum(at_c, at_d)));
-            pass.add(&mut self.forces, group, [at_a, at_b, at_c, at_d]);
-        }
-    }
-}
-
-impl Kernel for Open<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep<V: Vector>(mut self) {
-        self.part::<V, false>();
-        self.part::<V, true>();
+        V::zero()
     }
 }
 
@@ -261,13 +267,9 @@ impl Law for Creases {
         true
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run_kernel(Open {
-            creases: self,
-            positions: Columns::of(at.positions),
-            forces: ColumnsMut::of(forces),
-        });
-        0.0
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.width.run_groups(Open { creases: self, tile, positions, forces })
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
@@ -291,7 +293,8 @@ impl Law for Creases {
             let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
             let at_c = scale(wings.length / (square_c + self.parameters[group].softening[0]), wings.normal_c);
             let at_d = scale(wings.length / (square_d + self.parameters[group].softening[1]), wings.normal_d);
-            let at_b = wings.balance(at_c, at_d);
+            let [of_c, of_d] = wings.shares_at_b();
+            let at_b = sum(scale(of_c, at_c), scale(of_d, at_d));
             let at_a = negate(sum(at_b, sum(at_c, at_d)));
             let [a, b, c, d] = self.elements.read_any(p, group);
             let turn = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);

@@ -13,8 +13,8 @@ use crate::columns::{Columns, ColumnsMut};
 use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::Assembly;
-use crate::state::{Instant, Vectors, columns_mut};
-use crate::width::Kernel;
+use crate::state::{Instant, Vectors, rows_mut, rows_of, tiles};
+use crate::width::GroupKernel;
 
 /// The springs of a scene, arranged once for both laws.
 #[derive(Default)]
@@ -39,70 +39,69 @@ fn arranged(pairs: impl Iterator<Item = [u32; 2]>, assembly: &Assembly) -> Arc<E
     Arc::new(Elements::new(&assembly.layout.inward_pairs(pairs), assembly.masses.len()))
 }
 
-/// Adds the forces \[N\] of all laws, and fills the power of each \[W\]. A law with a place in `resistances` has its own
-/// forces there too.
-pub fn add_all(
-    laws: &[Box<dyn Law>],
-    at: Instant<'_>,
-    forces: &mut Vectors,
-    powers: &mut [f64],
-    resistances: &mut [Option<Vectors>],
-) {
-    resistances.iter_mut().flatten().for_each(|resistance| resistance.as_mut_slice().fill(0.0));
-    add_between_nodes(laws, at, forces, powers, resistances);
-    for (row, law) in laws.iter().enumerate() {
-        if let Some(law) = law.by_node() {
-            let out = resistances[row].as_mut().unwrap_or(forces);
-            powers[row] += law.add_to_rows(0..at.positions.nrows(), at, columns_mut(out));
+/// Adds the forces \[N\] of all laws, and fills the power of each \[W\].
+pub fn add_all(laws: &[Box<dyn Law>], at: Instant<'_>, forces: &mut Vectors, powers: &mut [f64]) {
+    powers.fill(0.0);
+    let count = at.positions.nrows();
+    for tile in tiles(count) {
+        add_between_nodes(laws, tile, at, forces, powers, &mut []);
+        for (law, power) in laws.iter().zip(&mut *powers) {
+            if let Some(law) = law.by_node() {
+                let range = rows_of(tile, count);
+                *power += law.add_to_rows(range.clone(), at, rows_mut(forces, range));
+            }
         }
     }
 }
 
-/// As `add_all`, but laws that act on each node by itself are only prepared, and resistances are added to.
+/// Adds the forces \[N\] of what belongs to a tile, and to the power of each law \[W\]. Laws that act on each node by itself
+/// are only prepared. A law with a place in `resistances` adds its forces there.
 pub fn add_between_nodes(
     laws: &[Box<dyn Law>],
+    tile: usize,
     at: Instant<'_>,
     forces: &mut Vectors,
     powers: &mut [f64],
     resistances: &mut [Option<Vectors>],
 ) {
-    powers.fill(0.0);
     let damping = laws.iter().enumerate().find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
+    let is_apart = |row: usize, resistances: &[Option<Vectors>]| resistances.get(row).is_some_and(Option::is_some);
     for (row, law) in laws.iter().enumerate() {
         if let Some(law) = law.by_node() {
-            law.prepare(at);
+            law.prepare(tile, at);
             continue;
         }
         if let (Some(springs), Some((damping_row, damping))) = (law.springs(), damping)
-            && resistances[damping_row].is_none()
+            && !is_apart(damping_row, resistances)
             && let Some(dashpots) = damping.along(springs.name)
         {
             let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-            let pass = Damped { springs, dashpots, positions, velocities, forces: ColumnsMut::of(forces) };
+            let pass = Damped { springs, dashpots, tile, positions, velocities, forces: ColumnsMut::of(forces) };
             let mut pulls = dashpots.pulls();
             powers[damping_row] += if pulls.is_empty() {
-                springs.width.run_kernel(pass)
+                springs.width.run_groups(pass)
             } else {
-                springs.width.run_kernel(Remembered(pass, &mut pulls))
+                springs.width.run_groups(Remembered(pass, &mut pulls))
             };
             continue;
         }
-        powers[row] += match (law.dashpots(), &mut resistances[row]) {
-            (_, Some(resistance)) => law.add_forces(at, resistance),
+        powers[row] += match (law.dashpots(), resistances.get_mut(row).and_then(Option::as_mut)) {
+            (_, Some(resistance)) => law.add_to_tile(tile, at, resistance),
             (Some(damping), None) => {
                 let is_done =
                     |name: &str| laws.iter().any(|law| law.springs().is_some_and(|springs| springs.name == name));
-                damping.resist(at.positions, at.velocities, forces, 1.0, is_done)
+                damping.resist(tile, at.positions, at.velocities, forces, 1.0, is_done)
             }
-            (None, None) => law.add_forces(at, forces),
+            (None, None) => law.add_to_tile(tile, at, forces),
         };
     }
 }
 
-/// Adds what springs and dashpots pull with to the forces, and gives the dashpots' power.
+/// Adds what springs and dashpots of one tile pull with to the forces, and gives the dashpots' power.
 struct Damped<'a> {
     springs: &'a Springs,
     dashpots: &'a Dashpots,
+    tile: usize,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     forces: ColumnsMut<'a>,
@@ -113,13 +112,13 @@ struct Remembered<'a>(Damped<'a>, &'a mut [Lanes]);
 
 impl Damped<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self, mut pulls: Option<&mut [Lanes]>) -> V {
-        let pass = self.springs.elements.pass::<LOOSE>(self.positions.rows());
+    fn go<V: Vector, const KIND: usize>(&mut self, mut pulls: Option<&mut [Lanes]>) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
         let (parameters, coefficient) = (pass.of(&self.springs.parameters), pass.of(&self.dashpots.coefficient));
         let mut power = V::zero();
         for group in 0..pass.len() {
-            let [a, b] = pass.read::<V>(self.positions, group);
-            let [u, v] = pass.read::<V>(self.velocities, group);
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
+            let [u, v] = pass.read::<V, 3>(self.velocities, group);
             let d = sub(b, a);
             let opening = dot(d, sub(v, u));
             let (tension, inverse) = parameters[group].pull(dot(d, d).sqrt());
@@ -135,21 +134,16 @@ impl Damped<'_> {
     }
 }
 
-impl Kernel for Damped<'_> {
-    type Output = f64;
-
+impl GroupKernel for Damped<'_> {
     #[inline(always)]
-    fn sweep<V: Vector>(mut self) -> f64 {
-        (self.part::<V, false>(None) + self.part::<V, true>(None)).lanes().sum()
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        self.go::<V, KIND>(None)
     }
 }
 
-impl Kernel for Remembered<'_> {
-    type Output = f64;
-
+impl GroupKernel for Remembered<'_> {
     #[inline(always)]
-    fn sweep<V: Vector>(mut self) -> f64 {
-        let runs = self.0.part::<V, false>(Some(self.1));
-        (runs + self.0.part::<V, true>(Some(self.1))).lanes().sum()
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        self.0.go::<V, KIND>(Some(self.1))
     }
 }

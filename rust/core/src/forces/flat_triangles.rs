@@ -18,7 +18,7 @@ pub(super) struct Flat {
     r: Vec<Lanes>,
     /// E_Y h A0 [J]; 0 in lanes without a triangle.
     pub(super) stiffness: Vec<Lanes>,
-    pub(super) nu: Lanes,
+    pub(super) nu: f64,
 }
 
 /// A flat triangle in its own frame, taken from its lowest node: turned by a third of a turn, it is the same triangle.
@@ -60,7 +60,7 @@ impl Corners {
 }
 
 /// A symmetric 2 x 2 tensor: 11, 22, 12.
-pub(super) type Tensor = [Lanes; 3];
+pub(super) type Tensor<V = Lanes> = [V; 3];
 
 impl Flat {
     /// The triangles of the mesh.
@@ -84,49 +84,50 @@ impl Flat {
             q: elements.pack(0.0, |row| rows[row][1]),
             r: elements.pack(1.0, |row| rows[row][2]),
             stiffness: elements.pack(0.0, |row| rows[row][3]),
-            nu: Lanes::all(nu),
+            nu,
             elements,
         })
     }
 
     /// The columns of the gradient of a vector at the nodes.
     #[inline(always)]
-    pub(super) fn gradient(&self, group: usize, [a, b, c]: [Point; 3]) -> [Point; 2] {
+    pub(super) fn gradient<V: Vector>(&self, group: usize, [a, b, c]: [Point<V>; 3]) -> [Point<V>; 2] {
         let (u, v) = (sub(b, a), sub(c, a));
-        [scale(self.p[group], u), sum(scale(self.q[group], u), scale(self.r[group], v))]
+        let (p, q, r) = (V::load(&self.p[group]), V::load(&self.q[group]), V::load(&self.r[group]));
+        [scale(p, u), sum(scale(q, u), scale(r, v))]
     }
 
     /// What stress s, times E_Y h A0, pulls the nodes by: the negative derivative of the strain energy.
     #[inline(always)]
-    pub(super) fn pull(&self, group: usize, [f1, f2]: [Point; 2], s: Tensor) -> [Point; 3] {
-        let k = self.stiffness[group];
+    pub(super) fn pull<V: Vector>(&self, group: usize, [f1, f2]: [Point<V>; 2], s: Tensor<V>) -> [Point<V>; 3] {
+        let k = V::load(&self.stiffness[group]);
+        let (p, q, r) = (V::load(&self.p[group]), V::load(&self.q[group]), V::load(&self.r[group]));
         let [s11, s22, s12] = [k * s[0], k * s[1], k * s[2]];
         let along_1 = sum(scale(s11, f1), scale(s12, f2));
         let along_2 = sum(scale(s12, f1), scale(s22, f2));
-        let at_b = sum(scale(self.p[group], along_1), scale(self.q[group], along_2));
-        let at_c = scale(self.r[group], along_2);
+        let at_b = sum(scale(p, along_1), scale(q, along_2));
+        let at_c = scale(r, along_2);
         [sum(at_b, at_c), negate(at_b), negate(at_c)]
     }
 
     /// The stress of a film that does not wrinkle, over E_Y.
     #[inline(always)]
-    pub(super) fn stress(&self, e: Tensor) -> Tensor {
-        let one = Lanes::all(1.0);
-        let shear = one / (one + self.nu);
-        let factor = shear / (one - self.nu);
-        [factor * (e[0] + self.nu * e[1]), factor * (e[1] + self.nu * e[0]), shear * e[2]]
+    pub(super) fn stress<V: Vector>(&self, e: Tensor<V>) -> Tensor<V> {
+        let shear = 1.0 / (1.0 + self.nu);
+        let (nu, factor) = (V::all(self.nu), V::all(shear / (1.0 - self.nu)));
+        [factor * (e[0] + nu * e[1]), factor * (e[1] + nu * e[0]), V::all(shear) * e[2]]
     }
 }
 
 /// Green's strain of a gradient.
 #[inline(always)]
-pub(super) fn strain([f1, f2]: [Point; 2]) -> Tensor {
-    let (half, one) = (Lanes::all(0.5), Lanes::all(1.0));
+pub(super) fn strain<V: Vector>([f1, f2]: [Point<V>; 2]) -> Tensor<V> {
+    let (half, one) = (V::all(0.5), V::all(1.0));
     [half * (dot(f1, f1) - one), half * (dot(f2, f2) - one), half * dot(f1, f2)]
 }
 
 /// The change of Green's strain as the gradient changes by `rate`.
 #[inline(always)]
-pub(super) fn strain_rate([f1, f2]: [Point; 2], [g1, g2]: [Point; 2]) -> Tensor {
-    [dot(f1, g1), dot(f2, g2), Lanes::all(0.5) * (dot(f1, g2) + dot(f2, g1))]
+pub(super) fn strain_rate<V: Vector>([f1, f2]: [Point<V>; 2], [g1, g2]: [Point<V>; 2]) -> Tensor<V> {
+    [dot(f1, g1), dot(f2, g2), V::all(0.5) * (dot(f1, g2) + dot(f2, g1))]
 }

@@ -44,8 +44,8 @@ impl Law for MassDamping {
         false
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.add_to_all(at, forces)
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.add_to_nodes(tile, at, forces)
     }
 
     fn by_node(&self) -> Option<&dyn ByNode> {

@@ -20,7 +20,7 @@ use std::ops::Range;
 use crate::error::Result;
 use crate::model::Assembly;
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors, columns_mut};
+use crate::state::{Instant, Vectors, rows_mut, rows_of, tiles};
 use spring_damping::SpringDamping;
 use springs::Springs;
 
@@ -42,7 +42,13 @@ pub trait Law: Send + Sync {
 
     /// Adds the forces \[N\], and returns the rate at which the law changes the mechanical energy \[W\]: the power
     /// of forces without a potential, plus the partial time derivative of a potential that depends on time.
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64;
+    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        tiles(at.positions.nrows()).map(|tile| self.add_to_tile(tile, at, forces)).sum()
+    }
+
+    /// The part of `add_forces` that belongs to one tile: all elements whose lowest node is there. Tiles come in order. After
+    /// a tile and those before it, nothing more acts on its nodes, and nothing more is read of them.
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64;
 
     /// Asks a law without a potential to remember of each evaluation what `rework` needs. Whether it does.
     fn remember(&mut self) -> bool {
@@ -119,16 +125,17 @@ pub trait Law: Send + Sync {
 /// A law whose force on a node depends on that node alone, or on a sum over its neighbours that is worked out before: so
 /// that it can be added stretch by stretch, in the pass of a method that has the nodes in the cache.
 pub trait ByNode {
-    /// Works out what depends on neighbours; once before `add_to_rows` goes over all nodes at this instant.
-    fn prepare(&self, _at: Instant<'_>) {}
+    /// Works out what depends on neighbours; once for each tile, in order, before `add_to_rows` goes over its nodes.
+    fn prepare(&self, _tile: usize, _at: Instant<'_>) {}
 
     /// Adds the forces \[N\] on `rows` to three columns of as many, and returns the power as `add_forces` does.
     fn add_to_rows(&self, rows: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64;
 
-    /// Adds the forces on all nodes.
-    fn add_to_all(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.prepare(at);
-        self.add_to_rows(0..forces.nrows(), at, columns_mut(forces))
+    /// Adds the forces on the nodes of a tile.
+    fn add_to_nodes(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.prepare(tile, at);
+        let rows = rows_of(tile, forces.nrows());
+        self.add_to_rows(rows.clone(), at, rows_mut(forces, rows))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::mesh::dot;
 use crate::model::{Assembly, positive};
 use crate::slopes::{Block, Slopes};
-use crate::state::{Instant, Vectors, columns, columns_mut};
+use crate::state::{Instant, Vectors, columns, columns_mut, rows_of};
 
 /// Parameters of the spool.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +49,12 @@ impl SpoolContact {
     /// Depth below the nearest surface [m] and the outward unit normal there, for a node inside.
     #[inline(always)]
     fn depth(&self, p: [f64; 3]) -> Option<(f64, [f64; 3])> {
-        let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
-        let below_side = self.parameters.radius - r;
+        let (square, radius) = (p[0] * p[0] + p[1] * p[1], self.parameters.radius);
+        if square >= radius * radius {
+            return None;
+        }
+        let r = square.sqrt();
+        let below_side = radius - r;
         let below_end = self.parameters.half_height.map_or(f64::INFINITY, |half| half - p[2].abs());
         if below_side <= 0.0 || below_end <= 0.0 {
             None
@@ -72,10 +76,12 @@ impl Law for SpoolContact {
         true
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
         let x = columns(at.positions);
         let mut f = columns_mut(forces);
-        for &node in &self.nodes {
+        let rows = rows_of(tile, x[0].len());
+        let [start, end] = [rows.start, rows.end].map(|row| self.nodes.partition_point(|&node| (node as usize) < row));
+        for &node in &self.nodes[start..end] {
             if let Some((depth, normal)) = self.depth(point(x, node)) {
                 add(&mut f, node, scale(self.parameters.stiffness * depth, normal));
             }

@@ -25,8 +25,8 @@ use crate::lanes::{Lanes, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors};
-use crate::width::{Kernel, Width};
+use crate::state::{Instant, Vectors, tiles};
+use crate::width::{GroupKernel, Width};
 
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,28 +129,23 @@ impl SpringDamping {
         self.nets.iter().find(|dashpots| dashpots.springs == springs)
     }
 
-    /// Adds -sign C v to `out`, and gives the power of -C v on v; without the nets of springs
+    /// Adds -sign C v of the dashpots of a tile to `out`, and gives the power of -C v on v; without the nets of springs
     /// that are `done`.
     pub(super) fn resist(
         &self,
+        tile: usize,
         x: &Vectors,
         v: &Vectors,
         out: &mut Vectors,
         sign: f64,
         is_done: impl Fn(&str) -> bool,
     ) -> f64 {
-        let mut power = self.film.as_ref().map_or(0.0, |film| film.resist(x, v, out, sign));
+        let mut power = self.film.as_ref().map_or(0.0, |film| film.resist(tile, x, v, out, sign));
         for dashpots in self.nets.iter().filter(|dashpots| !is_done(dashpots.springs)) {
             let mut pulls = (sign > 0.0).then(|| dashpots.pulls());
             let pulls = pulls.as_deref_mut().filter(|pulls| !pulls.is_empty()).map(Vec::as_mut_slice);
-            power += self.width.run_kernel(Resist {
-                dashpots,
-                positions: Columns::of(x),
-                velocities: Columns::of(v),
-                out: ColumnsMut::of(out),
-                pulls,
-                sign,
-            });
+            let (positions, velocities, out) = (Columns::of(x), Columns::of(v), ColumnsMut::of(out));
+            power += self.width.run_groups(Resist { dashpots, tile, positions, velocities, out, pulls, sign });
         }
         power
     }
@@ -159,6 +154,7 @@ impl SpringDamping {
 /// Adds -sign C v to `out`, and gives the power of -C v on v; and remembers the pulls.
 struct Resist<'a> {
     dashpots: &'a Dashpots,
+    tile: usize,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     out: ColumnsMut<'a>,
@@ -166,15 +162,15 @@ struct Resist<'a> {
     sign: f64,
 }
 
-impl Resist<'_> {
+impl GroupKernel for Resist<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self) -> V {
-        let pass = self.dashpots.elements.pass::<LOOSE>(self.positions.rows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.dashpots.elements.pass::<KIND>(self.tile, self.positions.rows());
         let coefficient = pass.of(&self.dashpots.coefficient);
         let mut power = V::zero();
         for group in 0..pass.len() {
-            let [a, b] = pass.read::<V>(self.positions, group);
-            let [u, v] = pass.read::<V>(self.velocities, group);
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
+            let [u, v] = pass.read::<V, 3>(self.velocities, group);
             let d = sub(b, a);
             let opening = dot(d, sub(v, u));
             let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
@@ -190,44 +186,27 @@ impl Resist<'_> {
     }
 }
 
-impl Kernel for Resist<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn sweep<V: Vector>(mut self) -> f64 {
-        (self.part::<V, false>() + self.part::<V, true>()).lanes().sum()
-    }
-}
-
 /// Gives the power of the pulls that are remembered on other velocities.
 struct Rework<'a> {
     dashpots: &'a Dashpots,
+    tile: usize,
     pulls: &'a [Lanes],
     positions: Columns<'a>,
     velocities: Columns<'a>,
 }
 
-impl Rework<'_> {
+impl GroupKernel for Rework<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&self) -> V {
-        let pass = self.dashpots.elements.pass::<LOOSE>(self.positions.rows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.dashpots.elements.pass::<KIND>(self.tile, self.positions.rows());
         let pulls = pass.of(self.pulls);
         let mut power = V::zero();
         for group in 0..pass.len() {
-            let [a, b] = pass.read::<V>(self.positions, group);
-            let [u, v] = pass.read::<V>(self.velocities, group);
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
+            let [u, v] = pass.read::<V, 3>(self.velocities, group);
             power -= V::load(&pulls[group]) * dot(sub(b, a), sub(v, u));
         }
         power
-    }
-}
-
-impl Kernel for Rework<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn sweep<V: Vector>(self) -> f64 {
-        (self.part::<V, false>() + self.part::<V, true>()).lanes().sum()
     }
 }
 
@@ -240,12 +219,14 @@ impl Law for SpringDamping {
         false
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.resist(at.positions, at.velocities, forces, 1.0, |_| false)
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        self.resist(tile, at.positions, at.velocities, forces, 1.0, |_| false)
     }
 
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        self.resist(at.positions, p, out, -1.0, |_| false);
+        for tile in tiles(p.nrows()) {
+            self.resist(tile, at.positions, p, out, -1.0, |_| false);
+        }
     }
 
     /// Only what goes through one pass with the springs is remembered.
@@ -262,9 +243,12 @@ impl Law for SpringDamping {
 
     fn rework(&self, at: Instant<'_>) -> f64 {
         let mut power = 0.0;
+        let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         for dashpots in &self.nets {
-            let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-            power += self.width.run_kernel(Rework { dashpots, pulls: &dashpots.pulls(), positions, velocities });
+            let pulls = &dashpots.pulls()[..];
+            for tile in tiles(positions.rows()) {
+                power += self.width.run_groups(Rework { dashpots, tile, pulls, positions, velocities });
+            }
         }
         power
     }

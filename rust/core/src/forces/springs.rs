@@ -30,7 +30,7 @@ use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Kernel, Width};
+use crate::width::{GroupKernel, Width};
 
 /// Parameters of the membrane's springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,31 +175,23 @@ impl Springs {
 /// Adds the springs' tensions to the forces.
 struct Pull<'a> {
     springs: &'a Springs,
+    tile: usize,
     positions: Columns<'a>,
     forces: ColumnsMut<'a>,
 }
 
-impl Pull<'_> {
+impl GroupKernel for Pull<'_> {
     #[inline(always)]
-    fn part<V: Vector, const LOOSE: bool>(&mut self) {
-        let pass = self.springs.elements.pass::<LOOSE>(self.positions.rows());
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.springs.parameters);
         for group in 0..pass.len() {
-            let [a, b] = pass.read::<V>(self.positions, group);
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
             let d = sub(b, a);
             let pull = scale(parameters[group].pull(dot(d, d).sqrt()).0, d);
             pass.add(&mut self.forces, group, [pull, negate(pull)]);
         }
-    }
-}
-
-impl Kernel for Pull<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep<V: Vector>(mut self) {
-        self.part::<V, false>();
-        self.part::<V, true>();
+        V::zero()
     }
 }
 
@@ -212,13 +204,9 @@ impl Law for Springs {
         true
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run_kernel(Pull {
-            springs: self,
-            positions: Columns::of(at.positions),
-            forces: ColumnsMut::of(forces),
-        });
-        0.0
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.width.run_groups(Pull { springs: self, tile, positions, forces })
     }
 
     /// The integral of the tension from the rest length.

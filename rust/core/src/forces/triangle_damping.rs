@@ -15,10 +15,9 @@ use super::flat_triangles::{Flat, strain_rate};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::Result;
 use crate::lanes::{Lanes, Vector};
-use crate::layout::BATCH;
 use crate::model::Assembly;
 use crate::state::Vectors;
-use crate::width::{Sweep, Width};
+use crate::width::{GroupKernel, Width};
 
 /// Damping of all triangles, eight to a group.
 pub(super) struct TriangleDamping {
@@ -48,59 +47,40 @@ impl TriangleDamping {
         self.flat.elements.share_in_runs()
     }
 
-    /// Adds -sign C v to `out`, and gives the power of -C v on v.
-    pub(super) fn resist(&self, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
-        self.width.run(Resist {
-            damping: self,
-            positions: Columns::of(x),
-            velocities: Columns::of(v),
-            out: ColumnsMut::of(out),
-            sign,
-        })
+    /// Adds -sign C v of the triangles of a tile to `out`, and gives the power of -C v on v.
+    pub(super) fn resist(&self, tile: usize, x: &Vectors, v: &Vectors, out: &mut Vectors, sign: f64) -> f64 {
+        let (positions, velocities, out) = (Columns::of(x), Columns::of(v), ColumnsMut::of(out));
+        self.width.run_groups(Resist { damping: self, tile, positions, velocities, out, sign })
     }
 }
 
 struct Resist<'a> {
     damping: &'a TriangleDamping,
+    tile: usize,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     out: ColumnsMut<'a>,
     sign: f64,
 }
 
-impl Resist<'_> {
+impl GroupKernel for Resist<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) -> Lanes {
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
         let TriangleDamping { flat, time, .. } = self.damping;
-        let mut power = Lanes::ZERO;
-        let pass = flat.elements.pass::<LOOSE>(self.positions.rows());
-        for batch in pass.batches() {
-            let mut powers = [Lanes::ZERO; BATCH];
-            for (place, power) in batch.zip(&mut powers) {
-                let group = pass.place(place);
-                let f = flat.gradient(group, pass.read(self.positions, place));
-                let velocities = pass.read(self.velocities, place);
-                let rate = strain_rate(f, flat.gradient(group, velocities));
-                let eta = time[group];
-                let s = flat.stress(rate);
-                let stress = [eta * s[0], eta * s[1], eta * s[2]];
-                let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
-                *power = -(flat.stiffness[group] * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12));
-                let sign = Lanes::all(self.sign);
-                let pull = flat.pull(group, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
-                pass.add(&mut self.out, place, pull);
-            }
-            powers.iter().for_each(|&of_group| power += of_group);
+        let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let sign = V::all(self.sign);
+        let mut power = V::zero();
+        for place in 0..pass.len() {
+            let group = pass.place(place);
+            let f = flat.gradient(group, pass.read::<V, 3>(self.positions, place));
+            let rate = strain_rate(f, flat.gradient(group, pass.read::<V, 3>(self.velocities, place)));
+            let (eta, s) = (V::load(&time[group]), flat.stress(rate));
+            let stress = [eta * s[0], eta * s[1], eta * s[2]];
+            let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
+            power -= V::load(&flat.stiffness[group]) * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12);
+            let pull = flat.pull(group, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
+            pass.add(&mut self.out, place, pull);
         }
         power
-    }
-}
-
-impl Sweep for Resist<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn sweep(mut self) -> f64 {
-        (self.part::<false>() + self.part::<true>()).sum()
     }
 }

@@ -39,7 +39,7 @@ use crate::lanes::{Lanes, Point, Vector, negate};
 use crate::model::{Assembly, positive, within};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
-use crate::width::{Sweep, Width};
+use crate::width::{GroupKernel, Width};
 
 /// Parameters of the triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,8 +60,8 @@ pub struct TriangleParameters {
 
 /// Mean of the principal values of a tensor, and half of their difference.
 #[inline(always)]
-fn principal(t: Tensor) -> (Lanes, Lanes) {
-    let half = Lanes::all(0.5);
+fn principal<V: Vector>(t: Tensor<V>) -> (V, V) {
+    let half = V::all(0.5);
     let difference = half * (t[0] - t[1]);
     (half * (t[0] + t[1]), (difference * difference + t[2] * t[2]).sqrt())
 }
@@ -71,19 +71,19 @@ pub(super) struct Triangles {
     flat: Flat,
     /// P / E_Y, the price of wrinkles: the critical strain.
     price: Vec<Tensor>,
-    compression: Lanes,
+    compression: f64,
     strain_limit: f64,
     width: Width,
 }
 
 /// What wrinkles a group's films have.
-struct Wrinkles {
+struct Wrinkles<V> {
     /// min(s2, 0) and min(e1, 0) over E_Y.
-    second: Lanes,
-    first: Lanes,
+    second: V,
+    first: V,
     /// S + P over E_Y, and half the difference of its principal values.
-    stress: Tensor,
-    spread: Lanes,
+    stress: Tensor<V>,
+    spread: V,
 }
 
 impl Triangles {
@@ -121,29 +121,30 @@ impl Triangles {
             .collect();
         let [a, b, c] = [0, 1, 2].map(|i| flat.elements.pack(0.0, |row| prices[row][i]));
         let price = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]).collect();
-        Ok(Self { flat, price, compression: Lanes::all(compression), strain_limit, width: assembly.width })
+        Ok(Self { flat, price, compression, strain_limit, width: assembly.width })
     }
 
     #[inline(always)]
-    fn wrinkles(&self, group: usize, s: Tensor) -> Wrinkles {
-        let price = self.price[group];
-        let stress = [s[0] + price[0], s[1] + price[1], s[2] + price[2]];
+    fn wrinkles<V: Vector>(&self, group: usize, s: Tensor<V>) -> Wrinkles<V> {
+        let price = &self.price[group];
+        let stress = [s[0] + V::load(&price[0]), s[1] + V::load(&price[1]), s[2] + V::load(&price[2])];
         let (mean, spread) = principal(stress);
         let (s1, s2) = (mean + spread, mean - spread);
-        Wrinkles { second: s2.min(Lanes::ZERO), first: (s1 - self.flat.nu * s2).min(Lanes::ZERO), stress, spread }
+        let first = s1 - V::all(self.flat.nu) * s2;
+        Wrinkles { second: s2.min(V::zero()), first: first.min(V::zero()), stress, spread }
     }
 
     /// Stress over E_Y, wrinkles and all.
     #[inline(always)]
-    fn stress(&self, group: usize, e: Tensor) -> Tensor {
+    fn stress<V: Vector>(&self, group: usize, e: Tensor<V>) -> Tensor<V> {
         let s = self.flat.stress(e);
         let Wrinkles { second, first, stress, spread } = self.wrinkles(group, s);
         // What wrinkles take off the principal stresses, half of their sum and of their difference.
-        let half = Lanes::all(0.5) * (self.compression - Lanes::all(1.0));
-        let (d1, d2) = (self.flat.nu * second + first, second);
+        let half = V::all(0.5 * (self.compression - 1.0));
+        let (d1, d2) = (V::all(self.flat.nu) * second + first, second);
         let off = half * (d1 + d2);
-        let turn = half * (d1 - d2) / spread.max(Lanes::all(f64::MIN_POSITIVE));
-        let lean = Lanes::all(0.5) * turn * (stress[0] - stress[1]);
+        let turn = half * (d1 - d2) / spread.max(V::all(f64::MIN_POSITIVE));
+        let lean = V::all(0.5) * turn * (stress[0] - stress[1]);
         [s[0] + off + lean, s[1] + off - lean, s[2] + turn * stress[2]]
     }
 
@@ -151,10 +152,10 @@ impl Triangles {
     fn density(&self, group: usize, e: Tensor) -> Lanes {
         let s = self.flat.stress(e);
         let Wrinkles { second, first, .. } = self.wrinkles(group, s);
-        let (one, half, nu) = (Lanes::all(1.0), Lanes::all(0.5), self.flat.nu);
+        let [one, half, nu] = [1.0, 0.5, self.flat.nu].map(Lanes::all);
         let whole = half * (s[0] * e[0] + s[1] * e[1]) + s[2] * e[2];
         let saved = half * ((one - nu * nu) * second * second + first * first);
-        whole - (one - self.compression) * saved
+        whole - Lanes::all(1.0 - self.compression) * saved
     }
 
     fn gradients<'a>(&'a self, x: Columns<'a>) -> impl Iterator<Item = (usize, [Point; 2])> + 'a {
@@ -166,31 +167,23 @@ impl Triangles {
 /// Adds the triangles' pulls to the forces.
 struct Pull<'a> {
     triangles: &'a Triangles,
+    tile: usize,
     positions: Columns<'a>,
     forces: ColumnsMut<'a>,
 }
 
-impl Pull<'_> {
+impl GroupKernel for Pull<'_> {
     #[inline(always)]
-    fn part<const LOOSE: bool>(&mut self) {
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
         let Triangles { flat, .. } = self.triangles;
-        let pass = flat.elements.pass::<LOOSE>(self.positions.rows());
+        let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
         for place in 0..pass.len() {
             let group = pass.place(place);
-            let gradient = flat.gradient(group, pass.read(self.positions, place));
+            let gradient = flat.gradient(group, pass.read::<V, 3>(self.positions, place));
             let pull = flat.pull(group, gradient, self.triangles.stress(group, strain(gradient)));
             pass.add(&mut self.forces, place, pull);
         }
-    }
-}
-
-impl Sweep for Pull<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn sweep(mut self) {
-        self.part::<false>();
-        self.part::<true>();
+        V::zero()
     }
 }
 
@@ -203,9 +196,9 @@ impl Law for Triangles {
         true
     }
 
-    fn add_forces(&self, at: Instant<'_>, forces: &mut Vectors) -> f64 {
-        self.width.run(Pull { triangles: self, positions: Columns::of(at.positions), forces: ColumnsMut::of(forces) });
-        0.0
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.width.run_groups(Pull { triangles: self, tile, positions, forces })
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {

@@ -32,7 +32,7 @@ use nalgebra::Matrix3;
 use super::{Integrator, Memory, System};
 use crate::lanes::Vector;
 use crate::rowwise::{Formula, each};
-use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, stretches};
+use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, rows_of, stretches, tiles};
 use crate::width::Width;
 
 /// The method and what it keeps.
@@ -153,10 +153,13 @@ impl Integrator for Leapfrog {
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
         let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        system.gather(at, &mut self.powers);
-        for range in stretches(self.acceleration.nrows()) {
-            system.finish(range.clone(), at, rows_mut(&mut self.acceleration, range.clone()), &mut self.powers);
-            system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.powers);
+        let count = self.acceleration.nrows();
+        for tile in tiles(count) {
+            system.gather(tile, at, &mut self.powers);
+            for range in stretches(rows_of(tile, count)) {
+                system.finish(range.clone(), at, rows_mut(&mut self.acceleration, range.clone()), &mut self.powers);
+                system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.powers);
+            }
         }
         system.rework(at, &mut self.powers);
         self.is_started = true;
@@ -172,21 +175,24 @@ impl Integrator for Leapfrog {
         each(width, &Drift { dt }, [acceleration.as_slice()], [x, v]);
         let time = time + dt;
         let rate = system.gyration(time);
-        system.gather(Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
-        for range in stretches(acceleration.nrows()) {
-            let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-            system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
-            let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
-            let [ax, ay, az] = rows_mut(acceleration, range.clone());
-            let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
-            if rate == 0.0 {
-                each(width, &Correct { half }, [new_x], [ax, vx]);
-                each(width, &Correct { half }, [new_y], [ay, vy]);
-            } else {
-                each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+        let count = acceleration.nrows();
+        for tile in tiles(count) {
+            system.gather(tile, Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
+            for range in stretches(rows_of(tile, count)) {
+                let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
+                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
+                let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
+                let [ax, ay, az] = rows_mut(acceleration, range.clone());
+                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+                if rate == 0.0 {
+                    each(width, &Correct { half }, [new_x], [ax, vx]);
+                    each(width, &Correct { half }, [new_y], [ay, vy]);
+                } else {
+                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                }
+                each(width, &Correct { half }, [new_z], [az, vz]);
+                system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
             }
-            each(width, &Correct { half }, [new_z], [az, vz]);
-            system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
         }
         system.rework(Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
         add_work(powers);

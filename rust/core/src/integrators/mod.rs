@@ -13,7 +13,7 @@ use std::ops::Range;
 use nalgebra::Complex;
 
 use crate::error::{Error, Result};
-use crate::state::{Instant, State, Vectors, rows_mut, stretches};
+use crate::state::{Instant, State, Vectors, rows_mut, rows_of, stretches, tiles};
 use crate::tangent::Weights;
 use crate::width::Width;
 
@@ -21,17 +21,21 @@ pub use controller::Controller;
 
 /// What is integrated: x'' = a(t, x, v).
 pub trait System {
-    /// Works out what nodes do to each other at this instant, and starts the power of each law anew.
-    fn gather(&mut self, at: Instant<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of nodes, at the instant of the last `gather`, and adds to the
-    /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once after each `gather`, but
+    /// Works out what nodes do to each other at this instant, as far as it concerns the rows of a tile; the first tile starts
+    /// the power of each law anew. Tiles come in order.
+    fn gather(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]);
+    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of the tile of the last `gather`, and adds to the
+    /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once, but
     /// what is known of it may be changed as soon as it is done: so methods can use a stretch while it is in the cache.
     fn finish(&mut self, rows: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]);
     /// Fills all accelerations \[m/s2\], and the power of each law \[W\].
     fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
-        self.gather(at, powers);
-        for rows in stretches(at.positions.nrows()) {
-            self.finish(rows.clone(), at, rows_mut(accelerations, rows), powers);
+        let count = at.positions.nrows();
+        for tile in tiles(count) {
+            self.gather(tile, at, powers);
+            for rows in stretches(rows_of(tile, count)) {
+                self.finish(rows.clone(), at, rows_mut(accelerations, rows), powers);
+            }
         }
     }
     /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.

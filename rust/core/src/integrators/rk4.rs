@@ -22,7 +22,7 @@ use nalgebra::Complex;
 use super::{Integrator, System, growth_of};
 use crate::lanes::Vector;
 use crate::rowwise::{Formula, on_axes};
-use crate::state::{Instant, STRETCH, State, Vectors, rows, rows_mut, shared, stretches};
+use crate::state::{Instant, STRETCH, State, Vectors, rows, rows_mut, rows_of, shared, stretches, tiles};
 use crate::width::Width;
 
 /// Node of each stage in the step, and its weight.
@@ -127,21 +127,24 @@ impl Integrator for Rk4 {
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let Self { stage, second, stretch, powers, width } = self;
-        let (width, h, sixth) = (*width, 0.5 * dt, dt / 6.0);
+        let (width, h, sixth, count) = (*width, 0.5 * dt, dt / 6.0, second.nrows());
         for k in 0..4 {
             let time = time + NODES[k] * dt;
-            system.gather(instant(if k == 0 { state } else { stage }, second, k, time), powers);
-            for range in stretches(second.nrows()) {
-                let at = instant(if k == 0 { state } else { stage }, second, k, time);
-                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
-                let (a, v2) = (rows(stretch, 0..range.len()), rows_mut(second, range.clone()));
-                let [x0, v0] = [&mut state.positions, &mut state.velocities].map(|all| rows_mut(all, range.clone()));
-                let [x, v] = [&mut stage.positions, &mut stage.velocities].map(|all| rows_mut(all, range.clone()));
-                match k {
-                    0 => on_axes(width, &Second { h }, [a, shared(&x0), shared(&v0)], [x, v2]),
-                    1 => on_axes(width, &Third { h }, [a, shared(&x0), shared(&v0), shared(&v2)], [x, v]),
-                    2 => on_axes(width, &Fourth { dt }, [a, shared(&v2)], [x, v, x0, v0]),
-                    _ => on_axes(width, &End { sixth }, [a], [v0]),
+            for tile in tiles(count) {
+                system.gather(tile, instant(if k == 0 { state } else { stage }, second, k, time), powers);
+                for range in stretches(rows_of(tile, count)) {
+                    let at = instant(if k == 0 { state } else { stage }, second, k, time);
+                    system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
+                    let (a, v2) = (rows(stretch, 0..range.len()), rows_mut(second, range.clone()));
+                    let [x0, v0] =
+                        [&mut state.positions, &mut state.velocities].map(|all| rows_mut(all, range.clone()));
+                    let [x, v] = [&mut stage.positions, &mut stage.velocities].map(|all| rows_mut(all, range.clone()));
+                    match k {
+                        0 => on_axes(width, &Second { h }, [a, shared(&x0), shared(&v0)], [x, v2]),
+                        1 => on_axes(width, &Third { h }, [a, shared(&x0), shared(&v0), shared(&v2)], [x, v]),
+                        2 => on_axes(width, &Fourth { dt }, [a, shared(&v2)], [x, v, x0, v0]),
+                        _ => on_axes(width, &End { sixth }, [a], [v0]),
+                    }
                 }
             }
             for (work, power) in work.iter_mut().zip(&*powers) {

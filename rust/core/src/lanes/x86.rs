@@ -7,7 +7,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use super::{LANES, Lanes, Vector};
+use super::{HALF, LANES, Lanes, Vector};
 
 /// Two registers of AVX2.
 #[derive(Clone, Copy)]
@@ -89,11 +89,34 @@ impl Avx512 {
     }
 }
 
+/// Adds four numbers to a place.
+#[inline(always)]
+fn add_to(place: &mut [f64; HALF], numbers: __m256d) {
+    // SAFETY: four numbers lie behind the pointer; the machine has AVX2, or AVX-512, which includes it, see above.
+    unsafe { _mm256_storeu_pd(place.as_mut_ptr(), _mm256_add_pd(_mm256_loadu_pd(place.as_ptr()), numbers)) }
+}
+
 impl Vector for Avx2 {
     #[inline(always)]
     fn load_from(numbers: &[f64; LANES]) -> Self {
         // SAFETY: eight numbers lie behind the pointer; the machine has AVX2, see above.
         unsafe { Self(_mm256_loadu_pd(numbers.as_ptr()), _mm256_loadu_pd(numbers.as_ptr().add(4))) }
+    }
+
+    #[inline(always)]
+    fn load_halves(low: &[f64; HALF], high: &[f64; HALF]) -> Self {
+        // SAFETY: four numbers lie behind each pointer; the machine has AVX2, see above.
+        unsafe { Self(_mm256_loadu_pd(low.as_ptr()), _mm256_loadu_pd(high.as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn add_low_to(self, place: &mut [f64; HALF]) {
+        add_to(place, self.0);
+    }
+
+    #[inline(always)]
+    fn add_high_to(self, place: &mut [f64; HALF]) {
+        add_to(place, self.1);
     }
 
     #[inline(always)]
@@ -163,6 +186,27 @@ impl Vector for Avx512 {
     fn load_from(numbers: &[f64; LANES]) -> Self {
         // SAFETY: eight numbers lie behind the pointer; the machine has AVX-512, see above.
         unsafe { Self(_mm512_loadu_pd(numbers.as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn load_halves(low: &[f64; HALF], high: &[f64; HALF]) -> Self {
+        // SAFETY: four numbers lie behind each pointer; the machine has AVX-512, see above.
+        unsafe {
+            let low = _mm512_castpd256_pd512(_mm256_loadu_pd(low.as_ptr()));
+            Self(_mm512_insertf64x4::<1>(low, _mm256_loadu_pd(high.as_ptr())))
+        }
+    }
+
+    #[inline(always)]
+    fn add_low_to(self, place: &mut [f64; HALF]) {
+        // SAFETY: the machine has AVX-512, see above.
+        add_to(place, unsafe { _mm512_castpd512_pd256(self.0) });
+    }
+
+    #[inline(always)]
+    fn add_high_to(self, place: &mut [f64; HALF]) {
+        // SAFETY: the machine has AVX-512, see above.
+        add_to(place, unsafe { _mm512_extractf64x4_pd::<1>(self.0) });
     }
 
     #[inline(always)]

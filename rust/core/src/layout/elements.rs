@@ -1,77 +1,38 @@
 //! Elements in groups of eight, and how kernels read and add to their nodes.
 
-use std::collections::VecDeque;
 use std::ops::Range;
 
+use super::groups::{Cover, NONE, Window, apart};
 use crate::columns::{Columns, ColumnsMut};
-use crate::lanes::{LANES, Lanes, Point, Vector};
+use crate::lanes::{HALF, LANES, Lanes, Point, Vector};
+use crate::state::{rows_of, tiles};
 
-/// Nodes that are looked at together where groups are kept apart.
-const STRETCH: usize = 4;
-/// Groups between two that add to the same nodes, and how many are looked at to find such an order.
-const APART: usize = 4;
-const POOL: usize = 64;
-/// A lane that holds no element.
-const NONE: u32 = u32::MAX;
+/// The kinds of groups, in the order in which they stand: runs of eight, two halves of four, loose elements.
+pub const RUNS: usize = 0;
+/// See `RUNS`.
+pub const HALVES: usize = 1;
+/// See `RUNS`.
+pub const LOOSE: usize = 2;
 
-/// Rows of `elements` in runs of two and more, each by first node, and the rows that stand alone.
-pub(super) fn runs_of<const N: usize>(elements: &[[u32; N]]) -> (Vec<Vec<u32>>, Vec<u32>) {
-    // Elements of one shape (the same differences between their nodes), in order of their first node.
-    let shape = |row: u32| {
-        let nodes = elements[row as usize];
-        nodes.map(|node| node.wrapping_sub(nodes[0]))
-    };
-    let mut rows: Vec<u32> = (0..elements.len() as u32).collect();
-    rows.sort_unstable_by_key(|&row| (shape(row), elements[row as usize][0]));
-    let follows = |a: &u32, b: &u32| {
-        shape(*a) == shape(*b) && elements[*b as usize][0] == elements[*a as usize][0].wrapping_add(1)
-    };
-    let (mut runs, mut loose) = (Vec::new(), Vec::new());
-    for run in rows.chunk_by(follows) {
-        if run.len() > 1 { runs.push(run.to_vec()) } else { loose.push(run[0]) }
-    }
-    (runs, loose)
-}
+/// Groups in a batch.
+pub const BATCH: usize = 32;
 
-/// Groups in an order in which none adds to nodes that one of the last `APART` added to, as far as the next `POOL` groups
-/// allow: a processor that adds to a number just stored waits for it.
-fn apart<const N: usize>(groups: Vec<([u32; N], [u32; LANES])>) -> Vec<([u32; N], [u32; LANES])> {
-    let bound = groups.iter().flat_map(|(first, _)| first).max().map_or(0, |&node| node as usize + LANES);
-    // When each stretch of four nodes was last added to.
-    let mut touched = vec![0_usize; bound / STRETCH + 1];
-    let stretches = |first: &[u32; N]| {
-        first.map(|node| node as usize / STRETCH..(node as usize + LANES - 1) / STRETCH + 1).into_iter().flatten()
-    };
-    let mut pool = VecDeque::with_capacity(POOL);
-    let mut waiting = groups.into_iter();
-    let mut ordered = Vec::new();
-    loop {
-        pool.extend(waiting.by_ref().take(POOL - pool.len()));
-        let now = ordered.len() + APART + 1;
-        let age = |(first, _): &([u32; N], _)| now - stretches(first).map(|at| touched[at]).max().unwrap_or(0);
-        let mut best = (0, 0);
-        for (place, group) in pool.iter().enumerate() {
-            let age = age(group).min(APART + 1);
-            if age > best.1 {
-                best = (place, age);
-            }
-            if age > APART {
-                break;
-            }
-        }
-        let Some(group) = pool.remove(best.0) else { return ordered };
-        stretches(&group.0).for_each(|at| touched[at] = now);
-        ordered.push(group);
-    }
-}
-
-/// Elements of N nodes each, eight to a group: runs first, then loose ones. Node numbers are the core's.
+/// Elements of N nodes each, eight to a group. Node numbers are the core's.
+///
+/// Groups of each kind stand by *tile*: the stretch of nodes that holds the lowest node of the group. When all laws have
+/// gone over the groups of a tile, nothing more acts on its nodes.
 #[derive(Debug, Clone)]
 pub struct Elements<const N: usize> {
-    /// First nodes of each group of a run.
+    /// First nodes of each run.
     runs: Vec<[u32; N]>,
-    /// Nodes of each loose group, lane by lane; the last group is filled up by repeating its last element.
+    /// First nodes of the two halves of each group.
+    halves: Vec<[[u32; 2]; N]>,
+    /// Nodes of each loose group, lane by lane; where elements run out the last one is repeated.
     loose: Vec<[[u32; LANES]; N]>,
+    /// How many groups of each kind there are up to the end of each tile.
+    ends: Vec<[usize; 3]>,
+    /// Above every node that groups of a tile and of those before it name, and the nodes of these tiles.
+    reach: Vec<usize>,
     /// The caller's row of each lane of each group; `NONE` for a filler.
     origin: Vec<[u32; LANES]>,
     count: usize,
@@ -79,49 +40,55 @@ pub struct Elements<const N: usize> {
     node_bound: usize,
 }
 
-/// Groups in a batch.
-pub const BATCH: usize = 32;
-
 impl<const N: usize> Elements<N> {
     /// Arranges elements of a scene with `node_count` nodes.
     pub fn new(elements: &[[u32; N]], node_count: usize) -> Self {
-        let (found, mut alone) = runs_of(elements);
-        let mut groups: Vec<([u32; N], [u32; LANES])> = Vec::new();
-        for run in &found {
-            for rows in run.chunks(LANES) {
-                let first = elements[rows[0] as usize];
-                // Back from the last nodes there are, so that all eight lanes of every node exist.
-                let last = first.iter().max().map_or(0, |&node| node as usize + LANES);
-                let back = last.saturating_sub(node_count);
-                if rows.len() + back > LANES || first.iter().any(|&node| (node as usize) < back) {
-                    alone.extend(rows);
-                    continue;
-                }
-                let mut origin = [NONE; LANES];
-                origin[back..back + rows.len()].copy_from_slice(rows);
-                groups.push((first.map(|node| node - back as u32), origin));
+        let Cover { mut runs, mut halves, mut loose } = Cover::new(elements, node_count);
+        let lowest = |&row: &u32| elements[row as usize].iter().copied().min().unwrap_or(0);
+        runs.sort_by_key(|run| (run.lowest(), run.first));
+        halves.sort_by_key(|half| (half.lowest(), half.first));
+        loose.sort_by_key(|row| (lowest(row), *row));
+        let mut made = Self {
+            runs: Vec::with_capacity(runs.len()),
+            halves: Vec::new(),
+            loose: Vec::new(),
+            ends: Vec::new(),
+            reach: Vec::new(),
+            origin: Vec::with_capacity(runs.len()),
+            count: elements.len(),
+            node_bound: 0,
+        };
+        let (mut of_halves, mut of_loose) = (Vec::new(), Vec::new());
+        let (mut runs, mut halves, mut loose) = (&runs[..], &halves[..], &loose[..]);
+        for tile in tiles(node_count) {
+            let end = rows_of(tile, node_count).end as u32;
+            let here = take_while(&mut runs, |run| run.lowest() < end).to_vec();
+            for Window { first, rows } in apart(here, LANES as u32, |run| run.first) {
+                made.runs.push(first);
+                made.origin.push(rows);
             }
-        }
-        groups.sort_by_key(|(first, _)| first[0]);
-        let groups = apart(groups);
-        alone.sort_by_key(|&row| elements[row as usize]);
-        let (runs, mut origin): (Vec<_>, Vec<_>) = groups.into_iter().unzip();
-        let mut loose = Vec::with_capacity(alone.len().div_ceil(LANES));
-        for rows in alone.chunks(LANES) {
-            let mut nodes = [[0; LANES]; N];
-            let mut lanes = [NONE; LANES];
-            lanes[..rows.len()].copy_from_slice(rows);
-            for lane in 0..LANES {
-                let element = elements[rows[lane.min(rows.len() - 1)] as usize];
-                (0..N).for_each(|k| nodes[k][lane] = element[k]);
+            let here = pairs(take_while(&mut halves, |half| half.lowest() < end)).collect();
+            for (nodes, rows) in apart(here, HALF as u32, |&(nodes, _)| nodes.into_iter().flatten()) {
+                made.halves.push(nodes);
+                of_halves.push(rows);
             }
-            loose.push(nodes);
-            origin.push(lanes);
+            for rows in take_while(&mut loose, |row| lowest(row) < end).chunks(LANES) {
+                let of_lane = |lane: usize| elements[rows[lane.min(rows.len() - 1)] as usize];
+                made.loose.push(std::array::from_fn(|k| std::array::from_fn(|lane| of_lane(lane)[k])));
+                of_loose.push(std::array::from_fn(|lane| rows.get(lane).copied().unwrap_or(NONE)));
+            }
+            let [of_runs, of_pairs, alone] = made.ends.last().copied().unwrap_or_default();
+            let ends = made.runs[of_runs..].iter().flatten().map(|&first| first as usize + LANES);
+            let half_ends = made.halves[of_pairs..].iter().flatten().flatten().map(|&first| first as usize + HALF);
+            let places = made.loose[alone..].iter().flatten().flatten().map(|&node| node as usize + 1);
+            let bound = ends.chain(half_ends).chain(places).max().unwrap_or(0);
+            made.node_bound = made.node_bound.max(bound);
+            made.reach.push(made.node_bound.max(end as usize));
+            made.ends.push([made.runs.len(), made.halves.len(), made.loose.len()]);
         }
-        let ends = runs.iter().flatten().map(|&first: &u32| first as usize + LANES);
-        let places = loose.iter().flatten().flatten().map(|&node: &u32| node as usize + 1);
-        let node_bound = ends.chain(places).max().unwrap_or(0);
-        Self { runs, loose, origin, count: elements.len(), node_bound }
+        made.origin.extend(of_halves);
+        made.origin.extend(of_loose);
+        made
     }
 
     /// Every element's group, lane and nodes; for what is done once and not at every step.
@@ -137,12 +104,19 @@ impl<const N: usize> Elements<N> {
     /// Number of groups of eight.
     #[inline(always)]
     pub fn group_count(&self) -> usize {
-        self.runs.len() + self.loose.len()
+        self.origin.len()
     }
 
-    /// Share of the elements that are in runs.
+    /// The nodes that groups of a tile reach and those of tiles before it do not: what must be ready before the tile.
+    pub fn new_rows(&self, tile: usize) -> Range<usize> {
+        let before = if tile == 0 { 0 } else { self.reach[tile - 1] };
+        before..self.reach[tile]
+    }
+
+    /// Share of the elements that are in runs of eight or four.
     pub fn share_in_runs(&self) -> f64 {
-        let alone = self.origin[self.runs.len()..].iter().flatten().filter(|&&row| row != NONE).count();
+        let alone =
+            self.origin[self.runs.len() + self.halves.len()..].iter().flatten().filter(|&&row| row != NONE).count();
         1.0 - alone as f64 / self.count.max(1) as f64
     }
 
@@ -164,45 +138,87 @@ impl<const N: usize> Elements<N> {
         numbers
     }
 
-    /// The groups that are loose, or those that are runs, for columns of `rows` rows. A sweep does the one and then the other,
-    /// so that the compiler sees straight reads and writes in the loop over runs.
+    /// The groups of one kind in one tile, for columns of `rows` rows. A sweep goes over one kind after the other, so that the
+    /// compiler sees straight reads and writes in the loop over runs.
     #[inline(always)]
-    pub fn pass<const LOOSE: bool>(&self, rows: usize) -> Pass<'_, N, LOOSE> {
+    pub fn pass<const KIND: usize>(&self, tile: usize, rows: usize) -> Pass<'_, N, KIND> {
         assert!(self.node_bound <= rows);
-        let first = if LOOSE { self.runs.len() } else { 0 };
-        let count = if LOOSE { self.loose.len() } else { self.runs.len() };
-        Pass { runs: &self.runs, loose: &self.loose, first, count, rows }
+        let start = if tile == 0 { 0 } else { self.ends[tile - 1][KIND] };
+        let groups = start..self.ends[tile][KIND];
+        let before = [0, self.runs.len(), self.runs.len() + self.halves.len()][KIND];
+        let (first, count) = (before + start, groups.len());
+        Pass {
+            runs: if KIND == RUNS { &self.runs[groups.clone()] } else { &[] },
+            halves: if KIND == HALVES { &self.halves[groups.clone()] } else { &[] },
+            loose: if KIND == LOOSE { &self.loose[groups] } else { &[] },
+            first,
+            count,
+            rows,
+        }
     }
 
     /// The vectors of the nodes of any group; for what is done once and not at every step.
     pub fn read_any(&self, columns: Columns<'_>, group: usize) -> [Point; N] {
-        match group.checked_sub(self.runs.len()) {
-            None => self.pass::<false>(columns.rows()).read(columns, group),
-            Some(loose) => self.pass::<true>(columns.rows()).read(columns, loose),
+        let mut points = [[Lanes::ZERO; 3]; N];
+        for lane in 0..LANES {
+            for (point, node) in points.iter_mut().zip(self.nodes(group, lane)) {
+                let vector = columns.at(node as usize);
+                (0..3).for_each(|axis| point[axis].0[lane] = vector[axis]);
+            }
         }
+        points
     }
 
     /// Adds a vector to each node of any group; for what is done once and not at every step.
     pub fn add_any(&self, columns: &mut ColumnsMut<'_>, group: usize, vectors: [Point; N]) {
-        match group.checked_sub(self.runs.len()) {
-            None => self.pass::<false>(columns.rows()).add(columns, group, vectors),
-            Some(loose) => self.pass::<true>(columns.rows()).add(columns, loose, vectors),
+        for lane in 0..LANES {
+            for (vector, node) in vectors.iter().zip(self.nodes(group, lane)) {
+                columns.add_at(node as usize, vector.map(|component| component.0[lane]));
+            }
         }
     }
 
     /// The core's nodes of the element in `lane` of `group`.
     pub fn nodes(&self, group: usize, lane: usize) -> [u32; N] {
-        match self.loose.get(group.wrapping_sub(self.runs.len())) {
-            Some(nodes) if group >= self.runs.len() => std::array::from_fn(|k| nodes[k][lane]),
-            _ => self.runs[group].map(|first| first + lane as u32),
+        if let Some(first) = self.runs.get(group) {
+            return first.map(|first| first + lane as u32);
         }
+        let group = group - self.runs.len();
+        if let Some(first) = self.halves.get(group) {
+            return first.map(|first| first[lane / HALF] + (lane % HALF) as u32);
+        }
+        self.loose[group - self.halves.len()].map(|nodes| nodes[lane])
     }
 }
 
-/// The runs of a set of elements, or its loose groups, as kernels see them: each group by its place among these.
+/// Takes from the front of `items` what fulfils a condition that holds for no item behind.
+fn take_while<'a, T>(items: &mut &'a [T], is_in: impl Fn(&T) -> bool) -> &'a [T] {
+    let (taken, rest) = items.split_at(items.partition_point(is_in));
+    *items = rest;
+    taken
+}
+
+/// Halves two and two, from distant places: neighbours often share nodes, and would wait for each other.
+fn pairs<const N: usize>(halves: &[Window<N, HALF>]) -> impl Iterator<Item = ([[u32; 2]; N], [u32; LANES])> {
+    let (low, high) = halves.split_at(halves.len().div_ceil(2));
+    low.iter().enumerate().map(move |(place, low)| {
+        // The last one may have no partner: then it is repeated as a filler.
+        let (other, has_other) = high.get(place).map_or((low, false), |high| (high, true));
+        let nodes = std::array::from_fn(|k| [low.first[k], other.first[k]]);
+        let mut rows = [NONE; LANES];
+        rows[..HALF].copy_from_slice(&low.rows);
+        if has_other {
+            rows[HALF..].copy_from_slice(&other.rows);
+        }
+        (nodes, rows)
+    })
+}
+
+/// The groups of one kind in one tile, as kernels see them: each group by its place among these.
 #[derive(Debug, Clone, Copy)]
-pub struct Pass<'a, const N: usize, const LOOSE: bool> {
+pub struct Pass<'a, const N: usize, const KIND: usize> {
     runs: &'a [[u32; N]],
+    halves: &'a [[[u32; 2]; N]],
     loose: &'a [[[u32; LANES]; N]],
     /// Groups before these in arrays of one entry per group.
     first: usize,
@@ -211,7 +227,7 @@ pub struct Pass<'a, const N: usize, const LOOSE: bool> {
     rows: usize,
 }
 
-impl<'a, const N: usize, const LOOSE: bool> Pass<'a, N, LOOSE> {
+impl<'a, const N: usize, const KIND: usize> Pass<'a, N, KIND> {
     /// How many groups.
     #[inline(always)]
     pub fn len(&self) -> usize {
@@ -238,32 +254,39 @@ impl<'a, const N: usize, const LOOSE: bool> Pass<'a, N, LOOSE> {
 
     /// The groups, a batch at a time: for sweeps that work out all of one thing before the next.
     #[inline(always)]
-    pub fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<N, LOOSE> {
+    pub fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<N, KIND> {
         let count = self.count;
         (0..count).step_by(BATCH).map(move |first| first..count.min(first + BATCH))
     }
 
-    /// The vectors of the nodes of a group.
+    /// What the columns hold for the nodes of a group: their vectors, where there are three.
     #[inline(always)]
     #[allow(unsafe_code)]
-    pub fn read<V: Vector>(&self, columns: Columns<'_>, group: usize) -> [Point<V>; N] {
+    pub fn read<V: Vector, const COUNT: usize>(&self, columns: Columns<'_, COUNT>, group: usize) -> [[V; COUNT]; N] {
         assert!(self.rows <= columns.rows());
-        let mut points = [[V::zero(); 3]; N];
-        // SAFETY: nodes of runs and loose groups, all their lanes included, are below `Elements::node_bound`, which `pass`
-        // found to be at most `rows`, and so below the number of rows of the columns; `axis` is below three.
+        let mut points = [[V::zero(); COUNT]; N];
+        // SAFETY: nodes of all groups, all their lanes included, are below `Elements::node_bound`, which `pass`
+        // found to be at most `rows`, and so below the number of rows of the columns; `axis` is below COUNT.
         unsafe {
-            if LOOSE {
-                let nodes = &self.loose[group];
+            if KIND == RUNS {
+                let first = self.runs[group];
                 for k in 0..N {
-                    for axis in 0..3 {
-                        points[k][axis] = V::load(&columns.gather(axis, &nodes[k]));
+                    for axis in 0..COUNT {
+                        points[k][axis] = columns.read(axis, first[k]);
+                    }
+                }
+            } else if KIND == HALVES {
+                let first = self.halves[group];
+                for k in 0..N {
+                    for axis in 0..COUNT {
+                        points[k][axis] = columns.read_halves(axis, first[k]);
                     }
                 }
             } else {
-                let first = self.runs[group];
+                let nodes = &self.loose[group];
                 for k in 0..N {
-                    for axis in 0..3 {
-                        points[k][axis] = columns.read(axis, first[k]);
+                    for axis in 0..COUNT {
+                        points[k][axis] = V::load(&columns.gather(axis, &nodes[k]));
                     }
                 }
             }
@@ -298,18 +321,25 @@ impl<'a, const N: usize, const LOOSE: bool> Pass<'a, N, LOOSE> {
         assert!(self.rows <= columns.rows());
         // SAFETY: as in `read`; `axis` is below COUNT.
         unsafe {
-            if LOOSE {
-                let nodes = &self.loose[group];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        columns.scatter(axis, &nodes[k], rows[k][axis].lanes());
-                    }
-                }
-            } else {
+            if KIND == RUNS {
                 let first = self.runs[group];
                 for k in 0..N {
                     for axis in 0..COUNT {
                         columns.add(axis, first[k], rows[k][axis]);
+                    }
+                }
+            } else if KIND == HALVES {
+                let first = self.halves[group];
+                for k in 0..N {
+                    for axis in 0..COUNT {
+                        columns.add_halves(axis, first[k], rows[k][axis]);
+                    }
+                }
+            } else {
+                let nodes = &self.loose[group];
+                for k in 0..N {
+                    for axis in 0..COUNT {
+                        columns.scatter(axis, &nodes[k], rows[k][axis].lanes());
                     }
                 }
             }

@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use crate::columns::total;
 use crate::forces::{self, Law};
 use crate::integrators::System;
 use crate::lanes::Vector;
 use crate::rowwise::{Add, Formula, each, on_axes};
-use crate::state::{Instant, STRETCH, Vectors, rows, rows_mut, stretches};
+use crate::state::{Instant, STRETCH, Vectors, columns, rows, rows_mut};
 use crate::tangent::{Tangent, Weights};
 use crate::width::Width;
 
@@ -26,8 +25,6 @@ pub(super) struct Mechanics {
     /// And the forces of the others \[N\]: all rows of a law between nodes, zero but from `gather` to `rework`; those of one
     /// stretch of a law node by node.
     resistances: Vec<Option<Vectors>>,
-    /// F . v of each row of a stretch \[W\].
-    row_powers: Vec<f64>,
     width: Width,
 }
 
@@ -58,7 +55,6 @@ impl Mechanics {
             evaluation_count: 0,
             tangent,
             forces: Vectors::zeros(nodes),
-            row_powers: vec![0.0; STRETCH.min(nodes)],
             width,
         }
     }
@@ -77,29 +73,35 @@ impl Formula<1, 2> for Divide {
 /// F . v.
 struct Power;
 
-impl Formula<6, 1> for Power {
+impl Formula<6, 0> for Power {
     #[inline(always)]
-    fn row<V: Vector>(&self, [fx, fy, fz, vx, vy, vz]: [V; 6], _: [V; 1]) -> [V; 1] {
-        [fx * vx + fy * vy + fz * vz]
+    fn row<V: Vector>(&self, _: [V; 6], _: [V; 0]) -> [V; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn summand<V: Vector>(&self, [fx, fy, fz, vx, vy, vz]: [V; 6], _: [V; 0]) -> V {
+        fx * vx + fy * vy + fz * vz
     }
 }
 
-/// The sum of F . v over a stretch \[W\], with room for as many numbers.
-fn power_of(width: Width, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3], room: &mut [f64]) -> f64 {
-    let powers = &mut room[..u.len()];
-    each(width, &Power, [fx, fy, fz, u, v, w], [powers]);
-    total(powers)
+/// The sum of F . v over some rows \[W\].
+fn power_of(width: Width, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
+    each(width, &Power, [fx, fy, fz, u, v, w], [])
 }
 
 impl System for Mechanics {
-    fn gather(&mut self, at: Instant<'_>, powers: &mut [f64]) {
-        forces::add_between_nodes(&self.laws, at, &mut self.forces, powers, &mut self.resistances);
+    fn gather(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]) {
+        if tile == 0 {
+            powers.fill(0.0);
+            self.evaluation_count += 1;
+        }
+        forces::add_between_nodes(&self.laws, tile, at, &mut self.forces, powers, &mut self.resistances);
         for (row, power) in powers.iter_mut().enumerate() {
             if self.remembered[row] || self.resistances[row].is_some() {
                 *power = 0.0;
             }
         }
-        self.evaluation_count += 1;
     }
 
     fn finish(&mut self, range: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]) {
@@ -126,7 +128,7 @@ impl System for Mechanics {
         for ((law, resistance), power) in self.laws.iter().zip(&self.resistances).zip(powers) {
             if let (Some(_), Some(resistance)) = (law.by_node(), resistance) {
                 let forces = rows(resistance, 0..range.len());
-                *power += power_of(self.width, forces, velocities, &mut self.row_powers);
+                *power += power_of(self.width, forces, velocities);
             }
         }
     }
@@ -136,10 +138,7 @@ impl System for Mechanics {
             if self.remembered[row] {
                 powers[row] += law.rework(at);
             } else if let (None, Some(resistance)) = (law.by_node(), resistance) {
-                for range in stretches(resistance.nrows()) {
-                    let (forces, velocities) = (rows(resistance, range.clone()), rows(at.velocities, range));
-                    powers[row] += power_of(self.width, forces, velocities, &mut self.row_powers);
-                }
+                powers[row] += power_of(self.width, columns(resistance), columns(at.velocities));
                 resistance.fill(0.0);
             }
         }

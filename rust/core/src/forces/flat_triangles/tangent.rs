@@ -30,7 +30,7 @@ impl Flat {
 
     /// dS/dE of a film that does not wrinkle, over E_Y; rows and columns 11, 22, 12.
     pub(in crate::forces) fn taut(&self) -> Matrix3<f64> {
-        let nu = self.nu.0[0];
+        let nu = self.nu;
         let shear = 1.0 / (1.0 + nu);
         let factor = shear / (1.0 - nu);
         Matrix3::new(factor, factor * nu, 0.0, factor * nu, factor, 0.0, 0.0, 0.0, shear)

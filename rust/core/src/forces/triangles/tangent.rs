@@ -32,7 +32,7 @@ impl Triangles {
         if second >= 0.0 {
             return taut;
         }
-        let (nu, share) = (self.flat.nu.0[0], 0.5 * (self.compression.0[0] - 1.0));
+        let (nu, share) = (self.flat.nu, 0.5 * (self.compression - 1.0));
         let r = spread.max(f64::MIN_POSITIVE);
         // Slopes by (m, r) of second and first.
         let of_second = [1.0, -1.0];
