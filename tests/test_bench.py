@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import kernels
@@ -56,3 +58,13 @@ def test_a_table_for_each_mesh_of_what_this_run_found(tmp_path: Path) -> None:
     assert "| evaluation: all | 80.0 | 20.0 (4.0x) |" in tables
     assert "| step: rk4 | - | 100.0 |" in tables
     assert "| evaluation: all, 8,000 nodes | 40.0 (1.0x) | 20.0 (2.0x) |" in tables
+
+
+def test_steps_are_timed_without_peers_and_it_says_how_to_get_them() -> None:
+    code = "import sys; sys.modules['mujoco'] = None; sys.argv = ['steps', '--quick']; import steps; steps.main()"
+    shown = subprocess.run(
+        [sys.executable, "-c", code], cwd=page.README.parent, capture_output=True, text=True, check=True
+    )
+    assert "| flat, springs: membrane_rs leapfrog |" in shown.stdout
+    assert shown.stdout.count("`make peers` installs them") == 1
+    assert "MuJoCo RK4" not in shown.stdout
