@@ -7,6 +7,7 @@
 //! are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
+mod bound;
 #[path = "../tests/common/mod.rs"]
 mod common;
 mod contenders;
@@ -15,9 +16,12 @@ mod oracle;
 
 use std::time::Instant;
 
+use bound::Pace;
 use common::sail;
 use contenders::{PARTS, Scene, label, widths};
 use membrane_core::aligned::Aligned;
+use membrane_core::lanes::LANES;
+use membrane_core::lanes::counted::{Counts, count};
 use membrane_core::width::Width;
 
 /// As in the Python module.
@@ -68,6 +72,59 @@ fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
     println!();
 }
 
+/// What the machine does with eight numbers, what an evaluation asks of it, and what that takes at least.
+fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
+    let paces: Vec<(Width, Pace)> = widths().map(|width| (width, Pace::of(width))).collect();
+    let names: Vec<&str> = paces.iter().map(|(width, _)| width.name()).collect();
+    println!("| an operation on eight numbers [ns] | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
+    for row in 0..Pace::ROWS {
+        let cells: Vec<String> = paces.iter().map(|(_, pace)| format!("{:.2}", pace.rows()[row].1)).collect();
+        println!("| {} | {} |", paces[0].1.rows()[row].0, cells.join(" | "));
+    }
+
+    let mut counted = scene.kernels(Width::Counted);
+    let counts: Vec<Counts> = (0..PARTS).map(|part| count(|| counted.evaluate(part, scene.at()))).collect();
+    println!(
+        "\n| operations on eight numbers, per group of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | groups | fillers |"
+    );
+    println!("|---|{}", "---:|".repeat(11));
+    for (part, counts) in counts.iter().enumerate() {
+        let [elements, lanes] = counted.lanes(part);
+        if lanes == 0 {
+            continue;
+        }
+        let Counts { additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores } = *counts;
+        let all = [additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores];
+        let groups = lanes / LANES;
+        let cells: Vec<String> = all.iter().map(|&count| format!("{:.1}", count as f64 / groups as f64)).collect();
+        let fillers = 100.0 * (1.0 - elements as f64 / lanes as f64);
+        println!("| {} | {} | {groups} | {fillers:.0} % |", label(part), cells.join(" | "));
+    }
+
+    println!(
+        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | of it for fillers [us] |"
+    );
+    println!("|---|---|---:|---:|---:|---|---:|");
+    for part in 0..PARTS {
+        let [elements, lanes] = counted.lanes(part);
+        for (column, (width, pace)) in paces.iter().enumerate() {
+            let (bound, unit) = pace.bound(&counts[part]);
+            if bound == 0.0 {
+                continue;
+            }
+            let measured = times[part][1 + column];
+            let fillers = bound * (1.0 - elements as f64 / lanes.max(1) as f64);
+            println!(
+                "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {fillers:.1} |",
+                label(part),
+                width.name(),
+                measured / bound
+            );
+        }
+    }
+    println!();
+}
+
 fn main() {
     let finenesses = std::env::args().filter_map(|argument| argument.parse().ok());
     let rounds = if std::env::args().any(|argument| argument == "quick") { ROUNDS / 10 } else { ROUNDS };
@@ -90,5 +147,8 @@ fn main() {
             format!("per node, of {nodes} nodes [ns]")
         };
         print_table(&title, &rows);
+        if fineness == 1 {
+            print_bounds(&mut scene, &times);
+        }
     }
 }

@@ -99,8 +99,10 @@ impl Kernels {
         }
     }
 
-    pub fn laws(&self, part: usize) -> &[Box<dyn Law>] {
-        &self.laws[self.parts[part].clone()]
+    /// The elements of a part, and the lanes that they take up; none for a part that goes node by node.
+    pub fn lanes(&self, part: usize) -> [usize; 2] {
+        let laws = self.laws[self.parts[part].clone()].iter();
+        laws.filter_map(|law| law.lanes()).fold([0, 0], |sum, [elements, lanes]| [sum[0] + elements, sum[1] + lanes])
     }
 
     /// Adds the forces of a part to what was there: all laws add, so that the time does not depend on it.
