@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import building
 import kernels
 import page
 import pytest
@@ -68,3 +69,12 @@ def test_steps_are_timed_without_peers_and_it_says_how_to_get_them() -> None:
     assert "| flat, springs: membrane_rs leapfrog |" in shown.stdout
     assert shown.stdout.count("`make peers` installs them") == 1
     assert "MuJoCo RK4" not in shown.stdout
+
+
+def test_building_builds_a_sound_mesh_and_tells_each_part() -> None:
+    times: building.Times = {}
+    mesh = building.build(16, times)
+    assert building.AIMS.keys() - times.keys() == {"import of membrane_rs"}
+    shown = building.text(mesh, {**times, "import of membrane_rs": [0.1, 0.2, 0.4]})
+    assert "1,836 nodes, 5,292 edges, 3,456 triangles, 756 creases." in shown
+    assert "| import of membrane_rs | 0.20 | 0.3 |" in shown
