@@ -100,7 +100,7 @@ impl Width {
             Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe {
                 avx2(With(kernel, PhantomData::<x86::Avx2>))
             },
-            Self::Counted => kernel.sweep::<Counted>(),
+            Self::Counted => counted(kernel),
             _ => kernel.sweep::<Lanes>(),
         }
     }
@@ -131,4 +131,11 @@ fn avx2<S: Sweep>(sweep: S) -> S::Output {
 #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
 fn avx512<S: Sweep>(sweep: S) -> S::Output {
     sweep.sweep()
+}
+
+/// Apart from the others, so that the compiler has no more to see to in the function that runs those.
+#[cold]
+#[inline(never)]
+fn counted<K: Kernel>(kernel: K) -> K::Output {
+    kernel.sweep::<Counted>()
 }
