@@ -113,6 +113,11 @@ impl<const N: usize> Elements<N> {
         before..self.reach[tile]
     }
 
+    /// How many elements, and how many lanes they take up, fillers included.
+    pub fn lanes(&self) -> [usize; 2] {
+        [self.count, LANES * self.group_count()]
+    }
+
     /// Share of the elements that are in runs of eight or four.
     pub fn share_in_runs(&self) -> f64 {
         let alone =
