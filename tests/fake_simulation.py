@@ -75,6 +75,7 @@ class FakeSimulation:
             "work": -0.1,
             "turned_over": 1.0,
             "error": -1e-3,
+            "stored_by_law": self.stored,
             "work_by_law": work,
         }
 

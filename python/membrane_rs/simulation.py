@@ -126,6 +126,8 @@ class Simulation:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
         self.is_settled = False
+        self._motions_set = 0
+        self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
 
     @property
     def time(self) -> float:
@@ -181,7 +183,7 @@ class Simulation:
 
     @positions.setter
     def positions(self, values: ArrayLike) -> None:
-        self._core.set_motion(self._vectors(values, "positions", "m"), self.velocities)
+        self._set_motion(self._vectors(values, "positions", "m"), self.velocities)
 
     @property
     def velocities(self) -> Floats:
@@ -190,7 +192,11 @@ class Simulation:
 
     @velocities.setter
     def velocities(self, values: ArrayLike) -> None:
-        self._core.set_motion(self.positions, self._vectors(values, "velocities", "m/s"))
+        self._set_motion(self.positions, self._vectors(values, "velocities", "m/s"))
+
+    def _set_motion(self, positions: Floats, velocities: Floats) -> None:
+        self._core.set_motion(positions, velocities)
+        self._motions_set += 1
 
     @cached_property
     def masses(self) -> Floats:
@@ -240,9 +246,9 @@ class Simulation:
             "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out), "turned_over"
             (largest change of any one account so far), all [J]; "error", the energy that is there beyond what
             was there and what work brought, as a share of the energy turned over, negative where the method loses it;
-            "work_by_law", {law: J}.
+            "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
         """
-        kinetic, stored, work, turned_over, _, error = self._core.ledger()
+        kinetic, stored, stored_by_law, work, turned_over, _, error = self._core.ledger()
         by_law = dict(work)
         return {
             "kinetic": kinetic,
@@ -250,6 +256,7 @@ class Simulation:
             "work": math.fsum(by_law.values()),
             "turned_over": turned_over,
             "error": error,
+            "stored_by_law": dict(stored_by_law),
             "work_by_law": by_law,
         }
 
@@ -316,9 +323,13 @@ class Simulation:
         return self._stability()[2]
 
     def _stability(self) -> tuple[float, str, int]:
-        dt, _, _, node, words = self._core.limit()
-        sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
-        return dt, f"{words} (in {', '.join(sets)})" if sets else words, node
+        """The limit, its part in words, and its node; kept for as long as nothing moves, since it costs many steps."""
+        now = (self.step_count, self.time, self._motions_set)
+        if self._limit is None or self._limit[0] != now:
+            dt, _, _, node, words = self._core.limit()
+            sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
+            self._limit = now, (dt, f"{words} (in {', '.join(sets)})" if sets else words, node)
+        return self._limit[1]
 
     def step(self, n: int = 1) -> None:
         """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
@@ -359,7 +370,7 @@ class Simulation:
         duration = None if duration is None else _number("settle: duration", duration)
         rate = None if rate is None else _number("settle: rate", rate, "1/s")
         positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
-        self._core.set_motion(positions, np.zeros_like(positions))
+        self._set_motion(positions, np.zeros_like(positions))
         self.is_settled = True
         return speed
 

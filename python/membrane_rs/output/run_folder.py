@@ -3,7 +3,7 @@
 scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
 summary.json    at the start ("running"), and again at the end
 history.csv     a line per sample
-frames.pvd      after each frame, with frames/frame-<k>.vtu
+frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
 state.npz       at the end of a run that finished or was interrupted, to go on from
 deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
 """
@@ -21,13 +21,14 @@ from membrane_rs._files import PART, output_errors
 from membrane_rs.errors import OutputError, UnstableError
 from membrane_rs.output.animation import SIZE as ANIMATION_SIZE
 from membrane_rs.output.animation import chosen, write_animation
+from membrane_rs.output.background import Background
 from membrane_rs.output.history import History
-from membrane_rs.output.picture import Subject, painter, pyvista_works
+from membrane_rs.output.picture import Subject, begin_probe, painter, pyvista_works
 from membrane_rs.output.plots import plot_deployment
 from membrane_rs.output.report import curve_features, energy_balance, versions, write_summary
 from membrane_rs.output.snapshots import SIZE as SNAPSHOT_SIZE
 from membrane_rs.output.snapshots import VIEWS, SnapshotTaker, write_snapshots
-from membrane_rs.output.vtk import write_frame, write_pvd
+from membrane_rs.output.vtk import Frame, FrameWriter, write_pvd
 
 if TYPE_CHECKING:
     from membrane_rs.simulation import Simulation
@@ -102,9 +103,14 @@ class RunFolder:
             self._history = History(self.path / "history.csv", sim)
             self._began = time.perf_counter()
             self._frames: list[tuple[float, str]] = []
+            self._frame_times: list[float] = []
+            self._frame_writer = FrameWriter(sim)
+            self._background = Background()
             self._snapshots = SnapshotTaker(sim.scene.run.snapshots, sim.time)
             self._summary = self._first_summary(sim)
             self._write_summary()
+            if self._pictures:
+                begin_probe()
         except BaseException:
             if is_cleared:
                 self._remove_own_files()
@@ -119,21 +125,29 @@ class RunFolder:
         A state that is not later than the last one is passed over: a run that went wrong steps back to its
         last good state, which may have been written already. The same holds for frames.
         """
+        self._background.look()
         if not self._history.rows or sim.time > self._history.rows[-1][0]:
             self._history.add(sim)
             self._snapshots.offer(sim)
 
     def frame(self, sim: Simulation) -> None:
-        """Write a VTU file, then the index that lists it. Raises OutputError."""
-        if self._frames and sim.time <= self._frames[-1][0]:
+        """Copy what a frame shows, to be written in the background: a VTU file, then the index that lists it.
+
+        Waits only while earlier frames wait to be written. Raises OutputError where one of those cannot be.
+        """
+        if self._frame_times and sim.time <= self._frame_times[-1]:
             return
-        file = f"frames/frame-{len(self._frames):04d}.vtu"
-        write_frame(self.path / file, sim)
-        self._frames.append((sim.time, file))
+        frame, file = Frame.of(sim), f"frames/frame-{len(self._frame_times):04d}.vtu"
+        self._background.add(lambda: self._write_frame(frame, file))
+        self._frame_times.append(frame.time)
+
+    def _write_frame(self, frame: Frame, file: str) -> None:
+        self._frame_writer.write(self.path / file, frame)
+        self._frames.append((frame.time, file))
         write_pvd(self.path / "frames.pvd", self._frames)
 
     def finish(self, sim: Simulation, error: BaseException | None) -> None:
-        """Close the history, write the summary, then the pictures. Raises OutputError.
+        """Write the frames that wait, close the history, write the summary, then the pictures. Raises OutputError.
 
         The summary is written even where the history cannot be closed. What ended the run stays the error that is
         told: a file that cannot be written after that is passed over, but for the state of an interrupted run.
@@ -141,7 +155,8 @@ class RunFolder:
         A run that went unstable is drawn as far as it came. After an interruption, or any other error,
         nothing is drawn, so that the program stops at once.
         """
-        first = error
+        unwritten = self._background.close()
+        first = error or unwritten
         try:
             self._history.close()
         except OutputError as failure:

@@ -50,6 +50,8 @@ pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
 #[pyclass(module = "membrane_rs._core")]
 pub(crate) struct Simulation {
     core: Core,
+    /// Steps that fit into a breath, as far as is known.
+    batch: u64,
 }
 
 fn get<'py, T>(parameters: &Bound<'py, PyDict>, law: &str, key: &str) -> PyResult<T>
@@ -122,18 +124,27 @@ impl Simulation {
     }
 }
 
-/// Calls `go` with ever more steps, up to a breath's worth, until it says that it is done.
-fn in_breaths(py: Python<'_>, mut go: impl FnMut(u64) -> Result<bool, Error> + Send) -> PyResult<()> {
-    let mut batch: u64 = 1;
+/// Calls `go` with `batch` steps at a time, about a breath's worth, until it says that it is done.
+///
+/// The batch is kept from call to call: each look takes the interpreter's lock, for which a thread that writes may make
+/// the core wait.
+fn in_breaths(
+    py: Python<'_>,
+    batch: &mut u64,
+    mut go: impl FnMut(u64) -> Result<bool, Error> + Send,
+) -> PyResult<()> {
     loop {
         let start = Instant::now();
-        let is_done = checked(py.detach(|| go(batch)))?;
+        let is_done = checked(py.detach(|| go(*batch)))?;
         py.check_signals()?;
         if is_done {
             return Ok(());
         }
-        if start.elapsed() < BREATH / 2 {
-            batch = batch.saturating_mul(2);
+        let taken = start.elapsed();
+        if taken < BREATH / 2 {
+            *batch = batch.saturating_mul(2);
+        } else if taken > BREATH * 2 {
+            *batch = (*batch / 2).max(1);
         }
     }
 }
@@ -231,7 +242,7 @@ impl Simulation {
         let tolerance = Tolerance { relative, length, speed };
         let settings =
             Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius, width };
-        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
+        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
     }
 
     #[getter]
@@ -329,12 +340,15 @@ impl Simulation {
         (accounts.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
     }
 
-    /// (kinetic, stored, [(law, work)], turned over, surplus, error).
-    fn ledger(&self) -> (f64, f64, ByLaw, f64, f64, f64) {
-        let (ledger, now) = (self.core.ledger(), self.core.accounts());
-        let work = self.core.laws().iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
+    /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, surplus, error).
+    fn ledger(&self) -> (f64, f64, ByLaw, ByLaw, f64, f64, f64) {
+        let (ledger, now, laws) = (self.core.ledger(), self.core.accounts(), self.core.laws());
+        let stored = laws.iter().zip(&now.stored).filter(|(law, _)| law.is_conservative());
+        let stored = stored.map(|(law, energy)| (law.name(), *energy)).collect();
+        let work = laws.iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
         let work = work.map(|(law, work)| (law.name(), *work)).collect();
-        (now.kinetic, now.stored.iter().sum(), work, ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now))
+        let (turned_over, surplus, error) = (ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now));
+        (now.kinetic, now.stored.iter().sum(), stored, work, turned_over, surplus, error)
     }
 
     /// (strain, buckled) of the springs of one law, or None without it.
@@ -371,10 +385,11 @@ impl Simulation {
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
     fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        in_breaths(py, |batch| {
+        let Self { core, batch } = self;
+        in_breaths(py, batch, |batch| {
             let now = batch.min(left);
             left -= now;
-            self.core.step(now).map(|()| left == 0)
+            core.step(now).map(|()| left == 0)
         })
     }
 
@@ -383,7 +398,8 @@ impl Simulation {
         if !self.core.is_adaptive() {
             return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
         }
-        in_breaths(py, |batch| self.core.reach(time, batch))
+        let Self { core, batch } = self;
+        in_breaths(py, batch, |batch| core.reach(time, batch))
     }
 
     /// Looks for a fault now, beside the regular checks.
