@@ -64,7 +64,7 @@ $(VENV)/tools: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 		{ echo "membrane_rs needs Python 3.10 or later; name one: make PYTHON=python3.12"; exit 1; }
 	@command -v cargo > /dev/null || \
-		{ echo "membrane_rs needs a Rust toolchain (cargo); see https://rustup.rs"; exit 1; }
+		{ echo "membrane_rs needs a Rust toolchain (cargo and rustc); install one"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group dev

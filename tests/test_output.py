@@ -234,6 +234,39 @@ def test_overwrite_removes_its_own_files_alone(tmp_path: Path) -> None:
     assert not (path / "animation.gif").exists()
 
 
+@pytest.mark.parametrize("name", ["scene.toml", "mesh.npz", "snapshots/fixed.png"])
+def test_files_that_no_run_wrote_are_not_overwritten(tmp_path: Path, name: str) -> None:
+    own = tmp_path / name
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("mine")
+    with pytest.raises(OutputError, match=f"{name} is there, but no summary.json, so no run wrote it"):
+        RunFolder(tmp_path, overwrite=True)
+    assert own.read_text() == "mine"
+    assert sum(file.is_file() for file in tmp_path.rglob("*")) == 1
+
+
+def test_a_run_stopped_at_any_moment_can_be_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run"
+    run(RunFolder(path, pictures=False), [0.0])
+    remove, left = Path.unlink, 2
+
+    def stopped(file: Path, missing_ok: bool = False) -> None:
+        """The process is killed while it clears the folder."""
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise SystemExit
+        remove(file, missing_ok)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", stopped)
+        with pytest.raises(SystemExit):
+            RunFolder(path, overwrite=True, pictures=False).start(cast(Any, FakeSimulation()))
+    assert (path / "summary.json").exists()
+    run(RunFolder(path, overwrite=True, pictures=False), [0.0, 0.1])
+    assert summary(path)["outcome"] == "finished"
+
+
 def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     for path in (tmp_path / "file", tmp_path / "file" / "run", tmp_path / "file" / "deep" / "run"):

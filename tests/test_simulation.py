@@ -224,6 +224,66 @@ def test_a_run_that_stops_itself_tells_its_observers() -> None:
     assert seen[-3:] == ["sample", "frame", "UnstableError"]
 
 
+class Finisher:
+    """An observer that notes how it was told the end, and may fail at the start or at the end."""
+
+    def __init__(self, seen: list[tuple[str, str]], name: str, start: str = "", finish: str = "") -> None:
+        self._seen, self._name, self._start, self._finish = seen, name, start, finish
+
+    def start(self, sim: Simulation) -> None:
+        if self._start:
+            raise OSError(self._start)
+
+    def sample(self, sim: Simulation) -> None: ...
+
+    def frame(self, sim: Simulation) -> None: ...
+
+    def finish(self, sim: Simulation, error: BaseException | None) -> None:
+        self._seen.append((self._name, str(error)))
+        if self._finish:
+            raise ValueError(self._finish)
+
+
+def test_all_observers_finish_where_one_of_them_fails() -> None:
+    seen: list[tuple[str, str]] = []
+    first, second, third = Finisher(seen, "a"), Finisher(seen, "b", finish="no room"), Finisher(seen, "c")
+    with pytest.raises(ValueError, match="no room"):
+        Simulation(fold_scene()).run(0.001, observers=[first, second, third])
+    assert seen == [("a", "None"), ("b", "None"), ("c", "None")]
+
+
+def test_observers_that_have_started_finish_where_another_cannot_start() -> None:
+    seen: list[tuple[str, str]] = []
+    with pytest.raises(OSError, match="no room"):
+        Simulation(fold_scene()).run(0.001, observers=[Finisher(seen, "a"), Finisher(seen, "b", start="no room")])
+    assert seen == [("a", "no room")]
+
+
+def test_state_goes_on_with_the_same_bits(whole: Simulation) -> None:
+    first, second = Simulation(fold_scene()), Simulation(fold_scene())
+    first.step(100)
+    limit = second.stable_dt()
+    second.set_state(first.state())
+    assert second.stable_dt() != limit
+    second.step(whole.step_count - 100)
+    assert same(second, whole)
+    lacking = first.state()
+    del lacking["work"]
+    with pytest.raises(InputError, match="work is missing"):
+        second.set_state(lacking)
+
+
+def test_the_limit_is_that_of_the_shape_now() -> None:
+    sim = Simulation(fold_scene())
+    before = sim.stable_dt(), sim.limiting_part
+    assert before == (sim.stable_dt(), sim.limiting_part)
+    sim.positions = 1.5 * sim.positions
+    assert sim.stable_dt() != before[0]
+    at_start = sim.stable_dt()
+    sim.step(50)
+    assert sim.stable_dt() != at_start
+
+
 def test_a_spring_over_its_bound_stops_the_run() -> None:
     scene = replace(hanging_strip(), laws=[Springs(strain_limit=1e-4), *hanging_strip().laws[1:]])
     with pytest.raises(UnstableError, match=r"stretched by .* %, over its bound of 0\.010 %") as caught:
@@ -306,7 +366,7 @@ def test_energies_and_ledger() -> None:
     sim = Simulation(fold_scene())
     start = sum(sim.energies().values())
     zero = sim.ledger()
-    assert zero.keys() == {"kinetic", "stored", "work", "turned_over", "error", "work_by_law"}
+    assert zero.keys() == {"kinetic", "stored", "work", "turned_over", "error", "stored_by_law", "work_by_law"}
     assert (zero["kinetic"], zero["work"], zero["error"], zero["turned_over"]) == (0.0, 0.0, 0.0, 0.0)
     sim.run(until=0.01)
     energies, ledger = sim.energies(), sim.ledger()

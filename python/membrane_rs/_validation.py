@@ -198,7 +198,10 @@ def show(value: object) -> str:
     """A value as messages show it: short, and in one line."""
     if isinstance(value, float):
         return repr(float(value))
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python writes no integer of more than some thousand digits
+        return "a number of thousands of digits"
     return text if len(text) <= 60 else text[:57] + "..."
 
 

@@ -37,6 +37,9 @@ Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
 Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit, or from the tolerance.")]
 Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopri5 chooses. Default: the scene's.")]
+SpectralRadius = Annotated[
+    float | None, typer.Option(help="What an implicit method leaves, per step, of vibrations too fast for it: 0 to 1.")
+]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
@@ -54,6 +57,7 @@ def run(
     integrator: Integrator = None,
     dt: Dt = None,
     tolerance: Tolerance = None,
+    spectral_radius: SpectralRadius = None,
     out: Out = None,
     frames: Frames = None,
     overwrite: Overwrite = False,
@@ -63,7 +67,10 @@ def run(
     with _told_errors():
         from membrane_rs.simulation import Simulation
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance, "frames": frames}
+        wanted = {
+            "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
+            "spectral_radius": spectral_radius, "frames": frames,
+        }  # fmt: skip
         chosen = _with_settings(_load(scene), wanted)
         folder = out or Path("runs") / chosen.name
         _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)

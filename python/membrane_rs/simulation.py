@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -346,7 +347,7 @@ class Simulation:
         except TypeError:
             raise InputTypeError(f"n = {show(n)}: must be a whole number of steps") from None
         if not 0 <= count <= MOST_STEPS:
-            raise InputError(f"n = {count}: must be a whole number of steps, from 0 to {MOST_STEPS:.0e}")
+            raise InputError(f"n = {show(count)}: must be a whole number of steps, from 0 to {MOST_STEPS:.0e}")
         self._core.step(count)
 
     def settle(self, duration: float | None = None, rate: float | None = None) -> float:
@@ -437,10 +438,12 @@ class Simulation:
         marks |= self._marks_of(self.scene.run.samples if samples is None else samples, end, "samples")
         looks = np.linspace(min(marks), max(marks), PROGRESS_LOOKS if progress else 0)
         whole = float if self.is_adaptive else int
-        for watcher in watchers:
-            watcher.start(self)
+        started: list[Observer] = []
         error: BaseException | None = None
         try:
+            for watcher in watchers:
+                watcher.start(self)
+                started.append(watcher)
             for mark in sorted(marks.union(map(whole, looks))):
                 self._reach(mark)
                 if mark in marks:
@@ -454,8 +457,10 @@ class Simulation:
                 self._show(watchers, is_frame=True)  # the last good state
             raise
         finally:
-            for watcher in watchers:
-                watcher.finish(self, error)
+            # All finish, in their order, whatever one of them raises.
+            with ExitStack() as ending:
+                for watcher in reversed(started):
+                    ending.callback(watcher.finish, self, error)
         return folder
 
     def _show(self, watchers: Sequence[Observer], *, is_frame: bool) -> None:
@@ -490,7 +495,7 @@ class Simulation:
                     f"{name} = {show(wanted)}: must be a whole number or a list of times (s)"
                 ) from None
             if not 2 <= count <= MOST_INSTANTS:
-                raise InputError(f"{name} = {count}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
+                raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
             times = np.linspace(0.0, end, count)
         if self.is_adaptive:
             # Twelve digits, so that a frame and a sample of the same instant are one mark.
@@ -500,6 +505,25 @@ class Simulation:
         steps = np.round(np.clip((times - self.time) / self.dt, -1.0, last + 1.0)).astype(np.int64)
         steps = np.array([0, last, *steps[(steps > 0) & (steps <= last)]]) + self.step_count
         return set(steps.tolist())
+
+    def state(self) -> dict[str, Any]:
+        """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
+
+        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "memory_vectors" (k N, 3), what the method keeps
+        from step to step, if it keeps anything.
+        """
+        return self._core.progress()
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Continue from what `state` gave, of the same scene and method.
+
+        Raises
+        ------
+        InputError
+            An entry that is missing, of the wrong type or of another scene's size, or a position that is not finite.
+        """
+        self._core.resume(state)
+        self._motions_set += 1
 
     def save(self, path: str | Path) -> None:
         """Write scene and state into one file (.npz), from which `restore` continues with the same bits.
@@ -514,7 +538,7 @@ class Simulation:
             "dt": self.dt,
             "is_adaptive": self.is_adaptive,
             "is_settled": self.is_settled,
-            **self._core.progress(),
+            **self.state(),
         }
         write_state(Path(path), self.scene, state)
 
@@ -538,7 +562,7 @@ class Simulation:
             if is_adaptive:
                 sim._core.set_dt(_number("dt", dt))
             sim.is_settled = bool(state.pop("is_settled"))
-            sim._core.resume(state)
+            sim.set_state(state)
         except ValueError as error:
             raise InputError(
                 f"{path}: is a damaged saved state ({error}); give one that Simulation.save wrote"

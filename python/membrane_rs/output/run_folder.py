@@ -1,7 +1,7 @@
 """The folder of a run: what is in it, and when each file is written.
 
 scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
-summary.json    at the start ("running"), and again at the end
+summary.json    first of all ("running"), and again at the end
 history.csv     a line per sample
 frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
 state.npz       at the end of a run that finished or was interrupted, to go on from
@@ -33,11 +33,12 @@ from membrane_rs.output.vtk import Frame, FrameWriter, write_pvd
 if TYPE_CHECKING:
     from membrane_rs.simulation import Simulation
 
+SUMMARY = "summary.json"
+"""Written first and removed last: files of these names in a folder without it are not a run's, but somebody's own."""
 # What a run writes, and so all that `overwrite` may remove.
 OWN_FILES = (
     "scene.toml",
     "mesh.npz",
-    "summary.json",
     "history.csv",
     "frames.pvd",
     "state.npz",
@@ -45,6 +46,7 @@ OWN_FILES = (
     "animation.gif",
     "frames/frame-*.vtu",
     *(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s")),
+    SUMMARY,
 )
 OWN_FOLDERS = ("frames", "snapshots")
 
@@ -61,7 +63,7 @@ class RunFolder:
     path :
         The folder; made where it is missing, with its parents.
     overwrite :
-        Remove the files of an earlier run in this folder. Other files stay.
+        Remove the files of an earlier run in this folder, which its summary.json shows to be one. Other files stay.
     pictures :
         Draw deployment.png, snapshots and animation when the run ends.
     progress :
@@ -70,7 +72,8 @@ class RunFolder:
     Raises
     ------
     OutputError
-        If the folder is not empty and `overwrite` is false, or it cannot be written.
+        If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
+        it cannot be written.
     """
 
     def __init__(
@@ -99,16 +102,16 @@ class RunFolder:
             self._make_folders(made)
             self._remove_own_files()
             is_cleared = True
+            self._began = time.perf_counter()
+            self._summary = self._first_summary(sim)
+            self._write_summary()
             sim.scene.save(self.path)
             self._history = History(self.path / "history.csv", sim)
-            self._began = time.perf_counter()
             self._frames: list[tuple[float, str]] = []
             self._frame_times: list[float] = []
             self._frame_writer = FrameWriter(sim)
             self._background = Background()
             self._snapshots = SnapshotTaker(sim.scene.run.snapshots, sim.time)
-            self._summary = self._first_summary(sim)
-            self._write_summary()
             if self._pictures:
                 begin_probe()
         except BaseException:
@@ -185,6 +188,8 @@ class RunFolder:
                 reason = f"{nearest} is a file; choose another folder"
             elif nearest == self.path and not self._overwrite and any(self.path.iterdir()):
                 reason = "it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)"
+            elif nearest == self.path and not (nearest / SUMMARY).exists() and (own := self._own_files()):
+                reason = f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder"
             elif not os.access(nearest, os.W_OK | os.X_OK):
                 reason = f"no permission in {nearest}; choose another folder"
             else:
@@ -200,12 +205,15 @@ class RunFolder:
                     folder.mkdir()
                     made.append(folder)
 
+    def _own_files(self) -> list[Path]:
+        """What is there of the files that a run writes, whole or half-written."""
+        names = (name for pattern in OWN_FILES for name in (pattern, pattern + PART))
+        return [file for name in names for file in self.path.glob(name)]
+
     def _remove_own_files(self) -> None:
-        """Remove the files that a run writes, whole or half-written."""
-        for pattern in OWN_FILES:
-            for file in (*self.path.glob(pattern), *self.path.glob(pattern + PART)):
-                with output_errors(file):
-                    file.unlink()
+        for file in self._own_files():
+            with output_errors(file):
+                file.unlink()
 
     def _first_summary(self, sim: Simulation) -> dict[str, Any]:
         """What is known before the first step."""
@@ -241,7 +249,7 @@ class RunFolder:
         self._write_summary()
 
     def _write_summary(self) -> None:
-        write_summary(self.path / "summary.json", self._summary)
+        write_summary(self.path / SUMMARY, self._summary)
 
     def _draw(self, sim: Simulation) -> str:
         """Draw what the run has left; return who drew it."""
