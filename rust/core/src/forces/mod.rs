@@ -15,7 +15,7 @@ mod springs;
 mod triangle_damping;
 mod triangles;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::model::Assembly;
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
@@ -186,7 +186,7 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
             LawSpec::MassDamping(rate) => Box::new(mass_damping::MassDamping::new(rate, assembly)?),
         };
         if laws.iter().any(|other| other.name() == law.name()) {
-            return Err(Error::LawTwice { law: law.name() });
+            return Err(crate::error::Error::LawTwice { law: law.name() });
         }
         laws.push(law);
     }
