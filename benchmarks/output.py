@@ -26,7 +26,7 @@ from machine import cpu
 from membrane_rs import Simulation, scenes
 
 HERE = Path(__file__).resolve().parent
-BEGIN, END = "<!-- output.py: begin -->", "<!-- output.py: end -->"
+BEGIN, END = "<!-- output: begin -->", "<!-- output: end -->"
 SCENE = scenes.load("okuizumi-model-1")
 NEAR = 0.9
 """Share of its limit that leapfrog steps with."""
