@@ -33,10 +33,11 @@ lint: $(VENV)/built
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
-# Times of laws and steps, into benchmarks/README.md.
+# Times of laws and steps, into benchmarks/README.md; some of them: make bench PART="model_1 steps". QUICK=--quick shows
+# that all works.
+PART_OF_BENCH := model_1 kernels steps building output
 bench: $(VENV)/built
-	cargo bench --package membrane-core --bench kernels
-	$(BIN)/python benchmarks/model_1.py --write
+	@for part in $(or $(PART),$(PART_OF_BENCH)); do $(BIN)/python benchmarks/$$part.py --write $(QUICK) || exit 1; done
 
 # MuJoCo and Newton, an optional extra, on the same membrane: docs/peers.md and its picture.
 peers: $(VENV)/built

@@ -4,14 +4,12 @@ A law's cost is the step's time with all laws less the time without that law, ov
 RK4 step: what a user saves by leaving it out. Processor time is counted, all are timed in turn, and the median
 of the differences is taken, so that a slow moment of the machine falls on all alike.
 
-Before it come the kernels against plain scalar loops, which the core's own benchmark measures (`cargo bench`). With
---write the tables and criterion's medians of the kernels, if there are any, go into README.md beside it.
+Before it come the kernels against plain scalar loops, and against what the machine allows, which the core's own
+benchmark measures (`cargo bench --bench model_1`).
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import statistics
 import subprocess
 import time
@@ -20,10 +18,9 @@ from pathlib import Path
 
 from machine import cpu
 from membrane_rs import Scene, Simulation, scenes
+from page import options, show, table
 
-HERE = Path(__file__).resolve().parent
-CRITERION = HERE.parent / "target" / "criterion"
-BEGIN, END = "<!-- make bench: begin -->", "<!-- make bench: end -->"
+ROOT = Path(__file__).resolve().parent.parent
 EVALUATIONS = 4
 
 
@@ -60,58 +57,27 @@ def sail_table(times: dict[str, list[float]]) -> str:
         if name
     }
     rest = whole / EVALUATIONS - sum(saved.values())
-    lines = ["| model 1 by law | us per evaluation | share of the step |", "|---|---:|---:|"]
-    rows = [*sorted(saved.items(), key=lambda item: -item[1]), ("left over", rest)]
-    for name, cost in rows:
-        lines.append(f"| {name} | {cost:.1f} | {100 * EVALUATIONS * cost / whole:.0f} % |")
-    lines.append(f"| all; an RK4 step takes {whole:.0f} us | {whole / EVALUATIONS:.1f} | 100 % |")
-    return "\n".join(lines) + "\n"
+    costs = [*sorted(saved.items(), key=lambda item: -item[1]), ("left over", rest)]
+    costs.append((f"all; an RK4 step takes {whole:.0f} us", whole / EVALUATIONS))
+    rows = [(name, f"{cost:.1f}", f"{100 * EVALUATIONS * cost / whole:.0f} %") for name, cost in costs]
+    return table(("model 1 by law", "us per evaluation", "share of the step"), rows)
 
 
-def kernel_table() -> str:
-    """Criterion's medians, if `cargo bench` has left any: a column for each set of vector instructions."""
-    medians: dict[str, dict[str, float]] = {}
-    for group in ("evaluation", "step"):
-        for file in sorted((CRITERION / group).glob("*/*/new/estimates.json")):
-            law, width = file.parts[-4:-2]
-            median = json.loads(file.read_text(encoding="utf-8"))["median"]["point_estimate"] / 1e3
-            medians.setdefault(f"{group}: {law}", {})[width] = median
-    if not medians:
-        return ""
-    slowest = max(medians.values(), key=lambda row: max(row.values()))
-    widths = sorted(slowest, key=lambda width: -slowest[width])
-    lines = ["| on the sheet [us] | " + " | ".join(widths) + " |", "|---|" + "---:|" * len(widths)]
-    for label, row in sorted(medians.items(), key=lambda item: -item[1][widths[0]]):
-        lines.append(f"| {label} | " + " | ".join(f"{row[width]:.1f}" for width in widths) + " |")
-    return "\n".join(lines) + "\n"
-
-
-def scalar_table() -> str:
-    """The kernels against plain scalar loops, as `cargo bench --bench model_1` prints them."""
-    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1"]
-    done = subprocess.run(command, cwd=HERE.parent, check=True, capture_output=True, text=True)
+def scalar_table(*, quick: bool) -> str:
+    """The kernels against plain scalar loops and against the machine, as `cargo bench --bench model_1` prints them."""
+    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1", "--"]
+    done = subprocess.run(
+        [*command, *(["quick"] if quick else [])], cwd=ROOT, check=True, capture_output=True, text=True
+    )
     return done.stdout.strip() + "\n"
 
 
 def main() -> None:
     """Measure, print, and write if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--repeats", type=int, default=161, help="how often each variant is timed")
-    parser.add_argument("--steps", type=int, default=50, help="steps in each timing")
-    parser.add_argument("--write", action="store_true", help="put the tables into README.md beside this file")
-    options = parser.parse_args()
-
-    sail = sail_table(step_times(options.repeats, options.steps))
-    text = f"Processor: {cpu()}, one thread.\n\n{scalar_table()}\n{sail}"
-    kernels = kernel_table()
-    if kernels:
-        text += f"\n{kernels}"
-    print(text)
-    if options.write:
-        readme = HERE / "README.md"
-        before, _, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
-        after = rest.partition(END)[2]
-        readme.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}", encoding="utf-8")
+    chosen = options(__doc__).parse_args()
+    repeats, steps = (9, 10) if chosen.quick else (161, 50)
+    text = f"{scalar_table(quick=chosen.quick)}\n{sail_table(step_times(repeats, steps))}"
+    show("model-1", f"Processor: {cpu()}, one thread.\n\n{text}", write=chosen.write)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ needed. The pictures are drawn after the run, in a fresh process here, as a user
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import subprocess
@@ -24,9 +23,9 @@ from pathlib import Path
 
 from machine import cpu
 from membrane_rs import Simulation, scenes
+from page import options, show, table
 
 HERE = Path(__file__).resolve().parent
-BEGIN, END = "<!-- output: begin -->", "<!-- output: end -->"
 SCENE = scenes.load("okuizumi-model-1")
 NEAR = 0.9
 """Share of its limit that leapfrog steps with."""
@@ -97,44 +96,30 @@ def drawing(part: float) -> tuple[float, float]:
     return stepping, float(done.stdout) - stepping
 
 
-def table(found: dict[str, list[tuple[Times, Times]]], part: float) -> str:
-    """The table in Markdown."""
-    lines = [
-        "| model 1 | simulated [s] | without output [s] | with it [s] | slower, wall time | slower, processor time |",
-        "|---|---:|---:|---:|---:|---:|",
-    ]
+def rows(found: dict[str, list[tuple[Times, Times]]], part: float) -> list[list[str]]:
+    """A row of the table for each case."""
+    made = []
     for case in CASES:
         runs = found[case.name]
         bare, beside = (min(pair[k].wall for pair in runs) for k in (0, 1))
         processor = statistics.median(b.processor / a.processor for a, b in runs)
-        lines.append(
-            f"| {case.name} | {part * case.until:g} | {bare:.2f} | {beside:.2f} | "
-            f"{100 * (beside / bare - 1):+.1f} % | {100 * (processor - 1):+.1f} % |"
-        )
-    return "\n".join(lines) + "\n"
+        slower = [f"{100 * (ratio - 1):+.1f} %" for ratio in (beside / bare, processor)]
+        made.append([case.name, f"{part * case.until:g}", f"{bare:.2f}", f"{beside:.2f}", *slower])
+    return made
 
 
 def main() -> None:
     """Measure, print, and write if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser = options(__doc__)
     parser.add_argument("--repeats", type=int, default=4, help="pairs of runs of each case")
-    parser.add_argument("--quick", action="store_true", help="a quarter of each run, twice")
-    parser.add_argument("--write", action="store_true", help="put the table into README.md beside this file")
-    options = parser.parse_args()
+    chosen = parser.parse_args()
 
-    part, repeats = (0.25, 2) if options.quick else (1.0, options.repeats)
-    found = pairs(repeats, part)
+    part, repeats = (0.25, 2) if chosen.quick else (1.0, chosen.repeats)
+    head = ["model 1", "simulated [s]", "without output [s]", "with it [s]", "slower by the clock", "in processor time"]
+    times = table(head, rows(pairs(repeats, part), part))
     stepping, pictures = drawing(part)
-    text = (
-        f"Processor: {cpu()}.\n\n{table(found, part)}\n"
-        f"Pictures, in a fresh process: {pictures:.1f} s after a run of {stepping:.1f} s by leapfrog.\n"
-    )
-    print(text)
-    if options.write:
-        readme = HERE / "README.md"
-        before, _, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
-        after = rest.partition(END)[2]
-        readme.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}", encoding="utf-8")
+    drawn = f"Pictures, in a fresh process: {pictures:.1f} s after a run of {stepping:.1f} s by leapfrog.\n"
+    show("output", f"Processor: {cpu()}.\n\n{times}\n{drawn}", write=chosen.write)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from membrane_rs import Simulation
-from peers import chart, measure, ours, picture, problem, report, speed
+from membrane_rs import Simulation, scenes
+from peers import chart, deployment, measure, ours, picture, problem, report, speed
 from peers.neo_hookean import NeoHookean
 from peers.problem import Problem
 from peers.program import Program
@@ -110,8 +110,26 @@ def page(drawn: chart.Chart, small: Problem) -> str:
     names += [("membrane_rs leapfrog", "springs"), ("MuJoCo RK4", "triangles"), ("Newton semi-implicit", "springs")]
     steps = (4e-5, 1e-5, 2e-5, 5e-6, 1e-3, 1e-4)
     paces = [speed.Pace(*name, 64, step, 8e-6) for name, step in zip(names, steps, strict=True)]
-    model = speed.Model({"rk4": 1e-4, "leapfrog": 2.5e-5}, {"rk4": 8e-6, "leapfrog": 5e-6}, 4e-6, 5.0)
-    return report.text(drawn, speed.Speed(small, paces, model, "avx2"), {"somebody": "1.0"})
+    apart, spreads = {"rate": 0.01, "phase": 9.0}, {"rate": 0.02, "phase": 8.0}
+    done = deployment.Deployment(4.5e-6, 5e-6, 177778, 5.5, 5.0, 2e-6, apart, spreads)
+    timed = speed.Speed(small, paces, {"rk4": 1e-4, "leapfrog": 2.5e-5}, "avx2", done)
+    return report.text(drawn, timed, {"somebody": "1.0"})
+
+
+def test_the_spread_is_read_from_the_studies() -> None:
+    spreads = deployment.spreads(deployment.STUDIES.read_text(encoding="utf-8"))
+    assert 0.0 < spreads["rate"] < 0.1
+    assert 0.0 < spreads["phase"] < 90.0
+    with pytest.raises(ValueError, match="make accuracy"):
+        deployment.spreads("no chart")
+
+
+def test_the_deployment_is_run_and_compared() -> None:
+    done = deployment.deploy(scenes.load("okuizumi-model-1"), until=1e-3)
+    assert done.steps * done.dt == pytest.approx(1e-3)
+    assert done.dt == pytest.approx(0.9 * done.limit, rel=0.3)
+    assert done.is_within
+    assert 0.0 < done.errors["rate"] < 1e-3
 
 
 def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
@@ -124,6 +142,7 @@ def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
     assert "| RK4 step | flat, triangles | MuJoCo RK4, flat, triangles | 18 | 25 | reached |" in words
     assert "| leapfrog step | flat, springs | Newton semi-implicit, flat, springs | 40 | 20 | not reached |" in words
     assert "MuJoCo RK4, flat, triangles: 100 s | 60 | 20 | not reached |" in words
+    assert "**beyond** the spread" in " ".join(words.split())
     assert all(len(line) <= 118 for line in words.splitlines() if not line.startswith(("|", "!")))
     picture.draw(drawn, tmp_path / "chart.png")
     assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")

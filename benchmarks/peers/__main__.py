@@ -32,7 +32,7 @@ def main() -> int:
             file=sys.stderr,
         )
         return 1
-    from peers import chart, picture, report, speed
+    from peers import chart, deployment, picture, report, speed
     from peers.problem import sail, square
 
     brief = options.brief
@@ -44,7 +44,7 @@ def main() -> int:
         every.plain(flat),
         repeats=3 if brief else 31,
         slice_seconds=1e-3 if brief else 2e-2,
-        deploy_until=1e-3 if brief else speed.UNTIL,
+        deploy_until=1e-3 if brief else deployment.UNTIL,
     )
     versions = {name: importlib.metadata.version(name) for name in PACKAGES}
     page = report.text(drawn, timed, versions)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from membrane_rs import Simulation, scenes
 
+from peers.deployment import UNTIL, Deployment, deploy
 from peers.measure import largest_step, step_times
 from peers.problem import Problem
 from peers.program import Program
 
-UNTIL = 0.8
-"""Of the deployment [s]."""
 DT = 2e-6
 """Step of the timed runs [s]: stable for all."""
+METHODS = ("rk4", "leapfrog")
+"""By which model 1 itself is timed."""
 
 
 @dataclass(frozen=True)
@@ -35,23 +35,40 @@ class Pace:
 
 
 @dataclass(frozen=True)
-class Model:
-    """Model 1 with everything on. `limit`: predicted [s]; `deployment`: leapfrog, 0.8 s at its default step [s]."""
+class Steps:
+    """Steps of all programs and of model 1 with everything on, by method [s], timed in turn.
 
-    steps: dict[str, float]
-    limits: dict[str, float]
-    dt: float
-    deployment: float
-
-
-@dataclass(frozen=True)
-class Speed:
-    """All that the tables of speed show. `width`: the vector instructions that membrane_rs runs with."""
+    `width`: the vector instructions that membrane_rs runs with.
+    """
 
     problem: Problem
     paces: list[Pace]
-    model: Model
+    model: dict[str, float]
     width: str
+
+    def pace(self, name: str, law: str) -> Pace:
+        """That of a program."""
+        return next(found for found in self.paces if found.name == name and found.law == law)
+
+
+@dataclass(frozen=True)
+class Speed(Steps):
+    """All that the tables of speed show."""
+
+    deployment: Deployment
+
+
+def steps(problem: Problem, programs: Sequence[Program], *, repeats: int, slice_seconds: float) -> Steps:
+    """The time of a step in every program, and of model 1; largest steps are not looked for."""
+    models = {method: Simulation(scenes.load("okuizumi-model-1"), integrator=method) for method in METHODS}
+    tasks: list[tuple[str, Callable[[], None], Callable[[int], None]]] = [
+        (str(k), (lambda program=program: program.start(DT)), program.step)  # type: ignore[misc]
+        for k, program in enumerate(programs)
+    ]
+    tasks += [(method, lambda: None, sim.step) for method, sim in models.items()]
+    times = step_times(tasks, repeats, slice_seconds)
+    paces = [Pace(one.name, one.law, one.bits, times[str(k)], None) for k, one in enumerate(programs)]
+    return Steps(problem, paces, {method: times[method] for method in models}, models[METHODS[0]]._core.width)
 
 
 def measure(
@@ -67,28 +84,8 @@ def measure(
 
     `only_timed`: programs whose largest step is not looked for.
     """
-    limits = [largest_step(program, problem) for program in programs] + [None] * len(only_timed)
-    programs = [*programs, *only_timed]
-    scene = scenes.load("okuizumi-model-1")
-    models = {method: Simulation(scene, integrator=method) for method in ("rk4", "leapfrog")}
-    tasks: list[tuple[str, Callable[[], None], Callable[[int], None]]] = [
-        (str(k), (lambda program=program: program.start(DT)), program.step)  # type: ignore[misc]
-        for k, program in enumerate(programs)
-    ]
-    tasks += [(method, lambda: None, sim.step) for method, sim in models.items()]
-    times = step_times(tasks, repeats, slice_seconds)
-    paces = [
-        Pace(program.name, program.law, program.bits, times[str(k)], limit)
-        for k, (program, limit) in enumerate(zip(programs, limits, strict=True))
-    ]
-    sim = Simulation(scene, integrator="leapfrog")
-    began = time.process_time()
-    sim.run(deploy_until)
-    deployment = (time.process_time() - began) * UNTIL / deploy_until
-    model = Model(
-        {method: times[method] for method in models},
-        {method: Simulation(scene, integrator=method).stable_dt() for method in models},
-        sim.dt,
-        deployment,
-    )
-    return Speed(problem, paces, model, sim._core.width)
+    limits = [*(largest_step(program, problem) for program in programs), *(None for _ in only_timed)]
+    found = steps(problem, [*programs, *only_timed], repeats=repeats, slice_seconds=slice_seconds)
+    paces = [replace(pace, limit=limit) for pace, limit in zip(found.paces, limits, strict=True)]
+    deployment = deploy(scenes.load("okuizumi-model-1"), deploy_until)
+    return Speed(problem, paces, found.model, found.width, deployment)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from peers.speed import UNTIL, Pace, Speed
+from peers.deployment import FINER, METHOD, SHARE, UNTIL
+from peers.speed import Speed, Steps
 from peers.words import paragraph, table
 
 AIMS = {"RK4 step": (18, 25), "leapfrog step": (40, 40), "deployment": (60, 100)}
@@ -15,8 +16,8 @@ def pace(speed: Speed) -> list[str]:
     rows = []
     for found in speed.paces:
         law = "springs" if found.law == "springs" else "triangles"
-        compared = [_pace(speed, f"membrane_rs {method}", law).step for method in ("rk4", "leapfrog")]
-        compared += [model.steps["rk4"], model.steps["leapfrog"]]
+        compared = [speed.pace(f"membrane_rs {method}", law).step for method in ("rk4", "leapfrog")]
+        compared += [model["rk4"], model["leapfrog"]]
         rows.append(
             (
                 found.name + (" (f32)" if found.bits == 32 else ""),
@@ -37,7 +38,7 @@ def pace(speed: Speed) -> list[str]:
             stroke divide a step by one of membrane_rs: on the same flat film with the same kind of law, then of model 1
             itself with everything on (springs that buckle, dashpots, creases with contact, drag, tethers, spool,
             turning
-            frame): {1e6 * model.steps["rk4"]:.1f} us with rk4, {1e6 * model.steps["leapfrog"]:.1f} us with leapfrog.
+            frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
             *{UNTIL:g} s take*: processor time at the largest stable step, extrapolated from the time of a step."""
         ),
         table(head, rows, 2),
@@ -50,42 +51,52 @@ def pace(speed: Speed) -> list[str]:
     ]
 
 
-def aims(speed: Speed) -> list[str]:
-    """What was aimed at, and what was reached."""
-    model, mujoco = speed.model, _pace(speed, "MuJoCo RK4", "triangles")
-    rows = []
-
-    def row(kind: str, ours: str, other: str, ratio: float) -> None:
-        aim = AIMS[kind][speed.width == "avx512"]
-        rows.append((kind, ours, other, f"{aim}", f"{ratio:.3g}", "reached" if ratio >= aim else "not reached"))
-
+def steps(found: Steps) -> list[tuple[str, ...]]:
+    """What was aimed at for a step, and what was reached: rows of a table."""
+    mujoco, rows = found.pace("MuJoCo RK4", "triangles"), []
     flat = "MuJoCo RK4, flat, triangles"
     for law in ("triangles", "springs"):
-        row("RK4 step", f"flat, {law}", flat, mujoco.step / _pace(speed, "membrane_rs rk4", law).step)
-    row("RK4 step", "model 1, everything on", flat, mujoco.step / model.steps["rk4"])
+        ratio = mujoco.step / found.pace("membrane_rs rk4", law).step
+        rows.append(_aim("RK4 step", f"flat, {law}", flat, ratio, found.width))
+    rows.append(_aim("RK4 step", "model 1, everything on", flat, mujoco.step / found.model["rk4"], found.width))
     for law, peer_law in (("triangles", "neo-Hookean"), ("springs", "springs")):
-        leapfrog = _pace(speed, "membrane_rs leapfrog", law).step
-        for peer in speed.paces:
+        leapfrog = found.pace("membrane_rs leapfrog", law).step
+        for peer in found.paces:
             if peer.name.startswith("Newton semi-implicit") and peer.law == peer_law:
-                row("leapfrog step", f"flat, {law}", f"{peer.name}, flat, {peer_law}", peer.step / leapfrog)
-    limit = model.limits["leapfrog"]
-    at_limit = UNTIL / limit * model.steps["leapfrog"]
-    whole = f"{flat}: {mujoco.whole:.4g} s"
-    default = f"model 1, leapfrog, its default step of {1e6 * model.dt:.2f} us: {model.deployment:.3g} s"
-    longest = f"model 1, leapfrog, its largest step of {1e6 * limit:.2f} us: {at_limit:.3g} s, extrapolated"
-    row("deployment", default, whole, mujoco.whole / model.deployment)
-    row("deployment", longest, whole, mujoco.whole / at_limit)
+                against = f"{peer.name}, flat, {peer_law}"
+                rows.append(_aim("leapfrog step", f"flat, {law}", against, peer.step / leapfrog, found.width))
+    return rows
+
+
+AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
+"""The head of such a table."""
+
+
+def aims(speed: Speed) -> list[str]:
+    """What was aimed at, and what was reached."""
+    done, mujoco = speed.deployment, speed.pace("MuJoCo RK4", "triangles")
+    ours = f"model 1, {METHOD}, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
+    against = f"MuJoCo RK4, flat, triangles: {mujoco.whole:.4g} s"
+    rows = [*steps(speed), _aim("deployment", ours, against, mujoco.whole / done.processor, speed.width)]
+    apart = " and ".join(
+        f"{done.errors[name]:.2g} in the {curve} (perturbed starts: {done.spreads[name]:.2g} from each other)"
+        for name, curve in (("rate", "deployment rate"), ("phase", "phase in degrees"))
+    )
     return [
         "## What was aimed at",
         paragraph(
-            f"""Aims for {speed.width}, the vector instructions of this machine. The deployment of model 1 with
-            leapfrog at
-            its default step was run whole; MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are
-            extrapolated from the time of a step."""
+            f"""Aims for {speed.width}, the vector instructions of this machine. The deployment of model 1 was run
+            whole, by {METHOD} with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us: {done.steps} steps in
+            {done.processor:.3g} s of processor time, {done.wall:.3g} s by the clock; the deployment itself takes
+            {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at {1e6 * done.finer_dt:.2f} us:
+            {"within" if done.is_within else "**beyond**"} the spread of the ensemble in [studies.md](studies.md).
+            MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are extrapolated from the time of a
+            step."""
         ),
-        table(("what", "membrane_rs", "against", "aim", "times faster", ""), rows, 3),
+        table(AIMED, rows, 3),
     ]
 
 
-def _pace(speed: Speed, name: str, law: str) -> Pace:
-    return next(found for found in speed.paces if found.name == name and found.law == law)
+def _aim(kind: str, ours: str, other: str, ratio: float, width: str) -> tuple[str, ...]:
+    aim = AIMS[kind][width == "avx512"]
+    return kind, ours, other, f"{aim}", f"{ratio:.3g}", "reached" if ratio >= aim else "not reached"

@@ -15,7 +15,7 @@ from membrane_rs._growing_mode import growing_modes
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
-from membrane_rs.mesh import NO_AREA, Mesh
+from membrane_rs.mesh import NO_AREA, Mesh, distinct
 
 Severity = Literal["error", "warning", "info"]
 
@@ -228,7 +228,7 @@ def _joints(mesh: Mesh) -> Iterator[Finding]:
         )
     links = np.concatenate([mesh.edges, mesh.bridges])
     label = _groups(links, mesh.node_count)
-    used = np.unique(mesh.triangles)
+    used = distinct(mesh.triangles)
     names, starts = np.unique(label[used], return_index=True)
     if len(names) > 1:
         yield Finding(

@@ -171,9 +171,7 @@ class Mesh:
 
     def flatness(self) -> Floats:
         """(m,) smallest height over longest side of each triangle; 0 without area, 0.87 equilateral."""
-        longest = self.edge_lengths[self.triangle_edges].max(axis=1)
-        ratio: Floats = 2.0 * self.areas() / np.maximum(longest**2, np.finfo(float).tiny)
-        return np.where(longest > 0.0, ratio, 0.0)
+        return self._flatness
 
     def audit(
         self, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
@@ -213,6 +211,12 @@ class Mesh:
         counts = f"{self.node_count} nodes, {len(self.triangles)} triangles, {len(self.creases)} crease edges"
         return f"Mesh({counts})"
 
+    @cached_property
+    def _flatness(self) -> Floats:
+        longest = self.edge_lengths[self.triangle_edges].max(axis=1)
+        ratio: Floats = 2.0 * self.areas() / np.maximum(longest**2, np.finfo(float).tiny)
+        return _frozen(np.where(longest > 0.0, ratio, 0.0))
+
     def _lengths(self, points: Floats) -> Floats:
         difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
         lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
@@ -221,7 +225,8 @@ class Mesh:
     def _find_edges(self, pairs: Ints) -> tuple[Ints, Bools]:
         """Index in `edges` of each node pair, and whether it is an edge at all."""
         keys = self.edges[:, 0] * self.node_count + self.edges[:, 1]
-        wanted = pairs.min(axis=1) * self.node_count + pairs.max(axis=1)
+        first, second = pairs.T
+        wanted = np.minimum(first, second) * self.node_count + np.maximum(first, second)
         index = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         return index.astype(np.int64), keys[index] == wanted
 
@@ -240,6 +245,11 @@ class Mesh:
         if len(unique) < len(index):
             twice = np.setdiff1d(np.arange(len(index)), first)[0]
             raise MeshError(f"creases[{twice}] = {self.creases[twice].tolist()} is given twice; give it once")
+
+
+def distinct(nodes: Ints) -> Ints:
+    """Node indices of any shape, each once, ascending: as `numpy.unique`, but counted, not sorted or hashed."""
+    return np.flatnonzero(np.bincount(nodes.ravel()))
 
 
 def _frozen(array: NDArray[T]) -> NDArray[T]:
@@ -305,7 +315,7 @@ def _node_set(values: ArrayLike, name: str, node_count: int) -> Ints:
         raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of node indices")
     _check_range(array, name, node_count)
     nodes: Ints = _frozen(np.array(array, dtype=np.int64))
-    if len(np.unique(nodes)) < len(nodes):
+    if len(distinct(nodes)) < len(nodes):
         raise MeshError(f"{name} names a node twice; name it once")
     return nodes
 

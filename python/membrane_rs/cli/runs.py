@@ -124,6 +124,8 @@ def check(
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
+        shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.shares_in_runs.items())
+        typer.echo(f"  in runs      {shares or 'nothing'} (elements in straight runs, which are quick)")
         savings = step_savings(chosen)
         if not savings:
             typer.echo("  saves        nothing: no single part sets the step, others are within 2 % of it")

@@ -19,7 +19,7 @@ from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal
 from membrane_rs.folding._rows import MOST_NODES
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
-from membrane_rs.mesh import Mesh
+from membrane_rs.mesh import Mesh, distinct
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -153,14 +153,14 @@ class SquareSail:
         number = np.arange(4 * size)
         if self.join == "merge":
             number[there] = number[here]
-            kept = np.unique(number)
+            kept = distinct(number)
             number = np.searchsorted(kept, number)
         else:
             kept = number
-        sets = {f"petal-{p}": np.unique(number[copies[p] + np.arange(size)]) for p in range(4)}
+        sets = {f"petal-{p}": distinct(number[copies[p] + np.arange(size)]) for p in range(4)}
         sets["corners"], sets["inner_corners"] = number[here[:, -1]], number[here[:, 0]]
-        sets["diagonals"] = np.unique(number[np.concatenate([here, there], axis=1)])
-        sets["guide_bars"] = np.unique(number[(copies + np.flatnonzero(held)).ravel()])
+        sets["diagonals"] = distinct(number[np.concatenate([here, there], axis=1)])
+        sets["guide_bars"] = distinct(number[(copies + np.flatnonzero(held)).ravel()])
         return Mesh(
             reference[kept],
             number[(copies[:, :, None] + petal.triangles).reshape(-1, 3)],

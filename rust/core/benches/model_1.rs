@@ -1,25 +1,28 @@
-//! Model 1's sail: the kernels at every width against plain scalar loops, in one run on one thread.
+//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one run
+//! on one thread.
 //!
 //! The scalar loops are those of the tests (`tests/oracle`), compiled with the same flags. All are timed in turn, a few
 //! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike and
-//! a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and a whole evaluation on
-//! meshes whose cells are several times as fine (`-- 4 16`; 1, 4 and 16 where nothing is said).
+//! a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes whose cells
+//! are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
+mod bound;
 #[path = "../tests/common/mod.rs"]
 mod common;
+mod contenders;
 #[path = "../tests/oracle/mod.rs"]
 mod oracle;
 
-use std::hint::black_box;
+use std::time::Instant;
 
+use bound::Pace;
 use common::sail;
+use contenders::{PARTS, Scene, label, widths};
 use membrane_core::aligned::Aligned;
-use membrane_core::forces::{self, Law};
-use membrane_core::model::Assembly;
-use membrane_core::state::{Instant, Vectors};
+use membrane_core::lanes::LANES;
+use membrane_core::lanes::counted::{Counts, count};
 use membrane_core::width::Width;
-use oracle::{Motion, Oracle};
 
 /// As in the Python module.
 #[global_allocator]
@@ -29,97 +32,38 @@ static ALLOCATOR: Aligned = Aligned;
 const EVALUATIONS: usize = 8;
 const ROUNDS: usize = 150;
 
-/// One law's or all laws' evaluation, ready to be timed.
-struct Contender<'a> {
-    label: &'static str,
-    evaluate: Box<dyn FnMut() + 'a>,
-    times: Vec<f64>,
-}
-
-impl<'a> Contender<'a> {
-    fn new(label: &'static str, evaluate: impl FnMut() + 'a) -> Self {
-        Self { label, evaluate: Box::new(evaluate), times: Vec::new() }
-    }
-
-    fn tenth_percentile(&mut self) -> f64 {
-        self.times.sort_by(f64::total_cmp);
-        self.times[self.times.len() / 10]
-    }
-}
-
-/// Times of each part on a sail of this fineness [us], scalar first; the last part is the whole. And the number of nodes.
-fn measure(fineness: usize) -> (usize, Vec<(&'static str, Vec<f64>)>) {
-    let widths: Vec<Width> = Width::ALL.into_iter().filter(|width| width.is_available()).collect();
-    let scene = sail::laws();
-    let assemblies: Vec<Assembly> =
-        widths.iter().map(|&width| Assembly::new(sail::sail(fineness), width).unwrap()).collect();
-    let built: Vec<Vec<Box<dyn Law>>> =
-        assemblies.iter().map(|assembly| forces::build(&scene, assembly).unwrap()).collect();
-    let oracle = Oracle::new(&scene, &assemblies[0]);
-    let model = &assemblies[0].model;
-    let nodes = model.positions.len();
-    let positions = assemblies[0].layout.gather_vectors(&model.positions);
-    let velocities = assemblies[0].layout.gather_vectors(&model.velocities);
-    let at = Instant { time: 0.0, positions: &positions, velocities: &velocities };
-    let motion = || Motion {
-        positions: model.positions.clone(),
-        velocities: model.velocities.clone(),
-        forces: vec![[0.0; 3]; nodes],
-    };
-    if fineness == 1 {
-        let counts = [oracle.springs.len(), oracle.creases.len(), oracle.triangles.len()];
-        println!("{nodes} nodes, {} springs, {} creases, {} triangles\n", counts[0], counts[1], counts[2]);
-    }
-
-    // A row of contenders for each part: scalar first, then the widths.
-    let mut rows: Vec<Vec<Contender<'_>>> = Vec::new();
-    let parts = Oracle::PARTS.into_iter().map(Some).chain([None]);
-    for part in parts {
-        let mut scalar = motion();
-        let oracle = &oracle;
-        let label = part.map_or("all", |(label, _, _)| label);
-        let mut row = vec![Contender::new(label, move || {
-            match part {
-                Some((_, _, evaluate)) => evaluate(oracle, black_box(&mut scalar)),
-                None => oracle.evaluate(black_box(&mut scalar)),
-            };
-        })];
-        for (laws, width) in built.iter().zip(&widths) {
-            let mut forces = Vectors::zeros(nodes);
-            let mut powers = vec![0.0; laws.len()];
-            // No law's own forces are kept, as under RK4.
-            let mut resistances: Vec<Option<Vectors>> = laws.iter().map(|_| None).collect();
-            let mut taken = Vec::new();
-            if let Some((_, names, _)) = part {
-                let all = forces::build(&scene, &assemblies[row.len() - 1]).unwrap();
-                taken = all.into_iter().filter(|law| names.contains(&law.name())).collect();
+/// Times of each part of an evaluation [us]: the scalar loops, then each width.
+fn measure(scene: &mut Scene, fineness: usize, rounds: usize) -> Vec<Vec<f64>> {
+    let mut loops = scene.loops();
+    let mut kernels: Vec<_> = widths().map(|width| scene.kernels(width)).collect();
+    let columns = 1 + kernels.len();
+    let evaluations = (EVALUATIONS / fineness).max(1);
+    let mut times = vec![vec![Vec::new(); columns]; PARTS];
+    for _ in 0..(rounds / fineness / fineness).max(10) {
+        for (part, times) in times.iter_mut().enumerate() {
+            for (column, times) in times.iter_mut().enumerate() {
+                let mut evaluate = || match column.checked_sub(1) {
+                    None => loops.evaluate(part),
+                    Some(width) => kernels[width].evaluate(part, scene.at()),
+                };
+                evaluate();
+                let began = Instant::now();
+                (0..evaluations).for_each(|_| evaluate());
+                times.push(began.elapsed().as_secs_f64() / evaluations as f64 * 1e6);
             }
-            row.push(Contender::new(width.name(), move || {
-                let laws = if part.is_some() { &taken } else { laws };
-                forces.as_mut_slice().fill(0.0);
-                let count = laws.len();
-                forces::add_all(laws, black_box(at), &mut forces, &mut powers[..count], &mut resistances[..count]);
-            }));
-        }
-        rows.push(row);
-    }
-    let (evaluations, rounds) = ((EVALUATIONS / fineness).max(1), (ROUNDS / fineness / fineness).max(10));
-    for _ in 0..rounds {
-        for contender in rows.iter_mut().flatten() {
-            (contender.evaluate)();
-            let began = std::time::Instant::now();
-            (0..evaluations).for_each(|_| (contender.evaluate)());
-            contender.times.push(began.elapsed().as_secs_f64() / evaluations as f64 * 1e6);
         }
     }
-    let times = |row: &mut Vec<Contender<'_>>| row.iter_mut().map(Contender::tenth_percentile).collect();
-    (nodes, rows.iter_mut().map(|row| (row[0].label, times(row))).collect())
+    times.into_iter().map(|columns| columns.into_iter().map(tenth_percentile).collect()).collect()
+}
+
+fn tenth_percentile(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 10]
 }
 
 /// A table: first the scalar loops, then each width and how many times as fast it is.
 fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
-    let widths = Width::ALL.into_iter().filter(|width| width.is_available()).map(Width::name);
-    println!("| {title} | scalar | {} |", widths.collect::<Vec<_>>().join(" | "));
+    println!("| {title} | scalar | {} |", widths().map(Width::name).collect::<Vec<_>>().join(" | "));
     println!("|---|{}", "---:|".repeat(rows[0].1.len()));
     for (label, times) in rows {
         let cells: Vec<String> = times[1..].iter().map(|time| format!("{time:.1} ({:.1}x)", times[0] / time)).collect();
@@ -128,26 +72,83 @@ fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
     println!();
 }
 
-fn main() {
-    let mut finenesses: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
-    if finenesses.is_empty() {
-        finenesses = vec![4, 16];
+/// What the machine does with eight numbers, what an evaluation asks of it, and what that takes at least.
+fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
+    let paces: Vec<(Width, Pace)> = widths().map(|width| (width, Pace::of(width))).collect();
+    let names: Vec<&str> = paces.iter().map(|(width, _)| width.name()).collect();
+    println!("| an operation on eight numbers [ns] | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
+    for row in 0..Pace::ROWS {
+        let cells: Vec<String> = paces.iter().map(|(_, pace)| format!("{:.2}", pace.rows()[row].1)).collect();
+        println!("| {} | {} |", paces[0].1.rows()[row].0, cells.join(" | "));
     }
-    finenesses.insert(0, 1);
-    for fineness in finenesses {
-        let (nodes, parts) = measure(fineness);
-        let (title, unit) = match fineness {
-            1 => ("one evaluation [us]".to_owned(), 1.0),
-            _ => (format!("per node, of {nodes} nodes [ns]"), 1e3 / nodes as f64),
+
+    let mut counted = scene.kernels(Width::Counted);
+    let counts: Vec<Counts> = (0..PARTS).map(|part| count(|| counted.evaluate(part, scene.at()))).collect();
+    println!(
+        "\n| operations on eight numbers, per group of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | groups | fillers |"
+    );
+    println!("|---|{}", "---:|".repeat(11));
+    for (part, counts) in counts.iter().enumerate() {
+        let [elements, lanes] = counted.lanes(part);
+        if lanes == 0 {
+            continue;
+        }
+        let Counts { additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores } = *counts;
+        let all = [additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores];
+        let groups = lanes / LANES;
+        let cells: Vec<String> = all.iter().map(|&count| format!("{:.1}", count as f64 / groups as f64)).collect();
+        let fillers = 100.0 * (1.0 - elements as f64 / lanes as f64);
+        println!("| {} | {} | {groups} | {fillers:.0} % |", label(part), cells.join(" | "));
+    }
+
+    println!(
+        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | of it for fillers [us] |"
+    );
+    println!("|---|---|---:|---:|---:|---|---:|");
+    for part in 0..PARTS {
+        let [elements, lanes] = counted.lanes(part);
+        for (column, (width, pace)) in paces.iter().enumerate() {
+            let (bound, unit) = pace.bound(&counts[part]);
+            if bound == 0.0 {
+                continue;
+            }
+            let measured = times[part][1 + column];
+            let fillers = bound * (1.0 - elements as f64 / lanes.max(1) as f64);
+            println!(
+                "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {fillers:.1} |",
+                label(part),
+                width.name(),
+                measured / bound
+            );
+        }
+    }
+    println!();
+}
+
+fn main() {
+    let finenesses = std::env::args().filter_map(|argument| argument.parse().ok());
+    let rounds = if std::env::args().any(|argument| argument == "quick") { ROUNDS / 10 } else { ROUNDS };
+    for fineness in [1].into_iter().chain(finenesses) {
+        let mut scene = Scene::new(sail::sail(fineness));
+        let nodes = scene.assembly.masses.len();
+        let times = measure(&mut scene, fineness, rounds);
+        let unit = if fineness == 1 { 1.0 } else { 1e3 / nodes as f64 };
+        let scaled = |times: &[f64], unit: f64| times.iter().map(|time| time * unit).collect();
+        let mut rows: Vec<_> =
+            times.iter().enumerate().map(|(part, times)| (label(part).to_owned(), scaled(times, unit))).collect();
+        let title = if fineness == 1 {
+            let model = &scene.assembly.model;
+            let springs = scene.assembly.mesh.edges.len() + model.cords.len();
+            let (creases, triangles) = (model.creases.len(), model.triangles.len());
+            println!("{nodes} nodes, {springs} springs, {creases} creases, {triangles} triangles\n");
+            rows.push(("all, per node [ns]".to_owned(), scaled(&times[PARTS - 1], 1e3 / nodes as f64)));
+            "one evaluation [us]".to_owned()
+        } else {
+            format!("per node, of {nodes} nodes [ns]")
         };
-        let mut rows: Vec<(String, Vec<f64>)> = Vec::new();
-        for (label, times) in parts {
-            rows.push((label.to_owned(), times.iter().map(|time| time * unit).collect()));
-        }
-        if fineness == 1 {
-            let times = rows[rows.len() - 1].1.iter().map(|time| time * 1e3 / nodes as f64);
-            rows.push(("all, per node [ns]".to_owned(), times.collect()));
-        }
         print_table(&title, &rows);
+        if fineness == 1 {
+            print_bounds(&mut scene, &times);
+        }
     }
 }

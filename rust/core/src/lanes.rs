@@ -4,6 +4,7 @@
 //! turns into vectors as it can. `x86` has them in the registers of AVX2 and AVX-512. There is no fused multiply-add and no
 //! sum across lanes but `sum`, so the bits are the same in every form.
 
+pub mod counted;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 

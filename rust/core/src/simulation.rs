@@ -206,6 +206,21 @@ impl Simulation {
     /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` without `dt` where no step
     /// follows; `HopelessStep`; `OutOfRange` for `dt`.
     pub fn new(model: Model, laws: &[LawSpec], integrator: &str, dt: Option<f64>, settings: Settings) -> Result<Self> {
+        Self::with_limit(model, laws, integrator, dt, settings, None)
+    }
+
+    /// As `new`, where the limit of the step at the start is known: to look for it takes as long as some hundred steps.
+    ///
+    /// # Errors
+    /// As `new`.
+    pub fn with_limit(
+        model: Model,
+        laws: &[LawSpec],
+        integrator: &str,
+        dt: Option<f64>,
+        settings: Settings,
+        known: Option<Limit>,
+    ) -> Result<Self> {
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
@@ -267,7 +282,7 @@ impl Simulation {
             adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
-        let limit = simulation.limit()?;
+        let limit = known.map_or_else(|| simulation.limit(), Ok)?;
         simulation.start_limit = limit.clone();
         simulation.dt = match dt {
             Some(dt) if dt > HOPELESS * limit.dt => {

@@ -6,6 +6,7 @@
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
+use crate::lanes::counted::Counted;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::x86;
 use crate::lanes::{Lanes, Vector};
@@ -19,6 +20,8 @@ pub enum Width {
     Avx2,
     /// 512-bit vectors of x86-64.
     Avx512,
+    /// What every machine has, slowly: every operation is counted, see `lanes::counted`.
+    Counted,
 }
 
 /// A pass over elements, to be compiled for every width. `sweep` and all that it calls must be `#[inline(always)]`.
@@ -50,7 +53,7 @@ impl<K: Kernel, V: Vector> Sweep for With<K, V> {
 }
 
 impl Width {
-    /// Every width.
+    /// Every width that is there to be fast.
     pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
 
     /// The name that users and benchmarks use.
@@ -59,13 +62,14 @@ impl Width {
             Self::Baseline => "baseline",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
+            Self::Counted => "counted",
         }
     }
 
     /// Whether this machine has it.
     pub fn is_available(self) -> bool {
         match self {
-            Self::Baseline => true,
+            Self::Baseline | Self::Counted => true,
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
             #[cfg(target_arch = "x86_64")]
@@ -96,6 +100,7 @@ impl Width {
             Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe {
                 avx2(With(kernel, PhantomData::<x86::Avx2>))
             },
+            Self::Counted => counted(kernel),
             _ => kernel.sweep::<Lanes>(),
         }
     }
@@ -126,4 +131,11 @@ fn avx2<S: Sweep>(sweep: S) -> S::Output {
 #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
 fn avx512<S: Sweep>(sweep: S) -> S::Output {
     sweep.sweep()
+}
+
+/// Apart from the others, so that the compiler has no more to see to in the function that runs those.
+#[cold]
+#[inline(never)]
+fn counted<K: Kernel>(kernel: K) -> K::Output {
+    kernel.sweep::<Counted>()
 }

@@ -8,6 +8,7 @@ use common::{Dice, sail, sheet};
 use membrane_core::model::{Assembly, Model};
 use membrane_core::simulation::{Settings, Simulation};
 use membrane_core::width::Width;
+use oracle::steps::{METHODS, Stepper};
 use oracle::{Motion, Oracle};
 
 /// A sheet whose nodes are numbered at random, whose diagonals are drawn by lot, without a tenth of its triangles.
@@ -104,4 +105,28 @@ fn on_the_sail_of_model_1() {
 #[test]
 fn on_a_mesh_in_no_order() {
     widths().for_each(|width| agree(unstructured(), width));
+}
+
+#[test]
+fn steps_of_plain_loops_are_those_of_the_core() {
+    let (model, laws, dt, steps) = (sail::sail(1), sail::laws(), 1e-6, 20);
+    let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
+    for method in METHODS {
+        let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), Settings::default()).unwrap();
+        simulation.step(steps).unwrap();
+        // A simulation begins with held nodes at rest.
+        let mut stepper = Stepper::new(Oracle::new(&laws, &assembly), &assembly);
+        model.fixed.iter().for_each(|&node| stepper.motion.velocities[node as usize] = [0.0; 3]);
+        stepper.step(method, dt, steps);
+        let found = [simulation.positions(), simulation.velocities()];
+        for (found, expected, start) in [
+            (&found[0], &stepper.motion.positions, &model.positions),
+            (&found[1], &stepper.motion.velocities, &model.velocities),
+        ] {
+            let moved = expected.iter().flatten().zip(start.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let apart = expected.iter().flatten().zip(found.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let (moved, apart) = (moved.fold(0.0, f64::max), apart.fold(0.0, f64::max));
+            assert!(apart < 1e-9 * moved, "{method}: {apart:e} of {moved:e}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ use std::cell::Cell;
 
 use common::sail;
 use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::stability::Limit;
 
 thread_local! {
     /// Bytes that this thread ever asked for, and bytes that it has not given back.
@@ -78,4 +79,22 @@ fn the_sail_falls_into_runs() {
             assert!(share >= least || law.name() == "tethers", "{}: {share}", law.name());
         }
     }
+}
+
+#[test]
+fn a_limit_that_is_known_is_not_looked_for() {
+    let new = |known: Option<Limit>| {
+        let (model, laws, settings) = (sail::sail(1), sail::laws(), Settings::default());
+        let before = ASKED.get();
+        let simulation = Simulation::with_limit(model, &laws, "rk4", None, settings, known).unwrap();
+        (simulation, ASKED.get() - before)
+    };
+    let (found, asked) = new(None);
+    let limit = found.limit().unwrap();
+    let (known, less) = new(Some(limit.clone()));
+    assert_eq!((known.dt(), known.limit().unwrap()), (found.dt(), limit.clone()));
+    assert!(less < asked / 10, "{less} bytes, {asked} where the limit is looked for");
+    // It is taken at its word.
+    let (doubled, _) = new(Some(Limit { dt: 2.0 * limit.dt, ..limit }));
+    assert_eq!(doubled.dt(), 2.0 * found.dt());
 }

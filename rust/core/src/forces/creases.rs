@@ -316,6 +316,10 @@ impl Law for Creases {
         self.slopes(at, slopes);
     }
 
+    fn lanes(&self) -> Option<[usize; 2]> {
+        Some(self.elements.lanes())
+    }
+
     fn share_in_runs(&self) -> Option<f64> {
         Some(self.elements.share_in_runs())
     }

@@ -89,6 +89,11 @@ pub trait Law: Send + Sync {
         None
     }
 
+    /// The law's elements, and the lanes that they take up, fillers included; `None` for a law without its own elements.
+    fn lanes(&self) -> Option<[usize; 2]> {
+        None
+    }
+
     /// Share of the law's elements that kernels reach in straight runs; `None` for a law without elements.
     fn share_in_runs(&self) -> Option<f64> {
         None

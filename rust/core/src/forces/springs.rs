@@ -282,6 +282,10 @@ impl Law for Springs {
         Some(self)
     }
 
+    fn lanes(&self) -> Option<[usize; 2]> {
+        Some(self.elements.lanes())
+    }
+
     fn share_in_runs(&self) -> Option<f64> {
         Some(self.elements.share_in_runs())
     }

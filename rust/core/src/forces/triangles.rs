@@ -268,6 +268,10 @@ impl Law for Triangles {
         self.slopes(at, slopes);
     }
 
+    fn lanes(&self) -> Option<[usize; 2]> {
+        Some(self.flat.elements.lanes())
+    }
+
     fn share_in_runs(&self) -> Option<f64> {
         Some(self.flat.elements.share_in_runs())
     }

@@ -140,6 +140,11 @@ impl<const N: usize> Elements<N> {
         self.runs.len() + self.loose.len()
     }
 
+    /// How many elements, and how many lanes they take up, fillers included.
+    pub fn lanes(&self) -> [usize; 2] {
+        [self.count, LANES * self.group_count()]
+    }
+
     /// Share of the elements that are in runs.
     pub fn share_in_runs(&self) -> f64 {
         let alone = self.origin[self.runs.len()..].iter().flatten().filter(|&&row| row != NONE).count();

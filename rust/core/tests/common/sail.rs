@@ -24,6 +24,9 @@ const SPOOL: f64 = 0.025;
 const TETHER: (f64, f64) = (17.0, 1.004e-4);
 const TIP_MASS: f64 = 0.36e-3;
 
+/// Nodes of the tethers.
+pub const TETHER_NODES: usize = 4 * SEGMENTS;
+
 /// Nodes of the sail's mesh at a fineness.
 pub fn node_count(fineness: usize) -> usize {
     let rows = STRIPS * ROWS * fineness;

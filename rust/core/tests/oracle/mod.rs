@@ -8,6 +8,7 @@
 mod creases;
 mod drag;
 mod springs;
+pub mod steps;
 
 use membrane_core::forces::LawSpec;
 use membrane_core::model::Assembly;
@@ -46,6 +47,15 @@ pub struct Motion {
     pub positions: Vec<Vector>,
     pub velocities: Vec<Vector>,
     pub forces: Vec<Vector>,
+}
+
+impl Motion {
+    /// That of a scene at its start.
+    pub fn of(assembly: &Assembly) -> Self {
+        let (positions, velocities) = (assembly.model.positions.clone(), assembly.model.velocities.clone());
+        let forces = vec![[0.0; 3]; positions.len()];
+        Self { positions, velocities, forces }
+    }
 }
 
 /// A scene of springs, dashpots, creases, drag, a turning frame, tethers and a spool.

@@ -1,0 +1,82 @@
+"""The whole deployment of model 1, run truly: what it costs, and how far it ends from a finer run.
+
+The motion is chaotic, so that a run is as good as any where its curves lie no further from a finer run's than those of
+an ensemble of perturbed starts lie from each other. That spread is the one of the chart in docs/studies.md.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from membrane_rs import Scene, Simulation
+from membrane_rs.study.differences import CURVES
+from membrane_rs.study.trial import course, run
+
+STUDIES = Path(__file__).resolve().parent.parent.parent / "docs" / "studies.md"
+UNTIL = 0.8
+"""End [s]."""
+INSTANTS = 100
+"""At which the curves are compared, as in the chart."""
+METHOD, SHARE = "leapfrog", 0.9
+"""The cheapest method of the chart, and its step over its limit."""
+FINER, FINER_SHARE = "rk4", 0.25
+"""What it is compared with."""
+
+
+@dataclass(frozen=True)
+class Deployment:
+    """`dt`, `limit`: of the run [s]; `wall`, `processor`: times of it [s], scaled to 0.8 s; `finer_dt` [s].
+
+    `errors`, `spreads`: by curve ("rate", "phase" [deg]), the largest difference from the finer run and between the
+    perturbed starts of the chart. `steps` of the run.
+    """
+
+    dt: float
+    limit: float
+    steps: int
+    wall: float
+    processor: float
+    finer_dt: float
+    errors: dict[str, float]
+    spreads: dict[str, float]
+
+    @property
+    def is_within(self) -> bool:
+        """Whether no curve is further from the finer run's than perturbed starts are from each other."""
+        return all(error <= self.spreads[name] for name, error in self.errors.items())
+
+
+def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
+    """Run model 1 to its end, or to an earlier one; times are then scaled."""
+    where = course(scene, until, INSTANTS)
+    limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
+    finer = run(where, FINER, FINER_SHARE * limits[FINER]).whole()
+    began = time.perf_counter()
+    trial = run(where, METHOD, SHARE * limits[METHOD]).whole()
+    wall = time.perf_counter() - began
+    return Deployment(
+        dt=trial.dt,
+        limit=limits[METHOD],
+        steps=trial.steps,
+        wall=wall * UNTIL / until,
+        processor=trial.seconds * UNTIL / until,
+        finer_dt=finer.dt,
+        errors={name: error(trial, finer, where.start) for name, (_, error) in CURVES.items()},
+        spreads=spreads(STUDIES.read_text(encoding="utf-8")),
+    )
+
+
+def spreads(studies: str) -> dict[str, float]:
+    """By curve, the spread of perturbed starts that the chart of the deployment tells in docs/studies.md."""
+    words = re.search(r"<!-- deployment-chart: begin -->(.*?)<!-- deployment-chart: end -->", studies, re.DOTALL)
+    found = {}
+    for name, (label, _) in CURVES.items():
+        part = words[1].partition(f"{label}:")[2] if words else ""
+        spread = re.search(r"spread of \d+ starts shifted by \S+ m: ([\d.e+-]+)", part)
+        if spread is None:
+            raise ValueError(f"{STUDIES} tells no spread of {label!r}; make it anew: make accuracy PART=charts")
+        found[name] = float(spread[1])
+    return found

@@ -1,0 +1,210 @@
+//! What the machine allows: how fast it works on eight numbers in registers and in its first cache, and the least time that
+//! counted operations need at that pace.
+//!
+//! Every operation is timed at each width through the same trait that kernels are written with, in chains that do not
+//! wait for each other. A unit that works on nothing else needs count times pace; the unit that needs longest bounds the
+//! time from below, as if all others were idle meanwhile and nothing ever waited.
+#![allow(unreachable_pub)]
+
+use std::hint::black_box;
+use std::marker::PhantomData;
+use std::time::Instant;
+
+use membrane_core::lanes::counted::Counts;
+use membrane_core::lanes::{LANES, Lanes, Vector};
+use membrane_core::width::{Kernel, Width};
+
+/// Rounds in one timing, and timings.
+const ROUNDS: usize = 10_000;
+const TIMINGS: usize = 20;
+/// Vectors of eight that reads and writes go over: less than 4 KiB, well within the first cache.
+const PLACES: usize = 48;
+
+/// Time that each operation takes per eight numbers [ns].
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
+    addition: f64,
+    multiplication: f64,
+    /// An addition and a multiplication that do not wait for each other.
+    pair: f64,
+    division: f64,
+    root: f64,
+    extreme: f64,
+    choice: f64,
+    load: f64,
+    store: f64,
+}
+
+impl Pace {
+    /// How many are measured.
+    pub const ROWS: usize = 9;
+
+    /// Measures it.
+    pub fn of(width: Width) -> Self {
+        Self {
+            addition: chained::<Addition>(width),
+            multiplication: chained::<Multiplication>(width),
+            pair: 2.0 * chained::<Both>(width),
+            division: chained::<Division>(width),
+            root: chained::<Root>(width),
+            extreme: chained::<Extreme>(width),
+            choice: chained::<Choice>(width),
+            load: [loads::<2>(width), loads::<3>(width), loads::<4>(width)].into_iter().fold(f64::INFINITY, f64::min),
+            store: fastest(PLACES, || width.run_kernel(Stores)),
+        }
+    }
+
+    /// What is measured, by name [ns].
+    pub fn rows(&self) -> [(&'static str, f64); Self::ROWS] {
+        [
+            ("addition", self.addition),
+            ("multiplication", self.multiplication),
+            ("one of each, side by side", self.pair),
+            ("division", self.division),
+            ("square root", self.root),
+            ("larger or smaller of two", self.extreme),
+            ("comparison and choice", self.choice),
+            ("read", self.load),
+            ("write", self.store),
+        ]
+    }
+
+    /// The unit that needs longest for these operations, and how long [us].
+    pub fn bound(&self, counts: &Counts) -> (f64, &'static str) {
+        let sums = counts.additions as f64 * self.addition;
+        let products = counts.multiplications as f64 * self.multiplication;
+        // Additions and multiplications have units of their own where a pair takes clearly less than both in turn. A pair may
+        // take longer than either even then: narrow registers are too few to keep both units busy.
+        let is_apart = self.pair < 0.75 * (self.addition + self.multiplication);
+        let arithmetic = if is_apart { sums.max(products) } else { sums + products };
+        let divider = counts.divisions as f64 * self.division + counts.roots as f64 * self.root;
+        let choices = counts.extremes as f64 * self.extreme + counts.choices as f64 * self.choice;
+        let units = [
+            (arithmetic, "adders and multipliers"),
+            (divider, "divider"),
+            (choices, "comparisons"),
+            (counts.loads as f64 * self.load, "reads"),
+            (counts.stores as f64 * self.store, "writes"),
+        ];
+        let longest = units.into_iter().fold((0.0, "nothing"), |most, unit| if unit.0 > most.0 { unit } else { most });
+        (longest.0 * 1e-3, longest.1)
+    }
+}
+
+/// Time of each of the `operations` of a round [ns]: the tenth percentile of many timings of `ROUNDS` rounds.
+fn fastest<T>(operations: usize, mut rounds: impl FnMut() -> T) -> f64 {
+    let mut times = [0.0; TIMINGS];
+    for time in &mut times {
+        let began = Instant::now();
+        black_box(rounds());
+        *time = began.elapsed().as_secs_f64() * 1e9 / (ROUNDS * operations) as f64;
+    }
+    times.sort_by(f64::total_cmp);
+    times[TIMINGS / 10]
+}
+
+/// An operation on the numbers of chain `k`, those of the next one, and a number that stays.
+trait Operation {
+    fn on<V: Vector>(k: usize, x: V, next: V, c: V) -> V;
+}
+
+macro_rules! operation {
+    ($name:ident, |$k:ident, $x:ident, $next:ident, $c:ident| $formula:expr) => {
+        struct $name;
+        impl Operation for $name {
+            #[inline(always)]
+            fn on<V: Vector>($k: usize, $x: V, $next: V, $c: V) -> V {
+                $formula
+            }
+        }
+    };
+}
+operation!(Addition, |_k, x, _next, c| x + c);
+operation!(Multiplication, |_k, x, _next, c| x * c);
+operation!(Both, |k, x, _next, c| if k.is_multiple_of(2) { x + c } else { x * c });
+operation!(Division, |_k, x, _next, c| c / x);
+operation!(Root, |_k, x, _next, _c| x.sqrt());
+operation!(Extreme, |_k, x, next, _c| x.max(next));
+operation!(Choice, |_k, x, next, c| c.below(x, next, x));
+
+/// Time of an operation [ns], with as many chains as are best: few wait for each other, many do not fit the registers.
+fn chained<O: Operation>(width: Width) -> f64 {
+    let few = chains::<O, 2>(width).min(chains::<O, 3>(width)).min(chains::<O, 4>(width));
+    let more = chains::<O, 6>(width).min(chains::<O, 8>(width));
+    few.min(more).min(chains::<O, 12>(width)).min(chains::<O, 16>(width))
+}
+
+fn chains<O: Operation, const COUNT: usize>(width: Width) -> f64 {
+    fastest(COUNT, || width.run_kernel(Chains::<O, COUNT>(PhantomData)))
+}
+
+struct Chains<O, const COUNT: usize>(PhantomData<O>);
+
+impl<O: Operation, const COUNT: usize> Kernel for Chains<O, COUNT> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn sweep<V: Vector>(self) -> Lanes {
+        let c = V::all(black_box(1.000_000_1));
+        let mut x = [V::all(black_box(1.5)); COUNT];
+        for _ in 0..ROUNDS {
+            for k in 0..COUNT {
+                x[k] = O::on(k, x[k], x[(k + 1) % COUNT], c);
+            }
+        }
+        let mut sum = V::zero();
+        for k in 0..COUNT {
+            sum += x[k];
+        }
+        sum.lanes()
+    }
+}
+
+/// Reads, each of them added or multiplied to one of `COUNT` sums and as many products.
+struct Loads<const COUNT: usize>;
+
+fn loads<const COUNT: usize>(width: Width) -> f64 {
+    fastest(PLACES, || width.run_kernel(Loads::<COUNT>))
+}
+
+impl<const COUNT: usize> Kernel for Loads<COUNT> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn sweep<V: Vector>(self) -> Lanes {
+        let places = [Lanes([1.0; LANES]); PLACES];
+        let (mut sums, mut products) = ([V::zero(); COUNT], [V::zero(); COUNT]);
+        for _ in 0..ROUNDS {
+            let places = black_box(&places);
+            for pairs in places.chunks_exact(2 * COUNT) {
+                for k in 0..COUNT {
+                    sums[k] += V::load(&pairs[2 * k]);
+                    products[k] = products[k] * V::load(&pairs[2 * k + 1]);
+                }
+            }
+        }
+        let mut sum = V::zero();
+        for k in 0..COUNT {
+            sum += sums[k] + products[k];
+        }
+        sum.lanes()
+    }
+}
+
+/// Writes of one register.
+struct Stores;
+
+impl Kernel for Stores {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep<V: Vector>(self) {
+        let x = V::all(black_box(1.5));
+        let mut places = [Lanes::ZERO; PLACES];
+        for _ in 0..ROUNDS {
+            for place in black_box(&mut places) {
+                *place = x.lanes();
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+"""`make bench`: every part stands, tables go where they belong, and what an earlier run left is not taken for new."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import building
+import kernels
+import page
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PARTS = re.search(r"PART_OF_BENCH := (.*)", (ROOT / "Makefile").read_text(encoding="utf-8"))
+
+
+def test_every_part_has_a_script_that_writes_between_marks() -> None:
+    assert PARTS is not None
+    readme = page.README.read_text(encoding="utf-8")
+    for name in PARTS[1].split():
+        script = (page.README.parent / f"{name}.py").read_text(encoding="utf-8")
+        mark = re.search(r'show\("([\w-]+)"', script)
+        assert mark is not None, name
+        assert readme.index(f"<!-- {mark[1]}: begin -->") < readme.index(f"<!-- {mark[1]}: end -->")
+
+
+def test_a_table_takes_the_place_of_the_last_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    readme = tmp_path / "README.md"
+    readme.write_text("before\n<!-- a: begin -->\nold\n<!-- a: end -->\n<!-- b: begin -->\n<!-- b: end -->\nafter\n")
+    page.show("a", page.table(("x", "y"), [("one", "1")]), write=True, page=readme)
+    text = readme.read_text()
+    assert "| one | 1 |" in text
+    assert "old" not in text
+    assert text.endswith("<!-- b: begin -->\n<!-- b: end -->\nafter\n")
+    page.show("b", "shown only", write=False, page=readme)
+    assert readme.read_text() == text
+    assert "shown only" in capsys.readouterr().out
+    with pytest.raises(SystemExit, match="no lines <!-- c: begin -->"):
+        page.show("c", "nowhere", write=True, page=readme)
+
+
+def test_a_table_for_each_mesh_of_what_this_run_found(tmp_path: Path) -> None:
+    found = [("evaluation", 2000, "all", "scalar", 80.0), ("evaluation", 2000, "all", "avx2", 20.0)]
+    found += [("evaluation", 8000, "all", "scalar", 320.0), ("evaluation", 8000, "all", "avx2", 160.0)]
+    found += [("evaluation", 2000, "gone", "avx2", 1.0), ("step", 2000, "rk4", "avx2", 100.0)]
+    for what, nodes, row, column, microseconds in found:
+        folder = tmp_path / f"{what}-{nodes}" / row / column / "new"
+        folder.mkdir(parents=True)
+        file = folder / "estimates.json"
+        file.write_text(json.dumps({"median": {"point_estimate": 1e3 * microseconds}}))
+        os.utime(file, (1.0, 1.0) if row == "gone" else (3.0, 3.0))
+    tables = kernels.tables(kernels.medians(tmp_path, since=2.0))
+    assert "gone" not in tables
+    assert tables.index("| 2,000 nodes [us] | scalar | avx2 |") < tables.index("| 8,000 nodes [us] | scalar | avx2 |")
+    assert "| evaluation: all | 80.0 | 20.0 (4.0x) |" in tables
+    assert "| step: rk4 | - | 100.0 |" in tables
+    assert "| evaluation: all, 8,000 nodes | 40.0 (1.0x) | 20.0 (2.0x) |" in tables
+
+
+def test_steps_are_timed_without_peers_and_it_says_how_to_get_them() -> None:
+    code = "import sys; sys.modules['mujoco'] = None; sys.argv = ['steps', '--quick']; import steps; steps.main()"
+    shown = subprocess.run(
+        [sys.executable, "-c", code], cwd=page.README.parent, capture_output=True, text=True, check=True
+    )
+    assert "| flat, springs: membrane_rs leapfrog |" in shown.stdout
+    assert shown.stdout.count("`make peers` installs them") == 1
+    assert "MuJoCo RK4" not in shown.stdout
+
+
+def test_building_builds_a_sound_mesh_and_tells_each_part() -> None:
+    times: building.Times = {}
+    mesh = building.build(16, times)
+    assert building.AIMS.keys() - times.keys() == {"import of membrane_rs"}
+    shown = building.text(mesh, {**times, "import of membrane_rs": [0.1, 0.2, 0.4]})
+    assert "1,836 nodes, 5,292 edges, 3,456 triangles, 756 creases." in shown
+    assert "| import of membrane_rs | 0.20 | 0.3 |" in shown
