@@ -35,7 +35,7 @@ lint: $(VENV)/built
 
 # Times of laws and steps, into benchmarks/README.md; some of them: make bench PART="model_1 steps". QUICK=--quick shows
 # that all works.
-PART_OF_BENCH := model_1 kernels steps building
+PART_OF_BENCH := model_1 kernels steps building output
 bench: $(VENV)/built
 	@for part in $(or $(PART),$(PART_OF_BENCH)); do $(BIN)/python benchmarks/$$part.py --write $(QUICK) || exit 1; done
 
@@ -65,7 +65,7 @@ $(VENV)/tools: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 		{ echo "membrane_rs needs Python 3.10 or later; name one: make PYTHON=python3.12"; exit 1; }
 	@command -v cargo > /dev/null || \
-		{ echo "membrane_rs needs a Rust toolchain (cargo); see https://rustup.rs"; exit 1; }
+		{ echo "membrane_rs needs a Rust toolchain (cargo and rustc); install one"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group dev

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from membrane_rs import (
@@ -21,6 +22,7 @@ from membrane_rs import (
 from membrane_rs.assembly import Assembly
 from membrane_rs.folding import SquareSail
 from membrane_rs.observe import Floats, Ints
+from membrane_rs.output import RunFolder
 from numpy.typing import NDArray
 
 
@@ -75,6 +77,7 @@ class FakeSimulation:
             "work": -0.1,
             "turned_over": 1.0,
             "error": -1e-3,
+            "stored_by_law": self.stored,
             "work_by_law": work,
         }
 
@@ -100,3 +103,20 @@ def turned_flat(assembly: Assembly, angle_deg: float, scale: float = 1.0) -> Flo
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     turned: Floats = np.matmul(scale * assembly.reference, turn)
     return turned
+
+
+def run(folder: RunFolder, times: list[float], error: BaseException | None = None) -> Any:
+    """Show a turning, shrinking sail to a folder: each time a sample and a frame."""
+    sim: Any = FakeSimulation(small_sail(snapshots=[0.0, 0.1]))
+    folder.start(sim)
+    for when in times:
+        sim.show(when, turned_flat(sim.assembly, -100.0 * np.sin(4.0 * when), 1.0 - 0.3 * when))
+        folder.sample(sim)
+        folder.frame(sim)
+    folder.finish(sim, error)
+    return sim
+
+
+def summary(path: Path) -> dict[str, Any]:
+    """summary.json of a run's folder."""
+    return cast(dict[str, Any], json.loads((path / "summary.json").read_text()))

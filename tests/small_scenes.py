@@ -47,6 +47,13 @@ def cord(**changes: Any) -> Tether:
     return Tether(**(values | changes))
 
 
+def patch(**extra: Any) -> Mesh:
+    """Two triangles with a crease, off the axis."""
+    values: dict[str, Any] = {"creases": [[0, 2]], "fold_angles": [-1.0], "node_sets": {"corners": [1, 3]}}
+    points = [[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.1, 0.0], [0.1, 0.1, 0.0]]
+    return Mesh(points, [[0, 1, 2], [0, 2, 3]], **(values | extra))
+
+
 def hanging_strip(columns: int = 6, rows: int = 2) -> Scene:
     """A strip of rubber held at one end, which falls: smooth, quick, and it loses energy by its dashpots."""
     mesh = Strip(0.1, 0.04, columns, rows, creases=(0.5,)).mesh()

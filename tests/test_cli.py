@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from membrane_rs import scenes
+from membrane_rs import Scene, scenes
 from membrane_rs.cli import app
 from membrane_rs.output import read_history
 from membrane_rs.simulation import Simulation
@@ -56,6 +56,11 @@ def test_run_writes_a_folder(tmp_path: Path) -> None:
     assert summary(tmp_path / "run")["dt"] == 1e-5
     assert read_history(tmp_path / "run" / "history.csv")["time"][-1] == pytest.approx(0.01)
     assert len(list((tmp_path / "run" / "frames").glob("*.vtu"))) == 3
+    code, _ = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "soft", "--spectral-radius", 0.5)
+    assert code == 0
+    assert Scene.from_toml(tmp_path / "soft" / "scene.toml").run.spectral_radius == 0.5
+    code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "hard", "--spectral-radius", 1.5)
+    assert (code, "run.spectral_radius = 1.5: must be at least 0 and at most 1" in " ".join(shown.split())) == (2, True)
     code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run")
     assert (code, shown.count("Error:"), "--overwrite" in shown) == (1, 1, True)
     assert call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run", "--overwrite")[0] == 0

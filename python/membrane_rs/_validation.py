@@ -18,6 +18,7 @@ from dataclasses import field
 from numbers import Integral, Real
 from typing import Annotated, Any, TypeVar, get_args
 
+import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
@@ -179,6 +180,21 @@ def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
     return instance
 
 
+def number_of(name: str, value: object, unit: str = "s") -> float:
+    """A finite number, or a numpy scalar as one. Raises InputTypeError and InputError, which name it and its unit."""
+    try:
+        if isinstance(value, str | bytes | bool | np.bool_):
+            raise TypeError
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise InputTypeError(f"{name} = {show(value)}: must be a number ({unit})") from None
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {number}: must be finite ({unit})")
+    return number
+
+
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown word: the known word nearest to it, or all of them."""
     words = sorted(known)
@@ -198,7 +214,10 @@ def show(value: object) -> str:
     """A value as messages show it: short, and in one line."""
     if isinstance(value, float):
         return repr(float(value))
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python writes no integer of more than some thousand digits
+        return "a number of thousands of digits"
     return text if len(text) <= 60 else text[:57] + "..."
 
 

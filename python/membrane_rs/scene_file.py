@@ -72,11 +72,15 @@ def read_scene(path: Path) -> SceneContent:
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a TOML file") from None
     try:
-        return _content(tomllib.loads(text), path)
+        table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{path}: is no valid TOML: {error}") from None
     except RecursionError:
         raise SceneError(f"{path}: is nested too deeply; a scene file needs tables in tables and no more") from None
+    except ValueError as error:
+        raise SceneError(f"{path}: holds an integer of thousands of digits ({error}); shorten it") from None
+    try:
+        return _content(table, path)
     except InputError as error:
         raise SceneError(f"{path}: {error}") from None
 

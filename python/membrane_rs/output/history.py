@@ -48,7 +48,7 @@ class History:
     def __init__(self, path: Path, sim: Simulation) -> None:
         self._path = path
         self._corners = Corners(sim.assembly)
-        self._energies = [name for name in sim.energies() if name != "kinetic"]
+        self._energies = list(sim.ledger()["stored_by_law"])
         self._works = [law.kind for law in sim.scene.laws]
         self.columns = [
             *FIRST_COLUMNS,
@@ -63,7 +63,7 @@ class History:
 
     def add(self, sim: Simulation) -> None:
         """Write one sample. Raises OutputError."""
-        positions, energies, ledger = sim.positions, sim.energies(), sim.ledger()
+        positions, ledger = sim.positions, sim.ledger()
         row = [
             sim.time,
             self._corners.deployment_rate(positions),
@@ -73,7 +73,7 @@ class History:
             ledger["error"],
             sim.hub_angle,
             ledger["turned_over"],
-            *(energies[name] for name in self._energies),
+            *(ledger["stored_by_law"][name] for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
         ]
         # Adding 0 makes 0 of -0, which a reader would take for a sign.

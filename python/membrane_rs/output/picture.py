@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Protocol
@@ -110,21 +110,44 @@ def painter(subject: Subject, size: int) -> Iterator[Painter]:
         artist.close()
 
 
+def begin_probe() -> None:
+    """Start to find out what `pyvista_works` will ask, so that the answer is there when it is needed."""
+    if _begun or pyvista_works.cache_info().currsize:
+        return
+    code = (
+        "import pyvista as p; q = p.Plotter(off_screen=True, window_size=(16, 16)); q.add_mesh(p.Sphere());"
+        "raise SystemExit(0 if q.screenshot(return_img=True).std() > 1 else 1)"
+    )
+    nowhere = subprocess.DEVNULL
+    with suppress(OSError):
+        # In a session of its own, so that Ctrl-C is not taken for graphics that do not work.
+        _begun.append(
+            subprocess.Popen(
+                [sys.executable, "-c", code], stdin=nowhere, stdout=nowhere, stderr=nowhere, start_new_session=True
+            )
+        )
+
+
 @cache
 def pyvista_works() -> bool:
     """Whether a picture can be rendered off-screen.
 
     Tried once, in a process of its own: VTK without working graphics libraries may end the process that asks.
     """
-    code = (
-        "import pyvista as p; q = p.Plotter(off_screen=True, window_size=(16, 16)); q.add_mesh(p.Sphere());"
-        "raise SystemExit(0 if q.screenshot(return_img=True).std() > 1 else 1)"
-    )
-    try:
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=PROBE_SECONDS, check=False)
-    except (OSError, subprocess.TimeoutExpired):
+    begin_probe()
+    if not _begun:
         return False
-    return done.returncode == 0
+    probe = _begun.pop()
+    try:
+        return probe.wait(PROBE_SECONDS) == 0
+    except subprocess.TimeoutExpired:
+        probe.kill()
+        probe.wait()
+        return False
+
+
+_begun: list[subprocess.Popen[bytes]] = []
+"""The probe under way, if there is one."""
 
 
 def turned(points: Floats, angle: float) -> Floats:

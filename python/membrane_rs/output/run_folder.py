@@ -1,9 +1,9 @@
 """The folder of a run: what is in it, and when each file is written.
 
 scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
-summary.json    at the start ("running"), and again at the end
+summary.json    first of all ("running"), and again at the end
 history.csv     a line per sample
-frames.pvd      after each frame, with frames/frame-<k>.vtu
+frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
 state.npz       at the end of a run that finished or was interrupted, to go on from
 deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
 """
@@ -21,22 +21,24 @@ from membrane_rs._files import PART, output_errors
 from membrane_rs.errors import OutputError, UnstableError
 from membrane_rs.output.animation import SIZE as ANIMATION_SIZE
 from membrane_rs.output.animation import chosen, write_animation
+from membrane_rs.output.background import Background
 from membrane_rs.output.history import History
-from membrane_rs.output.picture import Subject, painter, pyvista_works
+from membrane_rs.output.picture import Subject, begin_probe, painter, pyvista_works
 from membrane_rs.output.plots import plot_deployment
 from membrane_rs.output.report import curve_features, energy_balance, versions, write_summary
 from membrane_rs.output.snapshots import SIZE as SNAPSHOT_SIZE
 from membrane_rs.output.snapshots import VIEWS, SnapshotTaker, write_snapshots
-from membrane_rs.output.vtk import write_frame, write_pvd
+from membrane_rs.output.vtk import Frame, FrameWriter, write_pvd
 
 if TYPE_CHECKING:
     from membrane_rs.simulation import Simulation
 
+SUMMARY = "summary.json"
+"""Written first and removed last: files of these names in a folder without it are not a run's, but somebody's own."""
 # What a run writes, and so all that `overwrite` may remove.
 OWN_FILES = (
     "scene.toml",
     "mesh.npz",
-    "summary.json",
     "history.csv",
     "frames.pvd",
     "state.npz",
@@ -44,6 +46,7 @@ OWN_FILES = (
     "animation.gif",
     "frames/frame-*.vtu",
     *(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s")),
+    SUMMARY,
 )
 OWN_FOLDERS = ("frames", "snapshots")
 
@@ -60,7 +63,7 @@ class RunFolder:
     path :
         The folder; made where it is missing, with its parents.
     overwrite :
-        Remove the files of an earlier run in this folder. Other files stay.
+        Remove the files of an earlier run in this folder, which its summary.json shows to be one. Other files stay.
     pictures :
         Draw deployment.png, snapshots and animation when the run ends.
     progress :
@@ -69,7 +72,8 @@ class RunFolder:
     Raises
     ------
     OutputError
-        If the folder is not empty and `overwrite` is false, or it cannot be written.
+        If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
+        it cannot be written.
     """
 
     def __init__(
@@ -98,13 +102,18 @@ class RunFolder:
             self._make_folders(made)
             self._remove_own_files()
             is_cleared = True
-            sim.scene.save(self.path)
-            self._history = History(self.path / "history.csv", sim)
             self._began = time.perf_counter()
-            self._frames: list[tuple[float, str]] = []
-            self._snapshots = SnapshotTaker(sim.scene.run.snapshots, sim.time)
             self._summary = self._first_summary(sim)
             self._write_summary()
+            sim.scene.save(self.path)
+            self._history = History(self.path / "history.csv", sim)
+            self._frames: list[tuple[float, str]] = []
+            self._frame_times: list[float] = []
+            self._frame_writer = FrameWriter(sim)
+            self._background = Background()
+            self._snapshots = SnapshotTaker(sim.scene.run.snapshots, sim.time)
+            if self._pictures:
+                begin_probe()
         except BaseException:
             if is_cleared:
                 self._remove_own_files()
@@ -119,21 +128,29 @@ class RunFolder:
         A state that is not later than the last one is passed over: a run that went wrong steps back to its
         last good state, which may have been written already. The same holds for frames.
         """
+        self._background.look()
         if not self._history.rows or sim.time > self._history.rows[-1][0]:
             self._history.add(sim)
             self._snapshots.offer(sim)
 
     def frame(self, sim: Simulation) -> None:
-        """Write a VTU file, then the index that lists it. Raises OutputError."""
-        if self._frames and sim.time <= self._frames[-1][0]:
+        """Copy what a frame shows, to be written in the background: a VTU file, then the index that lists it.
+
+        Waits only while earlier frames wait to be written. Raises OutputError where one of those cannot be.
+        """
+        if self._frame_times and sim.time <= self._frame_times[-1]:
             return
-        file = f"frames/frame-{len(self._frames):04d}.vtu"
-        write_frame(self.path / file, sim)
-        self._frames.append((sim.time, file))
+        frame, file = Frame.of(sim), f"frames/frame-{len(self._frame_times):04d}.vtu"
+        self._background.add(lambda: self._write_frame(frame, file))
+        self._frame_times.append(frame.time)
+
+    def _write_frame(self, frame: Frame, file: str) -> None:
+        self._frame_writer.write(self.path / file, frame)
+        self._frames.append((frame.time, file))
         write_pvd(self.path / "frames.pvd", self._frames)
 
     def finish(self, sim: Simulation, error: BaseException | None) -> None:
-        """Close the history, write the summary, then the pictures. Raises OutputError.
+        """Write the frames that wait, close the history, write the summary, then the pictures. Raises OutputError.
 
         The summary is written even where the history cannot be closed. What ended the run stays the error that is
         told: a file that cannot be written after that is passed over, but for the state of an interrupted run.
@@ -141,7 +158,8 @@ class RunFolder:
         A run that went unstable is drawn as far as it came. After an interruption, or any other error,
         nothing is drawn, so that the program stops at once.
         """
-        first = error
+        unwritten = self._background.close()
+        first = error or unwritten
         try:
             self._history.close()
         except OutputError as failure:
@@ -170,6 +188,8 @@ class RunFolder:
                 reason = f"{nearest} is a file; choose another folder"
             elif nearest == self.path and not self._overwrite and any(self.path.iterdir()):
                 reason = "it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)"
+            elif nearest == self.path and not (nearest / SUMMARY).exists() and (own := self._own_files()):
+                reason = f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder"
             elif not os.access(nearest, os.W_OK | os.X_OK):
                 reason = f"no permission in {nearest}; choose another folder"
             else:
@@ -185,12 +205,15 @@ class RunFolder:
                     folder.mkdir()
                     made.append(folder)
 
+    def _own_files(self) -> list[Path]:
+        """What is there of the files that a run writes, whole or half-written."""
+        names = (name for pattern in OWN_FILES for name in (pattern, pattern + PART))
+        return [file for name in names for file in self.path.glob(name)]
+
     def _remove_own_files(self) -> None:
-        """Remove the files that a run writes, whole or half-written."""
-        for pattern in OWN_FILES:
-            for file in (*self.path.glob(pattern), *self.path.glob(pattern + PART)):
-                with output_errors(file):
-                    file.unlink()
+        for file in self._own_files():
+            with output_errors(file):
+                file.unlink()
 
     def _first_summary(self, sim: Simulation) -> dict[str, Any]:
         """What is known before the first step."""
@@ -226,7 +249,7 @@ class RunFolder:
         self._write_summary()
 
     def _write_summary(self) -> None:
-        write_summary(self.path / "summary.json", self._summary)
+        write_summary(self.path / SUMMARY, self._summary)
 
     def _draw(self, sim: Simulation) -> str:
         """Draw what the run has left; return who drew it."""

@@ -66,14 +66,14 @@ def write_snapshots(
         for shot in snapshots:
             image = painter.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0)
             with replacing(folder / f"{view}-{shot.time:.3f}s.png") as part:
-                Pillow.fromarray(image).save(part, format="PNG", optimize=True)
+                Pillow.fromarray(image).save(part, format="PNG")
             images.append(image)
             tick()
         where = "turning frame" if view == "turning" else "fixed camera"
         captions = [caption(k, shot.time) for k, shot in enumerate(snapshots)]
         sheet = Pillow.fromarray(contact_sheet(images, captions, f"{title}, {where}"))
         with replacing(folder / f"{view}.png") as part:
-            sheet.save(part, format="PNG", optimize=True)
+            sheet.save(part, format="PNG")
 
 
 def caption(index: int, time: float) -> str:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
@@ -53,37 +54,78 @@ def petal_of_triangles(assembly: Assembly) -> NDArray[np.int8]:
     return petal
 
 
+@dataclass(frozen=True)
+class Frame:
+    """What a frame shows of a simulation at `time` [s], copied: the simulation may go on while it is written.
+
+    positions (N, 3) [m], velocities (N, 3) [m/s], spring_strains (S,), buckled (S,), crease_angles (c,) [rad].
+    """
+
+    time: float
+    positions: Floats
+    velocities: Floats
+    spring_strains: Floats
+    buckled: NDArray[np.bool_]
+    crease_angles: Floats
+
+    @classmethod
+    def of(cls, sim: Simulation) -> Frame:
+        """The state of `sim` now."""
+        shape = sim.positions.copy(), sim.velocities.copy()
+        return cls(sim.time, *shape, sim.spring_strains(), sim.buckled(), sim.crease_angles())
+
+
+class FrameWriter:
+    """Writes frames of one simulation. What is the same in all of them is worked out once.
+
+    It keeps nothing of the simulation that changes, so that it can write in another thread.
+    """
+
+    def __init__(self, sim: Simulation) -> None:
+        self._reference = sim.assembly.reference
+        self._triangles = sim.assembly.triangles
+        pairs = np.asarray(sim.spring_pairs, dtype=np.int64)
+        rows = find_pairs(pairs, sim.assembly.creases)
+        self._creases, self._crease_rows = rows >= 0, rows[rows >= 0]
+        self._triangle_count, self._spring_count = len(self._triangles), len(pairs)
+        # Half the bytes, where they hold the numbers of the nodes.
+        index = np.int32 if len(self._reference) <= np.iinfo(np.int32).max else np.int64
+        blocks = (("triangle", self._triangles), ("line", pairs))
+        self._filled = [k for k, (_, block) in enumerate(blocks) if len(block)]
+        self._cells = [(blocks[k][0], blocks[k][1].astype(index)) for k in self._filled]
+        self._petals = petal_of_triangles(sim.assembly)
+
+    def write(self, path: Path, frame: Frame) -> None:
+        """Write `frame` as a VTU file, whole or not at all. Raises OutputError.
+
+        Not compressed: coordinates hardly shrink, and the tenfold time would slow a run where no core is free.
+        """
+        import meshio
+
+        on_triangles, on_springs = np.full(self._triangle_count, np.nan), np.full(self._spring_count, np.nan)
+        crease_angle = on_springs.copy()
+        crease_angle[self._crease_rows] = frame.crease_angles[self._creases]
+        strains = triangle_strains(self._reference, frame.positions, self._triangles)
+        on_cells: dict[str, tuple[NDArray[Any], NDArray[Any]]] = {
+            "spring_strain": (on_triangles, frame.spring_strains),
+            "triangle_strain": (strains, np.stack([on_springs, on_springs], axis=1)),
+            "crease_angle": (on_triangles, crease_angle),
+            "buckled": (np.full(self._triangle_count, -1, np.int8), frame.buckled.astype(np.int8)),
+            "petal": (self._petals, np.full(self._spring_count, -1, np.int8)),
+        }
+        mesh = meshio.Mesh(
+            frame.positions,
+            self._cells,
+            point_data={"velocity": frame.velocities, "displacement": frame.positions - self._reference},
+            cell_data={name: [blocks[k] for k in self._filled] for name, blocks in on_cells.items()},
+        )
+        with replacing(path) as part:
+            mesh.write(part, file_format="vtu", compression=None)
+
+
 def write_frame(path: Path, sim: Simulation) -> None:
     """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError."""
-    import meshio
-
-    assembly, pairs = sim.assembly, np.asarray(sim.spring_pairs, dtype=np.int64)
-    positions, triangles = sim.positions, assembly.triangles
-    crease_angle = np.full(len(pairs), np.nan)
-    crease_rows = find_pairs(pairs, assembly.creases)
-    crease_angle[crease_rows[crease_rows >= 0]] = sim.crease_angles()[crease_rows >= 0]
-    no_springs, no_triangles = np.full(len(triangles), np.nan), np.full(len(pairs), np.nan)
-
-    cells: dict[str, Ints] = {"triangle": triangles, "line": pairs}
-    on_cells: dict[str, list[NDArray[Any]]] = {
-        "spring_strain": [no_springs, sim.spring_strains()],
-        "triangle_strain": [
-            triangle_strains(assembly.reference, positions, triangles),
-            np.stack([no_triangles, no_triangles], axis=1),
-        ],
-        "crease_angle": [no_springs, crease_angle],
-        "buckled": [np.full(len(triangles), -1, np.int8), sim.buckled().astype(np.int8)],
-        "petal": [petal_of_triangles(assembly), np.full(len(pairs), -1, np.int8)],
-    }
-    filled = [k for k, block in enumerate(cells.values()) if len(block)]
-    mesh = meshio.Mesh(
-        positions,
-        [block for k, block in enumerate(cells.items()) if k in filled],
-        point_data={"velocity": sim.velocities, "displacement": positions - assembly.reference},
-        cell_data={name: [blocks[k] for k in filled] for name, blocks in on_cells.items()},
-    )
-    with replacing(path) as part:
-        mesh.write(part, file_format="vtu")
+    FrameWriter(sim).write(path, Frame.of(sim))
 
 
 def read_frame(path: Path) -> Floats:

@@ -92,14 +92,14 @@ def _growth(scene: Scene, integrator: str | None, dt: float, seed: int, steps: i
     q *= size / dt / np.abs(q).max()
     # Positions, velocities, and what the method keeps from step to step: after one step there is something.
     sim.step(1)
-    saved = sim._core.progress() | {"positions": start, "velocities": np.zeros_like(start)}
+    saved = sim.state() | {"positions": start, "velocities": np.zeros_like(start)}
     parts = [name for name in ("positions", "velocities", "memory_vectors") if name in saved]
 
     def stepped(disturbance: Sequence[Floats]) -> list[Floats]:
         moved = {name: saved[name] + part for name, part in zip(parts, disturbance, strict=True)}
-        sim._core.resume(saved | moved)
+        sim.set_state(saved | moved)
         sim.step(1)
-        after = sim._core.progress()
+        after = sim.state()
         return [after[name] for name in parts]
 
     disturbance = [np.zeros_like(saved[name]) for name in parts]

@@ -62,6 +62,10 @@ pub enum Error {
     #[error("{what} = {value:e} is not allowed: {range}")]
     OutOfRange { what: &'static str, value: f64, range: &'static str },
 
+    /// A law that a scene holds twice.
+    #[error("law {law} is there twice; a scene holds one of each kind: leave one out")]
+    LawTwice { law: &'static str },
+
     /// A matrix that does not fit.
     #[error(
         "there is no memory for the tangent matrix of {nodes} free nodes; use a coarser mesh or an explicit integrator"

@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{Dice, every_law, every_law_with, films, sheet};
-use membrane_core::forces::{self, LawSpec, Spin};
+use common::{Dice, creases, every_law, every_law_with, films, sheet};
+use membrane_core::forces::{self, CreaseParameters, LawSpec, Spin};
 use membrane_core::model::Assembly;
 use membrane_core::simulation::{Settings, Simulation};
 use membrane_core::state::{Instant, Vectors};
@@ -218,6 +218,29 @@ fn stiffness_and_damping_products_are_the_slopes_of_the_forces() {
             let (apart, size) = ((&slope - &product).norm(), product.norm());
             assert!(size > 0.0 && apart < 5e-3 * size, "{name}, law {law}: {apart:e} of {size:e}");
         }
+    }
+}
+
+#[test]
+fn a_law_that_is_there_twice_is_refused_by_name() {
+    let build = |laws: &[LawSpec]| Simulation::new(sheet(2, 2, 0.01), laws, "rk4", Some(1e-12), Settings::default());
+    for (_, film) in films() {
+        let once = every_law_with(film);
+        for law in &once {
+            let name = build(std::slice::from_ref(law)).unwrap().laws()[0].name();
+            let error = build(&[once.clone(), vec![law.clone()]].concat()).err().unwrap().to_string();
+            assert!(error.contains(&format!("law {name} is there twice")), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_length_beside_the_crease_that_is_none_is_refused() {
+    for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let LawSpec::Creases(parameters) = creases(1.0) else { unreachable!("creases are creases") };
+        let law = LawSpec::Creases(CreaseParameters { length_scale: Some(length), ..parameters });
+        let error = Simulation::new(sheet(2, 2, 0.01), &[law], "rk4", Some(1e-6), Settings::default()).err().unwrap();
+        assert!(error.to_string().contains("length scale of the creases"), "{error}");
     }
 }
 

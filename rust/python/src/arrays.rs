@@ -2,6 +2,7 @@
 
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::errors::{raise, wrong_type, wrong_value};
 
@@ -90,4 +91,13 @@ pub(crate) fn pairs<'py>(py: Python<'py>, rows: &[[u32; 2]]) -> PyResult<Bound<'
 /// Runs a fallible call of the core and turns its error into an exception.
 pub(crate) fn checked<T>(result: membrane_core::Result<T>) -> PyResult<T> {
     result.map_err(raise)
+}
+
+/// A value of a table, by its key; `owner` names the table in errors.
+pub(crate) fn get<'py, T>(table: &Bound<'py, PyDict>, owner: &str, key: &str) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    let value = table.get_item(key)?.ok_or_else(|| wrong_value(format!("{owner}: {key} is missing")))?;
+    value.extract().map_err(|_| wrong_type(format!("{owner}: {key} = {value} is of the wrong type")))
 }

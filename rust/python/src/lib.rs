@@ -2,7 +2,9 @@
 
 mod arrays;
 mod errors;
+mod laws;
 mod mesh;
+mod progress;
 mod simulation;
 
 use membrane_core::aligned::Aligned;

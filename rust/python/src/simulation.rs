@@ -3,14 +3,10 @@
 use std::time::{Duration, Instant};
 
 use membrane_core::Error;
-use membrane_core::forces::{
-    AirDragParameters, AirMotion, CreaseParameters, DampingParameters, LawSpec, Readings, Spin, SpoolContactParameters,
-    SpringParameters, TriangleParameters,
-};
-use membrane_core::integrators::{Controller, Effort, Tolerance, by_name, names};
-use membrane_core::ledger::{Accounts, Ledger};
+use membrane_core::forces::Readings;
+use membrane_core::integrators::{Effort, Tolerance, by_name, names};
 use membrane_core::model::{Cord, Film, Model, NegativeSprings};
-use membrane_core::simulation::{AdaptiveProgress, Progress, Settings, Simulation as Core};
+use membrane_core::simulation::{Settings, Simulation as Core};
 use membrane_core::stability::axis_limits;
 use membrane_core::width::Width;
 use numpy::{PyArray1, PyArray2};
@@ -18,7 +14,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{checked, index_rows, indices, numbers, rows, vectors};
-use crate::errors::{wrong_type, wrong_value};
+use crate::errors::wrong_value;
+use crate::laws::law_of;
+use crate::progress::{progress_of, saved_of};
 
 /// One number for each law that has one.
 type ByLaw = Vec<(&'static str, f64)>;
@@ -50,70 +48,8 @@ pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
 #[pyclass(module = "membrane_rs._core")]
 pub(crate) struct Simulation {
     core: Core,
-}
-
-fn get<'py, T>(parameters: &Bound<'py, PyDict>, law: &str, key: &str) -> PyResult<T>
-where
-    T: for<'a> FromPyObject<'a, 'py>,
-{
-    let value = parameters.get_item(key)?.ok_or_else(|| wrong_value(format!("law {law}: {key} is missing")))?;
-    value.extract().map_err(|_| wrong_type(format!("law {law}: {key} = {value} is of the wrong type")))
-}
-
-fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
-    Ok(match kind {
-        "springs" => LawSpec::Springs(SpringParameters {
-            buckling: get(p, kind, "buckling")?,
-            buckling_on_creases: get(p, kind, "buckling_on_creases")?,
-            buckling_length: get(p, kind, "buckling_length")?,
-            crease_length: get(p, kind, "crease_length")?,
-            strain_limit: get(p, kind, "strain_limit")?,
-        }),
-        "triangles" => LawSpec::Triangles(TriangleParameters {
-            compression: get(p, kind, "compression")?,
-            buckling: get(p, kind, "buckling")?,
-            buckling_on_creases: get(p, kind, "buckling_on_creases")?,
-            buckling_length: get(p, kind, "buckling_length")?,
-            crease_length: get(p, kind, "crease_length")?,
-            strain_limit: get(p, kind, "strain_limit")?,
-        }),
-        "spring_damping" => {
-            LawSpec::SpringDamping(DampingParameters { ratio: get(p, kind, "ratio")?, length: get(p, kind, "length")? })
-        }
-        "creases" => LawSpec::Creases(CreaseParameters {
-            stiffness: get(p, kind, "stiffness")?,
-            contact_penalty: get(p, kind, "contact_penalty")?,
-            natural_angle: get(p, kind, "natural_angle")?,
-            length_scale: get(p, kind, "length_scale")?,
-            collapse: get(p, kind, "collapse")?,
-        }),
-        "air_drag" => LawSpec::AirDrag(AirDragParameters {
-            pressure: get(p, kind, "pressure")?,
-            temperature: get(p, kind, "temperature")?,
-            air: match get::<String>(p, kind, "air")?.as_str() {
-                "still" => AirMotion::Still,
-                "turning" => AirMotion::Turning,
-                other => {
-                    return Err(wrong_value(format!(
-                        "law air_drag: air = {other:?} is not known; choose still or turning"
-                    )));
-                }
-            },
-        }),
-        "spin" => LawSpec::Spin(Spin {
-            rate: std::f64::consts::TAU * get::<f64>(p, kind, "frequency")?,
-            acceleration: std::f64::consts::TAU * get::<f64>(p, kind, "acceleration")?,
-        }),
-        "gravity" => LawSpec::Gravity(get(p, kind, "acceleration")?),
-        "spool_contact" => LawSpec::SpoolContact(SpoolContactParameters {
-            radius: get(p, kind, "radius")?,
-            stiffness: get(p, kind, "stiffness")?,
-            half_height: get(p, kind, "half_height")?,
-            membrane: get(p, kind, "membrane")?,
-        }),
-        "mass_damping" => LawSpec::MassDamping(get(p, kind, "rate")?),
-        other => return Err(wrong_value(format!("there is no law named {other:?}"))),
-    })
+    /// Steps that fit into a breath, as far as is known.
+    batch: u64,
 }
 
 impl Simulation {
@@ -122,18 +58,23 @@ impl Simulation {
     }
 }
 
-/// Calls `go` with ever more steps, up to a breath's worth, until it says that it is done.
-fn in_breaths(py: Python<'_>, mut go: impl FnMut(u64) -> Result<bool, Error> + Send) -> PyResult<()> {
-    let mut batch: u64 = 1;
+/// Calls `go` with `batch` steps at a time, about a breath's worth, until it says that it is done.
+///
+/// The batch is kept from call to call: each look takes the interpreter's lock, for which a thread that writes may make
+/// the core wait.
+fn in_breaths(py: Python<'_>, batch: &mut u64, mut go: impl FnMut(u64) -> Result<bool, Error> + Send) -> PyResult<()> {
     loop {
         let start = Instant::now();
-        let is_done = checked(py.detach(|| go(batch)))?;
+        let is_done = checked(py.detach(|| go(*batch)))?;
         py.check_signals()?;
         if is_done {
             return Ok(());
         }
-        if start.elapsed() < BREATH / 2 {
-            batch = batch.saturating_mul(2);
+        let taken = start.elapsed();
+        if taken < BREATH / 2 {
+            *batch = batch.saturating_mul(2);
+        } else if taken > BREATH * 2 {
+            *batch = (*batch / 2).max(1);
         }
     }
 }
@@ -231,7 +172,7 @@ impl Simulation {
         let tolerance = Tolerance { relative, length, speed };
         let settings =
             Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius, width };
-        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))? })
+        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
     }
 
     #[getter]
@@ -329,12 +270,15 @@ impl Simulation {
         (accounts.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
     }
 
-    /// (kinetic, stored, [(law, work)], turned over, surplus, error).
-    fn ledger(&self) -> (f64, f64, ByLaw, f64, f64, f64) {
-        let (ledger, now) = (self.core.ledger(), self.core.accounts());
-        let work = self.core.laws().iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
+    /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, surplus, error).
+    fn ledger(&self) -> (f64, f64, ByLaw, ByLaw, f64, f64, f64) {
+        let (ledger, now, laws) = (self.core.ledger(), self.core.accounts(), self.core.laws());
+        let stored = laws.iter().zip(&now.stored).filter(|(law, _)| law.is_conservative());
+        let stored = stored.map(|(law, energy)| (law.name(), *energy)).collect();
+        let work = laws.iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
         let work = work.map(|(law, work)| (law.name(), *work)).collect();
-        (now.kinetic, now.stored.iter().sum(), work, ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now))
+        let (turned_over, surplus, error) = (ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now));
+        (now.kinetic, now.stored.iter().sum(), stored, work, turned_over, surplus, error)
     }
 
     /// (strain, buckled) of the springs of one law, or None without it.
@@ -371,10 +315,11 @@ impl Simulation {
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
     fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        in_breaths(py, |batch| {
+        let Self { core, batch } = self;
+        in_breaths(py, batch, |batch| {
             let now = batch.min(left);
             left -= now;
-            self.core.step(now).map(|()| left == 0)
+            core.step(now).map(|()| left == 0)
         })
     }
 
@@ -383,7 +328,8 @@ impl Simulation {
         if !self.core.is_adaptive() {
             return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
         }
-        in_breaths(py, |batch| self.core.reach(time, batch))
+        let Self { core, batch } = self;
+        in_breaths(py, batch, |batch| core.reach(time, batch))
     }
 
     /// Looks for a fault now, beside the regular checks.
@@ -393,79 +339,11 @@ impl Simulation {
 
     /// What `resume` needs to continue with the same bits.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let progress = self.core.progress();
-        let saved = PyDict::new(py);
-        saved.set_item("step_count", progress.step_count)?;
-        saved.set_item("evaluation_count", progress.evaluation_count)?;
-        saved.set_item("origin", progress.origin)?;
-        saved.set_item("positions", vectors(py, &progress.positions)?)?;
-        saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
-        saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
-        saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
-        saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
-        saved.set_item("swing", progress.ledger.swing)?;
-        saved.set_item("start_shift", progress.ledger.start_shift)?;
-        let (kept, numbers) = progress.memory;
-        saved.set_item("memory_count", kept.len())?;
-        if !kept.is_empty() {
-            saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
-            saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
-        }
-        if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
-            let numbers = [front, shown, controller.dt, controller.last_error];
-            saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
-            saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
-            saved.set_item("rejected_count", controller.rejected_count)?;
-        }
-        Ok(saved)
+        saved_of(py, self.core.progress())
     }
 
     /// Continues from what `progress` gave.
     fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
-        const WHAT: &str = "saved state";
-        let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
-        let start = Accounts {
-            kinetic: get(saved, WHAT, "start_kinetic")?,
-            stored: numbers("start_stored", &array("start_stored")?)?,
-        };
-        let count: usize = get(saved, WHAT, "memory_count")?;
-        let mut memory = (Vec::new(), Vec::new());
-        if count > 0 {
-            let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
-            let nodes = kept.len().checked_div(count).unwrap_or_default();
-            if nodes * count != kept.len() {
-                return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
-            }
-            let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
-            memory = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
-        }
-        let adaptive = if saved.contains("adaptive_numbers")? {
-            let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
-            let &[front, shown, dt, last_error] = numbers.as_slice() else {
-                return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
-            };
-            let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
-            let rejected_count = get(saved, WHAT, "rejected_count")?;
-            let controller = Controller { dt, last_error, was_rejected, rejected_count };
-            Some(AdaptiveProgress { front, shown, controller })
-        } else {
-            None
-        };
-        let progress = Progress {
-            step_count: get(saved, WHAT, "step_count")?,
-            evaluation_count: get(saved, WHAT, "evaluation_count")?,
-            origin: get(saved, WHAT, "origin")?,
-            positions: rows("positions", &array("positions")?)?,
-            velocities: rows("velocities", &array("velocities")?)?,
-            ledger: Ledger {
-                start,
-                work: numbers("work", &array("work")?)?,
-                swing: get(saved, WHAT, "swing")?,
-                start_shift: get(saved, WHAT, "start_shift")?,
-            },
-            memory,
-            adaptive,
-        };
-        checked(self.core.resume(&progress))
+        checked(self.core.resume(&progress_of(saved)?))
     }
 }

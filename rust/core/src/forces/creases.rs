@@ -25,7 +25,7 @@ use crate::error::Result;
 use crate::lanes::{Lanes, Point, Vector, cross, dot, negate, scale, sub, sum};
 use crate::layout::{BATCH, Elements};
 use crate::mesh;
-use crate::model::{Assembly, finite, non_negative};
+use crate::model::{Assembly, finite, non_negative, positive};
 use crate::slopes::Slopes;
 use crate::state::{Instant, Vectors};
 use crate::width::{GroupKernel, Width};
@@ -159,6 +159,7 @@ impl Creases {
         non_negative("contact penalty of the creases", contact_penalty)?;
         finite("natural angle of the creases [rad]", natural_angle)?;
         non_negative("collapse of the creases", collapse)?;
+        length_scale.map_or(Ok(()), |length| positive("length scale of the creases [m]", length))?;
         let bending = assembly.model.film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0);
         // L and the areas of wing C and of wing D in the reference.
         let sizes: Vec<(f64, [f64; 2])> = assembly

@@ -211,14 +211,14 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 /// Builds the laws of a scene; tethers and bridges follow from the model's own parts.
 ///
 /// # Errors
-/// `OutOfRange` for a parameter, `DampingOnNegativeSpring`, `DegenerateTriangle`.
+/// `OutOfRange` for a parameter, `LawTwice`, `DampingOnNegativeSpring`, `DegenerateTriangle`.
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let spin = spin_of(specs);
     let has_triangles = specs.iter().any(|spec| matches!(spec, LawSpec::Triangles(_)));
     let nets = damped_springs::Nets::default();
     let mut laws: Vec<Box<dyn Law>> = Vec::new();
     for spec in specs {
-        laws.push(match *spec {
+        let law: Box<dyn Law> = match *spec {
             LawSpec::Springs(parameters) => Box::new(springs::Springs::membrane(parameters, assembly, &nets)?),
             LawSpec::Triangles(parameters) => Box::new(triangles::Triangles::new(parameters, assembly)?),
             LawSpec::SpringDamping(parameters) => {
@@ -230,7 +230,11 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
             LawSpec::Gravity(acceleration) => Box::new(gravity::Gravity::new(acceleration, spin, assembly)?),
             LawSpec::SpoolContact(parameters) => Box::new(spool_contact::SpoolContact::new(parameters, assembly)?),
             LawSpec::MassDamping(rate) => Box::new(mass_damping::MassDamping::new(rate, assembly)?),
-        });
+        };
+        if laws.iter().any(|other| other.name() == law.name()) {
+            return Err(crate::error::Error::LawTwice { law: law.name() });
+        }
+        laws.push(law);
     }
     if !assembly.model.cords.is_empty() {
         laws.push(Box::new(springs::Springs::tethers(assembly, &nets)));

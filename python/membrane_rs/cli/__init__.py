@@ -1,0 +1,21 @@
+"""The command line: words to calls, nothing else.
+
+Exit codes: 0 fine; 1 the run failed, or `check` found errors; 2 wrong usage or a wrong scene file;
+130 interrupted.
+Heavy imports wait inside the commands, so that `--help` is quick.
+"""
+
+from __future__ import annotations
+
+from membrane_rs.cli import runs, studies
+from membrane_rs.cli.application import INTERRUPTED, app
+
+__all__ = ["app", "main", "runs", "studies"]
+
+
+def main() -> None:
+    """Entry point of the command `membrane-rs`."""
+    try:
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None

@@ -1,0 +1,66 @@
+"""The progress bar of a run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from membrane_rs.simulation import Simulation
+
+
+class Bar:
+    """What the progress bar shows: simulated time, steps per second, time left; then the pictures."""
+
+    def __init__(self, progress: Any, start: float, end: float) -> None:
+        self._progress = progress
+        self._start, self._end = start, end
+        self._began = self._shown = time.perf_counter()
+        self._first_step: int | None = None
+        self._task = progress.add_task("", total=end - start, detail="")
+        self._pictures_task: Any = None
+
+    def steps(self, sim: Simulation) -> None:
+        """Called by the run now and then."""
+        now = time.perf_counter()
+        if self._first_step is None:
+            self._first_step, self._began = sim.step_count, now
+        rate = (sim.step_count - self._first_step) / max(now - self._began, 1e-9)
+        detail = f"{sim.time:.4f} of {self._end:g} s  {rate:,.0f} steps/s"
+        self._progress.update(self._task, completed=sim.time - self._start, detail=detail)
+
+    def pictures(self, what: str, done: int, total: int) -> None:
+        """Called by the run's folder for each picture."""
+        if self._pictures_task is None:
+            self._pictures_task = self._progress.add_task("", total=total, detail=what)
+        self._progress.update(self._pictures_task, completed=done, detail=f"{done} of {total} {what}")
+
+    def settling(self) -> None:
+        """Say what comes before the run."""
+        self._progress.update(self._task, detail="settling")
+
+    def stop(self) -> None:
+        """Leave the screen to other words."""
+        self._progress.stop()
+
+
+@contextmanager
+def progress_bar(console: Console, start: float, end: float) -> Iterator[Bar]:
+    """A bar from `start` to `end` [s] of simulated time; nothing where the console is no terminal."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    detail = TextColumn("{task.fields[detail]}")
+    columns = (BarColumn(bar_width=24), detail, TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+        yield Bar(progress, start, end)
+
+
+def terminal() -> Console:
+    """Where the bar is shown: beside the results, not among them."""
+    from rich.console import Console
+
+    return Console(stderr=True)

@@ -1,0 +1,170 @@
+"""Commands that compare many runs of a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from membrane_rs.cli.application import app, told_errors
+from membrane_rs.cli.options import Ensemble, Integrator, Jobs, Out, Rows, SceneArgument, Until, load, numbers, whole
+
+if TYPE_CHECKING:
+    from membrane_rs.study import Ablation, Chart
+
+
+@app.command()
+def stability(
+    scene: SceneArgument,
+    *,
+    parameter: Annotated[str, typer.Option(help="A value of the scene, by its name in the scene file.")] = (
+        "laws.spring_damping.ratio"
+    ),
+    values: Annotated[str, typer.Option(help="What it takes, parted by commas.")] = "0,0.02,0.1,0.5,2",
+    steps: Annotated[str, typer.Option(help="Shares of the stable step, parted by commas.")] = (
+        "0.25,0.5,0.75,0.95,1.05,1.5"
+    ),
+    integrator: Annotated[str | None, typer.Option(help="Methods, parted by commas. Default: all.")] = None,
+    until: Until = None,
+    out: Out = None,
+) -> None:
+    """Map how runs end, step against a parameter: fine, inaccurate, energy injected, blown up."""
+    with told_errors():
+        from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
+
+        chosen = load(scene)
+        names = integrator.split(",") if integrator else explicit_integrators(chosen)
+        cells = stability_map(
+            chosen,
+            parameter,
+            numbers(values, "--values"),
+            methods=names,
+            shares=numbers(steps, "--steps"),
+            until=until,
+            progress=lambda cell: typer.echo(
+                f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
+                f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
+            ),
+        )
+        for path in write_map(cells, parameter, out or Path("runs") / f"{chosen.name}-stability", chosen.name):
+            typer.echo(f"Wrote {path}")
+
+
+@app.command()
+def chart(
+    scene: SceneArgument,
+    *,
+    integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
+    until: Until = None,
+    steps: Annotated[int, typer.Option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
+    curves: Annotated[
+        bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
+    ] = False,
+    ensemble: Ensemble = None,
+    density: Annotated[str, typer.Option(help="Other meshes, such as 0.5,2 times as dense; with --curves.")] = "",
+    error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
+    repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
+    budget: Annotated[float | None, typer.Option(help="Leave out what takes longer on one core [s].")] = None,
+    mesh: Annotated[bool, typer.Option("--mesh", help="Chart the mesh in place of the step: see mesh-study.")] = False,
+    rows: Rows = "8,16",
+    jobs: Jobs = None,
+    out: Out = None,
+) -> None:
+    """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
+    with told_errors():
+        from membrane_rs.study import chart as charted
+
+        if mesh:
+            _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+            return
+
+        chosen = load(scene)
+        names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
+        meshes = numbers(density, "--density") if density else []
+        found = charted(
+            chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
+            repeats=repeats, budget=budget, jobs=jobs, progress=_tell,
+        )  # fmt: skip
+        _save(found, out or Path("runs") / f"{chosen.name}-chart")
+
+
+@app.command()
+def ablate(
+    scene: SceneArgument,
+    *,
+    until: Until = None,
+    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peaks.")] = 0.01,
+    ensemble: Ensemble = None,
+    integrator: Integrator = None,
+    share: Annotated[float | None, typer.Option(help="Steps as shares of the stability limit.")] = None,
+    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh [s].")] = None,
+    jobs: Jobs = None,
+    out: Out = None,
+) -> None:
+    """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
+    with told_errors():
+        from membrane_rs.study import ablate as ablated
+
+        chosen, members = load(scene), 5 if ensemble is None else ensemble
+        found = ablated(
+            chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
+            dense_until=dense_until, jobs=jobs, progress=_tell,
+        )  # fmt: skip
+        _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+
+
+@app.command("mesh-study")
+def mesh_study(
+    scene: SceneArgument = "okuizumi-model-1",
+    *,
+    rows: Rows = "8,16",
+    forms: Annotated[str | None, typer.Option(help="Of the parameters, parted by commas. Default: all.")] = None,
+    ensemble: Annotated[int, typer.Option(help="Runs from perturbed starts, on each mesh, beside the true one.")] = 0,
+    until: Until = None,
+    jobs: Jobs = None,
+    out: Out = None,
+) -> None:
+    """Run a square sail at several mesh densities: do its curves approach a limit, and at what rate?"""
+    with told_errors():
+        _study_meshes(
+            scene,
+            rows=rows,
+            forms=forms.split(",") if forms else None,
+            ensemble=ensemble,
+            until=until,
+            jobs=jobs,
+            out=out,
+        )
+
+
+def _study_meshes(
+    scene: str,
+    *,
+    rows: str,
+    forms: list[str] | None,
+    ensemble: int,
+    until: float | None,
+    jobs: int | None,
+    out: Path | None,
+) -> None:
+    from membrane_rs.study import FORMS, jobs_of, write_mesh_study
+    from membrane_rs.study import mesh_study as study
+
+    chosen = load(scene)
+    folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+    counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]
+    made = study(
+        chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell
+    )
+    typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
+
+
+def _tell(words: str) -> None:
+    """What a study just did; its result goes to the standard output."""
+    typer.echo(words, err=True)
+
+
+def _save(study: Ablation | Chart, folder: Path) -> None:
+    study.save(folder)
+    typer.echo(f"{study.summary()}\nResults are in {folder}")

@@ -1,0 +1,47 @@
+"""A thread that writes files while the core steps: one at a time, in the order in which they were given."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+MOST_WAITING = 2
+"""Files that may wait: so many copies of a shape are in memory, and one more that is being written."""
+
+
+class Background:
+    """Does tasks in a thread of its own, and tells the errors of that thread to the caller's.
+
+    A task must work on copies: what the caller changes meanwhile is not its own.
+    """
+
+    def __init__(self) -> None:
+        self._pool = ThreadPoolExecutor(1, "membrane_rs-output")
+        self._begun: deque[Future[None]] = deque()
+
+    def add(self, task: Callable[[], None]) -> None:
+        """Have `task` done after those before it; waits while too many wait. Raises what an earlier task raised."""
+        self._settle(MOST_WAITING)
+        self._begun.append(self._pool.submit(task))
+
+    def look(self) -> None:
+        """Raise what a task has raised, without waiting."""
+        while self._begun and self._begun[0].done():
+            self._settle(len(self._begun) - 1)
+
+    def close(self) -> BaseException | None:
+        """Wait for every task, then end the thread. Returns what the first failed task raised and nobody was told."""
+        self._pool.shutdown(wait=True)
+        errors = [task.exception() for task in self._begun]
+        return next((error for error in errors if error is not None), None)
+
+    def _settle(self, left: int) -> None:
+        """Wait until no more than `left` tasks are under way, and raise the first error among those done."""
+        while len(self._begun) > left:
+            # Taken off once it is done: Ctrl-C while waiting then loses no error.
+            try:
+                self._begun[0].result()
+            finally:
+                if self._begun[0].done():
+                    self._begun.popleft()

@@ -1,0 +1,87 @@
+//! The state of a run as a Python dictionary, and back: what is saved and restored.
+
+use membrane_core::integrators::Controller;
+use membrane_core::ledger::{Accounts, Ledger};
+use membrane_core::simulation::{AdaptiveProgress, Progress};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{get, numbers, rows, vectors};
+use crate::errors::wrong_value;
+
+/// What a run needs to continue with the same bits, by name.
+pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_, PyDict>> {
+    let saved = PyDict::new(py);
+    saved.set_item("step_count", progress.step_count)?;
+    saved.set_item("evaluation_count", progress.evaluation_count)?;
+    saved.set_item("origin", progress.origin)?;
+    saved.set_item("positions", vectors(py, &progress.positions)?)?;
+    saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
+    saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
+    saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
+    saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
+    saved.set_item("swing", progress.ledger.swing)?;
+    saved.set_item("start_shift", progress.ledger.start_shift)?;
+    let (kept, numbers) = progress.memory;
+    saved.set_item("memory_count", kept.len())?;
+    if !kept.is_empty() {
+        saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
+        saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
+    }
+    if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
+        let numbers = [front, shown, controller.dt, controller.last_error];
+        saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
+        saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
+        saved.set_item("rejected_count", controller.rejected_count)?;
+    }
+    Ok(saved)
+}
+
+/// What `saved_of` gave, read back.
+pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
+    const WHAT: &str = "saved state";
+    let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
+    let start = Accounts {
+        kinetic: get(saved, WHAT, "start_kinetic")?,
+        stored: numbers("start_stored", &array("start_stored")?)?,
+    };
+    let count: usize = get(saved, WHAT, "memory_count")?;
+    let mut memory = (Vec::new(), Vec::new());
+    if count > 0 {
+        let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
+        let nodes = kept.len().checked_div(count).unwrap_or_default();
+        if nodes * count != kept.len() {
+            return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
+        }
+        let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
+        memory = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
+    }
+    let adaptive = if saved.contains("adaptive_numbers")? {
+        let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
+        let &[front, shown, dt, last_error] = numbers.as_slice() else {
+            return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
+        };
+        let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
+        let rejected_count = get(saved, WHAT, "rejected_count")?;
+        let controller = Controller { dt, last_error, was_rejected, rejected_count };
+        Some(AdaptiveProgress { front, shown, controller })
+    } else {
+        None
+    };
+    Ok(Progress {
+        step_count: get(saved, WHAT, "step_count")?,
+        evaluation_count: get(saved, WHAT, "evaluation_count")?,
+        origin: get(saved, WHAT, "origin")?,
+        positions: rows("positions", &array("positions")?)?,
+        velocities: rows("velocities", &array("velocities")?)?,
+        ledger: Ledger {
+            start,
+            work: numbers("work", &array("work")?)?,
+            swing: get(saved, WHAT, "swing")?,
+            start_shift: get(saved, WHAT, "start_shift")?,
+        },
+        memory,
+        adaptive,
+    })
+}
