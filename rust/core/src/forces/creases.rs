@@ -27,7 +27,7 @@ use crate::layout::{BATCH, Elements};
 use crate::mesh;
 use crate::model::{Assembly, finite, non_negative, positive};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors};
+use crate::state::{Instant, Vectors, tiles};
 use crate::width::{GroupKernel, Width};
 
 /// Parameters of the creases.
@@ -259,6 +259,30 @@ impl GroupKernel for Open<'_> {
     }
 }
 
+/// Gives U.
+struct Store<'a> {
+    creases: &'a Creases,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl GroupKernel for Store<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.creases.parameters);
+        let mut energy = V::zero();
+        for group in 0..pass.len() {
+            let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[group];
+            let wings = Wings::new(pass.read::<V, 3>(self.positions, group));
+            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
+            let weight = square_c / (square_c + V::load(soft_c)) * square_d / (square_d + V::load(soft_d));
+            energy += weight * self.creases.potential(V::load(stiffness), wings.angle(V::load(sign))).0;
+        }
+        energy
+    }
+}
+
 impl Law for Creases {
     fn name(&self) -> &'static str {
         "creases"
@@ -274,15 +298,8 @@ impl Law for Creases {
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let x = Columns::of(at.positions);
-        let energies = (0..self.elements.group_count()).map(|group| {
-            let (wings, angle) = self.wings(x, group);
-            let (square_c, square_d) = (dot(wings.normal_c, wings.normal_c), dot(wings.normal_d, wings.normal_d));
-            let weight = square_c / (square_c + self.parameters[group].softening[0]) * square_d
-                / (square_d + self.parameters[group].softening[1]);
-            (weight * self.potential(self.parameters[group].stiffness, angle).0).sum()
-        });
-        energies.sum()
+        let positions = Columns::of(at.positions);
+        tiles(positions.rows()).map(|tile| self.width.run_groups(Store { creases: self, tile, positions })).sum()
     }
 
     /// kappa max(1, gamma) g g^T, with g the gradient of the angle, each wing's part times its weight: the stiffness in contact.

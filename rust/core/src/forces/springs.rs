@@ -29,7 +29,7 @@ use crate::layout::Elements;
 use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors};
+use crate::state::{Instant, Vectors, tiles};
 use crate::width::{GroupKernel, Width};
 
 /// Parameters of the membrane's springs.
@@ -195,6 +195,54 @@ impl GroupKernel for Pull<'_> {
     }
 }
 
+/// Gives the energy stored in springs.
+struct Store<'a> {
+    springs: &'a Springs,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl GroupKernel for Store<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.springs.parameters);
+        let mut energy = V::zero();
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
+            let (d, parameters) = (sub(b, a), &parameters[group]);
+            let l = dot(d, d).sqrt();
+            let held = l.max(V::load(&parameters.critical_length));
+            let stretch = held - V::load(&parameters.rest_length);
+            energy += V::load(&parameters.stiffness) * stretch * (V::all(0.5) * stretch + (l - held));
+        }
+        energy
+    }
+}
+
+/// Counts the springs beyond their bound.
+struct Exceed<'a> {
+    springs: &'a Springs,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl GroupKernel for Exceed<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
+        let mut count = V::zero();
+        for group in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, group);
+            let d = sub(b, a);
+            let bound = V::load(&parameters[group].rest_length) * (V::all(1.0) + V::load(&limits[group]));
+            count += bound.below(dot(d, d).sqrt(), V::all(1.0), V::zero());
+        }
+        count
+    }
+}
+
 impl Law for Springs {
     fn name(&self) -> &'static str {
         self.name
@@ -211,12 +259,8 @@ impl Law for Springs {
 
     /// The integral of the tension from the rest length.
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let energies = self.groups(at, |group, l| {
-            let held = l.max(self.parameters[group].critical_length);
-            let stretch = held - self.parameters[group].rest_length;
-            (self.parameters[group].stiffness * stretch * (Lanes::all(0.5) * stretch + (l - held))).sum()
-        });
-        energies.sum()
+        let positions = Columns::of(at.positions);
+        tiles(positions.rows()).map(|tile| self.width.run_groups(Store { springs: self, tile, positions })).sum()
     }
 
     /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
@@ -238,6 +282,11 @@ impl Law for Springs {
     }
 
     fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
+        let positions = Columns::of(at.positions);
+        let count = |tile| self.width.run_groups(Exceed { springs: self, tile, positions });
+        if tiles(positions.rows()).all(|tile| count(tile) == 0.0) {
+            return None;
+        }
         let mut excesses = self.groups(at, |group, l| {
             let [rest, limit] = [self.parameters[group].rest_length, self.strain_limit[group]];
             let lane = (0..l.0.len()).find(|&lane| l.0[lane] > rest.0[lane] * (1.0 + limit.0[lane]))?;

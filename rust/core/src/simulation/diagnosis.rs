@@ -6,6 +6,7 @@
 //! that failed, and the law that fed it.
 
 use super::{Settings, Simulation};
+use crate::columns::total;
 use crate::ledger::Accounts;
 use crate::stability;
 use crate::state::{Instant, State};
@@ -45,6 +46,9 @@ impl Simulation {
 
     fn not_finite(&self, now: &Accounts) -> Option<Fault> {
         let State { positions, velocities } = &self.state;
+        if (total(positions.as_slice()) + total(velocities.as_slice())).is_finite() {
+            return None;
+        }
         let row = (0..positions.nrows()).find(|&i| !(positions.row(i).sum() + velocities.row(i).sum()).is_finite())?;
         let what = "a position or velocity is no longer finite".to_owned();
         Some(self.told(what, self.node(row), self.most_changed(now), now))
