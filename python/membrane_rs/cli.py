@@ -37,6 +37,10 @@ Until = Annotated[float | None, typer.Option(help="Simulated time at the end [s]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
 Dt = Annotated[float | None, typer.Option(help="Step [s]. Default: from the stability limit, or from the tolerance.")]
 Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopri5 chooses. Default: the scene's.")]
+ShortSteps = Annotated[
+    int | None,
+    typer.Option(help="Short steps in a step of leapfrog, for laws that are not slow. Default: the scene's."),
+]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
@@ -54,6 +58,7 @@ def run(
     integrator: Integrator = None,
     dt: Dt = None,
     tolerance: Tolerance = None,
+    short_steps: ShortSteps = None,
     out: Out = None,
     frames: Frames = None,
     overwrite: Overwrite = False,
@@ -64,6 +69,7 @@ def run(
         from membrane_rs.simulation import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance, "frames": frames}
+        wanted["short_steps"] = short_steps
         chosen = _with_settings(_load(scene), wanted)
         folder = out or Path("runs") / chosen.name
         _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)
@@ -111,6 +117,7 @@ def check(
     *,
     integrator: Integrator = None,
     dt: Dt = None,
+    short_steps: ShortSteps = None,
     until: Until = None,
 ) -> None:
     """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
@@ -118,7 +125,8 @@ def check(
         from membrane_rs.simulation import Simulation
         from membrane_rs.study.needs import idle_laws, step_savings
 
-        chosen = _with_settings(_load(scene), {"until": until, "integrator": integrator, "dt": dt})
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "short_steps": short_steps}
+        chosen = _with_settings(_load(scene), wanted)
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
             typer.echo(f"  {name:<10} {count:>9,}")
@@ -137,6 +145,8 @@ def check(
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
+        if sim.slow_laws:
+            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the rest in {chosen.run.short_steps} short steps")
         savings = step_savings(chosen)
         if not savings:
             typer.echo("  saves        nothing: no single part sets the step, others are within 2 % of it")

@@ -121,6 +121,7 @@ class Simulation:
             loss_tolerance=scene.run.energy_loss,
             tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
             spectral_radius=scene.run.spectral_radius,
+            short_steps=scene.run.short_steps,
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
@@ -296,6 +297,11 @@ class Simulation:
     def hub_angle(self) -> float:
         """The angle that the hub has turned since time 0 [rad]."""
         return self._core.hub_angle
+
+    @property
+    def slow_laws(self) -> list[str]:
+        """The laws that are evaluated once a step, others at each of its `short_steps`; empty without those."""
+        return self._core.slow_laws
 
     def stable_dt(self) -> float:
         """The largest step that this method can take here without growing modes [s]; no margin is taken off.

@@ -49,7 +49,7 @@ pub fn add_all(
     resistances: &mut [Option<Vectors>],
 ) {
     resistances.iter_mut().flatten().for_each(|resistance| resistance.as_mut_slice().fill(0.0));
-    add_between_nodes(laws, at, forces, powers, resistances);
+    add_between_nodes(laws, |_| true, at, forces, powers, resistances);
     for (row, law) in laws.iter().enumerate() {
         if let Some(law) = law.by_node() {
             let out = resistances[row].as_mut().unwrap_or(forces);
@@ -58,17 +58,22 @@ pub fn add_all(
     }
 }
 
-/// As `add_all`, but laws that act on each node by itself are only prepared, and resistances are added to.
+/// As `add_all`, for the laws that are taken; but those that act on each node by itself are only prepared, and resistances are added to.
 pub fn add_between_nodes(
     laws: &[Box<dyn Law>],
+    is_taken: impl Fn(usize) -> bool,
     at: Instant<'_>,
     forces: &mut Vectors,
     powers: &mut [f64],
     resistances: &mut [Option<Vectors>],
 ) {
     powers.fill(0.0);
-    let damping = laws.iter().enumerate().find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
-    for (row, law) in laws.iter().enumerate() {
+    let damping = laws
+        .iter()
+        .enumerate()
+        .filter(|(row, _)| is_taken(*row))
+        .find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
+    for (row, law) in laws.iter().enumerate().filter(|(row, _)| is_taken(*row)) {
         if let Some(law) = law.by_node() {
             law.prepare(at);
             continue;
