@@ -47,6 +47,7 @@ class Motion:
             loss_tolerance=scene.run.energy_loss,
             tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
             spectral_radius=scene.run.spectral_radius,
+            short_steps=scene.run.short_steps,
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
@@ -229,6 +230,11 @@ class Motion:
     def hub_angle(self) -> float:
         """The angle that the hub has turned since time 0 [rad]."""
         return self._core.hub_angle
+
+    @property
+    def slow_laws(self) -> list[str]:
+        """The laws that are evaluated once a step, others at each of its `short_steps`; empty without those."""
+        return self._core.slow_laws
 
     @property
     def shares_in_runs(self) -> dict[str, float]:

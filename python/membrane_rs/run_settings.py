@@ -35,6 +35,9 @@ class RunSettings:
         Speed below which the tolerance is absolute [m/s].
     spectral_radius : float
         By what factor an implicit method shrinks, per step, the vibrations that it cannot resolve; from 0 to 1.
+    short_steps : int
+        Short steps in a step of "leapfrog", from 1 to 1000: laws whose own limit is ten times the step's and more are
+        evaluated once a step, the others at each short one. `dt` is the whole step. 4 suit most films.
     frames : int
         Shapes written, evenly spaced from the start to the end; from 2 to 10^7.
     samples : int
@@ -60,6 +63,7 @@ class RunSettings:
     tolerance_length: Annotated[Positive, Unit("m")] = 0.1
     tolerance_speed: Annotated[Positive, Unit("m/s")] = 1.0
     spectral_radius: Annotated[NonNegative, Le(1)] = 0.8
+    short_steps: Annotated[Count, Le(1000)] = 1
     frames: Annotated[Count, Ge(2), Le(MOST_INSTANTS)] = 81
     samples: Annotated[Count, Ge(2), Le(MOST_INSTANTS)] = 801
     snapshots: Annotated[Times, Unit("s")] = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)

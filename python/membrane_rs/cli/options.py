@@ -18,6 +18,10 @@ Tolerance = Annotated[float | None, typer.Option(help="Error of a step that dopr
 SpectralRadius = Annotated[
     float | None, typer.Option(help="What an implicit method leaves, per step, of vibrations too fast for it: 0 to 1.")
 ]
+ShortSteps = Annotated[
+    int | None,
+    typer.Option(help="Short steps in a step of leapfrog, for laws that are not slow. Default: the scene's."),
+]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, typer.Option(help="Shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]

@@ -17,6 +17,7 @@ from membrane_rs.cli.options import (
     Out,
     Overwrite,
     SceneArgument,
+    ShortSteps,
     SpectralRadius,
     Tolerance,
     Until,
@@ -38,6 +39,7 @@ def run(
     dt: Dt = None,
     tolerance: Tolerance = None,
     spectral_radius: SpectralRadius = None,
+    short_steps: ShortSteps = None,
     out: Out = None,
     frames: Frames = None,
     overwrite: Overwrite = False,
@@ -49,7 +51,7 @@ def run(
 
         wanted = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
-            "spectral_radius": spectral_radius, "frames": frames,
+            "spectral_radius": spectral_radius, "short_steps": short_steps, "frames": frames,
         }  # fmt: skip
         chosen = with_settings(load(scene), wanted)
         folder = out or Path("runs") / chosen.name
@@ -98,6 +100,7 @@ def check(
     *,
     integrator: Integrator = None,
     dt: Dt = None,
+    short_steps: ShortSteps = None,
     until: Until = None,
 ) -> None:
     """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
@@ -105,7 +108,8 @@ def check(
         from membrane_rs.simulation import Simulation
         from membrane_rs.study.needs import idle_laws, step_savings
 
-        chosen = with_settings(load(scene), {"until": until, "integrator": integrator, "dt": dt})
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "short_steps": short_steps}
+        chosen = with_settings(load(scene), wanted)
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
             typer.echo(f"  {name:<10} {count:>9,}")
@@ -124,6 +128,8 @@ def check(
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
+        if sim.slow_laws:
+            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the rest in {chosen.run.short_steps} short steps")
         shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.shares_in_runs.items())
         typer.echo(f"  in runs      {shares or 'nothing'} (elements in straight runs, which are quick)")
         savings = step_savings(chosen)

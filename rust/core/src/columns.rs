@@ -47,11 +47,6 @@ impl<'a> Columns<'a> {
     pub fn of(vectors: &'a Vectors) -> Self {
         Self { data: vectors.as_slice(), rows: vectors.nrows() }
     }
-
-    /// The vector in a row.
-    pub fn at(self, row: usize) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.data[axis * self.rows + row])
-    }
 }
 
 impl<'a, const COUNT: usize> Columns<'a, COUNT> {
@@ -68,6 +63,15 @@ impl<'a, const COUNT: usize> Columns<'a, COUNT> {
     #[inline(always)]
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// Eight rows of a column.
+    ///
+    /// # Panics
+    /// Where there is no such row.
+    pub fn gather_checked(self, axis: usize, places: &[u32; LANES]) -> Lanes {
+        let column = &self.data[axis * self.rows..][..self.rows];
+        Lanes(places.map(|place| column[place as usize]))
     }
 
     /// Rows `at` to `at + 8` of a column.
@@ -117,11 +121,6 @@ impl<'a> ColumnsMut<'a> {
         let rows = vectors.nrows();
         Self { data: vectors.as_mut_slice(), rows }
     }
-
-    /// Adds to the vector in a row.
-    pub fn add_at(&mut self, row: usize, vector: [f64; 3]) {
-        (0..3).for_each(|axis| self.data[axis * self.rows + row] += vector[axis]);
-    }
 }
 
 impl<'a> ColumnsMut<'a, 1> {
@@ -137,6 +136,17 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
     #[inline(always)]
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// Adds to eight rows of a column, one after the other: two places may be the same.
+    ///
+    /// # Panics
+    /// Where there is no such row.
+    pub fn scatter_checked(&mut self, axis: usize, places: &[u32; LANES], values: Lanes) {
+        let column = &mut self.data[axis * self.rows..][..self.rows];
+        for (&place, value) in places.iter().zip(values.0) {
+            column[place as usize] += value;
+        }
     }
 
     /// Adds to rows `at` to `at + 8` of a column.

@@ -4,6 +4,7 @@ mod adaptive;
 mod diagnosis;
 mod implicit;
 mod mechanics;
+mod pace;
 mod progress;
 mod watch;
 
@@ -13,7 +14,7 @@ use crate::integrators::{self, Integrator, Memory, Tolerance};
 use crate::layout::Layout;
 use crate::ledger::{Accounts, Ledger};
 use crate::model::{Assembly, Model, non_negative, positive, within};
-use crate::stability::{self, Limit};
+use crate::stability::Limit;
 use crate::state::{Instant, State, Vectors};
 use crate::tangent::Tangent;
 use crate::width::Width;
@@ -36,6 +37,8 @@ pub struct Settings {
     pub tolerance: Tolerance,
     /// By what factor an implicit method shrinks, per step, what it cannot resolve; from 0 to 1.
     pub spectral_radius: f64,
+    /// Short steps in a step of leapfrog, between which slow laws rest.
+    pub short_steps: u32,
     /// The instructions that kernels run with; the bits of the results do not depend on it.
     pub width: Width,
 }
@@ -49,6 +52,7 @@ impl Default for Settings {
             loss_tolerance: 0.05,
             tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
             spectral_radius: integrators::SPECTRAL_RADIUS,
+            short_steps: 1,
             width: Width::widest(),
         }
     }
@@ -127,14 +131,18 @@ impl Simulation {
             "it lies between 0 and 1",
         )?;
         integrator.dissipate(settings.spectral_radius);
+        let count = settings.short_steps;
+        within("short steps", f64::from(count), count > 0, "it is at least 1")?;
+        if let Some(divided) = if count > 1 { integrator.in_short_steps(count) } else { None } {
+            integrator = divided;
+        }
         let tangent = integrator.is_implicit().then(|| Tangent::new(&laws, &assembly.inverse_masses)).transpose()?;
         let gather = |rows: &[[f64; 3]]| assembly.layout.gather_vectors(rows);
         let mut state =
             State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
         let Assembly { masses, inverse_masses, layout, .. } = assembly;
-        let is_reworked = integrator.evaluates_elsewhere();
-        let mechanics = Mechanics::new(laws, masses, inverse_masses, tangent, is_reworked, settings.width);
+        let mechanics = Mechanics::new(laws, masses, inverse_masses, tangent, integrator.as_ref(), settings.width);
         let accounts = Accounts::take(&mechanics.laws, &mechanics.masses, 0.0, &state);
         let ledger = Ledger::open(accounts.clone());
         let good = Good {
@@ -161,6 +169,7 @@ impl Simulation {
             adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
+        simulation.tell_apart()?;
         let limit = known.map_or_else(|| simulation.limit(), Ok)?;
         simulation.start_limit = limit.clone();
         simulation.dt = match dt {
@@ -181,7 +190,7 @@ impl Simulation {
             None if simulation.integrator.is_implicit() && limit.largest_frequency > 0.0 => {
                 implicit::LONG_STEP * 2.0 / limit.largest_frequency
             }
-            None if limit.dt.is_finite() => settings.margin * limit.dt,
+            None if limit.dt.is_finite() => (settings.margin * limit.dt).min(simulation.in_rest(&limit)),
             None => return Err(Error::NoStiffness),
         };
         Ok(simulation)
@@ -324,7 +333,7 @@ impl Simulation {
     /// # Errors
     /// `NotFinite`.
     pub fn limit(&self) -> Result<Limit> {
-        stability::limit(self.integrator.as_ref(), &self.mechanics.laws, self.instant(), &self.mechanics.inverse_masses)
+        self.limit_at(self.instant())
     }
 
     /// The caller's number of the core's node `inside`.

@@ -58,12 +58,7 @@ struct Linear<'a> {
 ///
 /// # Errors
 /// `NotFinite` where an eigenvalue is not, which takes coordinates that are not.
-pub fn limit(
-    integrator: &dyn Integrator,
-    laws: &[Box<dyn Law>],
-    at: Instant<'_>,
-    inverse_masses: &[f64],
-) -> Result<Limit> {
+pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, inverse_masses: &[f64]) -> Result<Limit> {
     let stiffness = |p: &Vectors, out: &mut Vectors| laws.iter().for_each(|law| law.add_stiffness_product(at, p, out));
     let damping = |p: &Vectors, out: &mut Vectors| laws.iter().for_each(|law| law.add_damping_product(at, p, out));
     let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
@@ -71,7 +66,7 @@ pub fn limit(
     let (rate, most_damped) = largest(&damping, &roots)?;
     // Coriolis acts with 2 Omega; what turns against the frame turns faster by Omega.
     let turning_of = |law: &dyn Law| 0.5 * law.gyration(at.time).abs();
-    let turning = laws.iter().map(|law| turning_of(law.as_ref())).fold(0.0, f64::max);
+    let turning = laws.iter().map(|law| turning_of(*law)).fold(0.0, f64::max);
     let omega = square.max(0.0).sqrt();
     let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
     let (dt, mode, pace) = if integrator.is_implicit() {
@@ -91,8 +86,7 @@ pub fn limit(
         let viscous = quotient(&|p, out| law.add_damping_product(at, p, out), &roots, &mode);
         elastic + pace * viscous + turning_of(law).powi(2)
     };
-    let law =
-        laws.iter().max_by(|a, b| share(a.as_ref()).total_cmp(&share(b.as_ref()))).map_or("nothing", |law| law.name());
+    let law = laws.iter().max_by(|a, b| share(**a).total_cmp(&share(**b))).map_or("nothing", |law| law.name());
     let node = (0..mode.nrows())
         .max_by(|&i, &j| mode.row(i).norm_squared().total_cmp(&mode.row(j).norm_squared()))
         .unwrap_or(0);

@@ -85,7 +85,7 @@ impl Simulation {
     #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
         extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
         laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius,
-        width=None))]
+        short_steps, width=None))]
     #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -114,6 +114,7 @@ impl Simulation {
         loss_tolerance: f64,
         tolerance: (f64, f64, f64),
         spectral_radius: f64,
+        short_steps: u32,
         width: Option<&str>,
     ) -> PyResult<Self> {
         let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
@@ -170,8 +171,16 @@ impl Simulation {
         };
         let (relative, length, speed) = tolerance;
         let tolerance = Tolerance { relative, length, speed };
-        let settings =
-            Settings { margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius, width };
+        let settings = Settings {
+            margin,
+            watch_interval,
+            energy_tolerance,
+            loss_tolerance,
+            tolerance,
+            spectral_radius,
+            short_steps,
+            width,
+        };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
     }
 
@@ -235,6 +244,11 @@ impl Simulation {
     /// [(law, share of its elements that kernels reach in straight runs)].
     fn shares_in_runs(&self) -> ByLaw {
         self.core.laws().iter().filter_map(|law| Some((law.name(), law.share_in_runs()?))).collect()
+    }
+
+    #[getter]
+    fn slow_laws(&self) -> Vec<&'static str> {
+        self.core.slow_laws().collect()
     }
 
     #[getter]

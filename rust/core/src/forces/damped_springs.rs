@@ -44,7 +44,7 @@ pub fn add_all(laws: &[Box<dyn Law>], at: Instant<'_>, forces: &mut Vectors, pow
     powers.fill(0.0);
     let count = at.positions.nrows();
     for tile in tiles(count) {
-        add_between_nodes(laws, tile, at, forces, powers, &mut []);
+        add_between_nodes(laws, |_| true, tile, at, forces, powers, &mut []);
         for (law, power) in laws.iter().zip(&mut *powers) {
             if let Some(law) = law.by_node() {
                 let range = rows_of(tile, count);
@@ -54,19 +54,21 @@ pub fn add_all(laws: &[Box<dyn Law>], at: Instant<'_>, forces: &mut Vectors, pow
     }
 }
 
-/// Adds the forces \[N\] of what belongs to a tile, and to the power of each law \[W\]. Laws that act on each node by itself
+/// Adds the forces \[N\] of what belongs to a tile, of the laws that are taken, and to their power \[W\]. Laws that act on each node by itself
 /// are only prepared. A law with a place in `resistances` adds its forces there.
 pub fn add_between_nodes(
     laws: &[Box<dyn Law>],
+    is_taken: impl Fn(usize) -> bool,
     tile: usize,
     at: Instant<'_>,
     forces: &mut Vectors,
     powers: &mut [f64],
     resistances: &mut [Option<Vectors>],
 ) {
-    let damping = laws.iter().enumerate().find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
+    let taken = || laws.iter().enumerate().filter(|(row, _)| is_taken(*row));
+    let damping = taken().find_map(|(row, law)| law.dashpots().map(|damping| (row, damping)));
     let is_apart = |row: usize, resistances: &[Option<Vectors>]| resistances.get(row).is_some_and(Option::is_some);
-    for (row, law) in laws.iter().enumerate() {
+    for (row, law) in taken() {
         if let Some(law) = law.by_node() {
             law.prepare(tile, at);
             continue;

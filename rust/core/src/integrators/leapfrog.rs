@@ -29,6 +29,7 @@
 
 use nalgebra::Matrix3;
 
+use super::multirate::Multirate;
 use super::{Integrator, Memory, System};
 use crate::lanes::Vector;
 use crate::rowwise::{Formula, each};
@@ -59,8 +60,8 @@ impl Leapfrog {
 }
 
 /// The drift, and the prediction in place of the velocity.
-struct Drift {
-    dt: f64,
+pub(super) struct Drift {
+    pub(super) dt: f64,
 }
 
 impl Formula<1, 2> for Drift {
@@ -73,8 +74,8 @@ impl Formula<1, 2> for Drift {
 }
 
 /// The velocity from its prediction, without gyration: v = p + dt/2 (a' - a). Then a' stands in place of a.
-struct Correct {
-    half: f64,
+pub(super) struct Correct {
+    pub(super) half: f64,
 }
 
 impl Formula<1, 2> for Correct {
@@ -85,9 +86,9 @@ impl Formula<1, 2> for Correct {
 }
 
 /// The same with gyration, in x and y.
-struct Gyrate {
-    half: f64,
-    rate: f64,
+pub(super) struct Gyrate {
+    pub(super) half: f64,
+    pub(super) rate: f64,
 }
 
 impl Formula<2, 4> for Gyrate {
@@ -99,6 +100,24 @@ impl Formula<2, 4> for Gyrate {
         let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
         [new_x + rate * dy, new_y - rate * dx, px + dx, py + dy]
     }
+}
+
+/// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
+pub(super) fn growth(omega: f64, damping: f64, dt: f64) -> f64 {
+    // One step of (x, dt v, dt^2 a).
+    let (z, c) = ((omega * dt).powi(2), damping * dt);
+    let step = Matrix3::new(
+        1.0,
+        1.0,
+        0.5,
+        -0.5 * z,
+        1.0 - 0.5 * z - 0.5 * c,
+        0.5 - 0.25 * z - 0.5 * c,
+        -z,
+        -z - c,
+        -0.5 * z - c,
+    );
+    step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
 impl Integrator for Leapfrog {
@@ -126,25 +145,16 @@ impl Integrator for Leapfrog {
         true
     }
 
+    fn in_short_steps(&self, count: u32) -> Option<Box<dyn Integrator>> {
+        Some(Box::new(Multirate::new(self.acceleration.nrows(), self.powers.len(), count, self.width)))
+    }
+
     fn damping_weight(&self) -> Option<f64> {
         Some(4.0)
     }
 
     fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
-        // One step of (x, dt v, dt^2 a).
-        let (z, c) = ((omega * dt).powi(2), damping * dt);
-        let step = Matrix3::new(
-            1.0,
-            1.0,
-            0.5,
-            -0.5 * z,
-            1.0 - 0.5 * z - 0.5 * c,
-            0.5 - 0.25 * z - 0.5 * c,
-            -z,
-            -z - c,
-            -0.5 * z - c,
-        );
-        step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+        growth(omega, damping, dt)
     }
 
     fn is_started(&self) -> bool {

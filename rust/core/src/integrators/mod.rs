@@ -6,6 +6,7 @@ mod controller;
 mod dopri5;
 mod generalized_alpha;
 mod leapfrog;
+mod multirate;
 mod rk4;
 
 use std::ops::Range;
@@ -19,8 +20,19 @@ use crate::width::Width;
 
 pub use controller::Controller;
 
+/// Which laws a method takes that tells them apart by their pace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Those that ask for short steps.
+    Fast,
+    /// The others.
+    Slow,
+}
+
 /// What is integrated: x'' = a(t, x, v).
 pub trait System {
+    /// Says which laws the following evaluations take; all, where nothing is said. For methods that tell laws apart.
+    fn select(&mut self, part: Part);
     /// Works out what nodes do to each other at this instant, as far as it concerns the rows of a tile; the first tile starts
     /// the power of each law anew. Tiles come in order.
     fn gather(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]);
@@ -108,12 +120,20 @@ pub trait Integrator: Send + Sync {
     fn evaluates_elsewhere(&self) -> bool {
         false
     }
+    /// The method by which slow laws move nodes, one step at a time, of a method that tells laws apart by their pace.
+    fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
+        None
+    }
     /// Whether it solves for the end of a step with the tangent: then no mode limits the step.
     fn is_implicit(&self) -> bool {
         false
     }
     /// Sets by what factor vibrations shrink that the step cannot resolve, for methods that have such a choice.
     fn dissipate(&mut self, _spectral_radius: f64) {}
+    /// The same method with `count` short steps in a step, between which slow laws rest, where it has such a form.
+    fn in_short_steps(&self, _count: u32) -> Option<Box<dyn Integrator>> {
+        None
+    }
     /// What is spent on Newton's method.
     fn effort(&self) -> Effort {
         Effort::default()

@@ -164,35 +164,32 @@ impl<const N: usize> Elements<N> {
 
     /// The vectors of the nodes of any group; for what is done once and not at every step.
     pub fn read_any(&self, columns: Columns<'_>, group: usize) -> [Point; N] {
-        let mut points = [[Lanes::ZERO; 3]; N];
-        for lane in 0..LANES {
-            for (point, node) in points.iter_mut().zip(self.nodes(group, lane)) {
-                let vector = columns.at(node as usize);
-                (0..3).for_each(|axis| point[axis].0[lane] = vector[axis]);
-            }
-        }
-        points
+        let nodes = self.nodes_of(group);
+        std::array::from_fn(|k| std::array::from_fn(|axis| columns.gather_checked(axis, &nodes[k])))
     }
 
     /// Adds a vector to each node of any group; for what is done once and not at every step.
     pub fn add_any(&self, columns: &mut ColumnsMut<'_>, group: usize, vectors: [Point; N]) {
-        for lane in 0..LANES {
-            for (vector, node) in vectors.iter().zip(self.nodes(group, lane)) {
-                columns.add_at(node as usize, vector.map(|component| component.0[lane]));
-            }
+        for (nodes, vector) in self.nodes_of(group).iter().zip(vectors) {
+            (0..3).for_each(|axis| columns.scatter_checked(axis, nodes, vector[axis]));
         }
+    }
+
+    /// The nodes of a group, lane by lane.
+    fn nodes_of(&self, group: usize) -> [[u32; LANES]; N] {
+        if let Some(first) = self.runs.get(group) {
+            return first.map(|first| std::array::from_fn(|lane| first + lane as u32));
+        }
+        let group = group - self.runs.len();
+        if let Some(first) = self.halves.get(group) {
+            return first.map(|first| std::array::from_fn(|lane| first[lane / HALF] + (lane % HALF) as u32));
+        }
+        self.loose[group - self.halves.len()]
     }
 
     /// The core's nodes of the element in `lane` of `group`.
     pub fn nodes(&self, group: usize, lane: usize) -> [u32; N] {
-        if let Some(first) = self.runs.get(group) {
-            return first.map(|first| first + lane as u32);
-        }
-        let group = group - self.runs.len();
-        if let Some(first) = self.halves.get(group) {
-            return first.map(|first| first[lane / HALF] + (lane % HALF) as u32);
-        }
-        self.loose[group - self.halves.len()].map(|nodes| nodes[lane])
+        self.nodes_of(group).map(|nodes| nodes[lane])
     }
 }
 

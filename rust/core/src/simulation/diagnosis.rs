@@ -8,7 +8,6 @@
 use super::{Settings, Simulation};
 use crate::columns::total;
 use crate::ledger::Accounts;
-use crate::stability;
 use crate::state::{Instant, State};
 
 /// Share of the largest account that rounding may make.
@@ -265,8 +264,7 @@ impl Simulation {
         let now = [Some(&self.good.state), self.suspect.as_ref()].into_iter().flatten().find_map(|state| {
             let State { positions, velocities } = state;
             let at = Instant { time: self.good.time, positions, velocities };
-            let limit = stability::limit(self.integrator.as_ref(), laws, at, &self.mechanics.inverse_masses);
-            limit.ok().filter(|now| self.dt > now.dt)
+            self.limit_at(at).ok().filter(|now| self.dt > now.dt)
         })?;
         Some(format!(
             "as the shape changed, the stability limit fell from {:.3e} s to {:.3e} s, below dt = {:.3e} s, by {}: {}",

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::forces::{self, Law};
-use crate::integrators::System;
+use crate::integrators::{Integrator, Part, System};
 use crate::lanes::Vector;
 use crate::rowwise::{Add, Formula, each, on_axes};
 use crate::state::{Instant, STRETCH, Vectors, columns, rows, rows_mut};
@@ -22,33 +22,42 @@ pub(super) struct Mechanics {
     forces: Vectors,
     /// Laws without a potential whose power the method asks for later: those that remember their last evaluation.
     remembered: Vec<bool>,
-    /// And the forces of the others \[N\]: all rows of a law between nodes, zero but from `gather` to `rework`; those of one
-    /// stretch of a law node by node.
+    /// And the forces of the others \[N\]: all rows of a law between nodes, zero but from `gather` to `rework`; those of
+    /// one stretch of a law node by node, where these are reworked at once.
     resistances: Vec<Option<Vectors>>,
+    /// Whether each law is slow, and whether evaluations take it now.
+    pub(super) is_slow: Vec<bool>,
+    taken: Vec<bool>,
+    part: Option<Part>,
     width: Width,
 }
 
 impl Mechanics {
-    /// With `is_reworked` for a method that `evaluates_elsewhere`.
+    /// As `method` needs them.
     pub(super) fn new(
         mut laws: Vec<Box<dyn Law>>,
         masses: Vec<f64>,
         inverse_masses: Vec<f64>,
         tangent: Option<Tangent>,
-        is_reworked: bool,
+        method: &dyn Integrator,
         width: Width,
     ) -> Self {
         let nodes = masses.len();
-        let is_asked = |law: &dyn Law| is_reworked && !law.is_conservative();
+        let is_asked = |law: &dyn Law| method.evaluates_elsewhere() && !law.is_conservative();
+        // Laws that are told apart are reworked together, after all are finished.
+        let is_at_once = method.for_slow_laws().is_none();
         let remembered: Vec<bool> = laws.iter_mut().map(|law| is_asked(law.as_ref()) && law.remember()).collect();
         let resistance = |law: &dyn Law, is_remembered: bool| {
-            let count = if law.by_node().is_some() { STRETCH.min(nodes) } else { nodes };
+            let count = if is_at_once && law.by_node().is_some() { STRETCH.min(nodes) } else { nodes };
             (is_asked(law) && !is_remembered).then(|| Vectors::zeros(count))
         };
         let rows = laws.iter().zip(&remembered);
         Self {
             resistances: rows.map(|(law, &is_remembered)| resistance(law.as_ref(), is_remembered)).collect(),
             remembered,
+            is_slow: vec![false; laws.len()],
+            taken: vec![true; laws.len()],
+            part: None,
             laws,
             masses,
             inverse_masses,
@@ -85,18 +94,32 @@ impl Formula<6, 0> for Power {
     }
 }
 
+/// Where the rows of a stretch are in a resistance, which has those of all nodes or of one stretch.
+fn place_of(range: &Range<usize>, resistance: &Vectors, nodes: usize) -> Range<usize> {
+    if resistance.nrows() < nodes { 0..range.len() } else { range.clone() }
+}
+
 /// The sum of F . v over some rows \[W\].
 fn power_of(width: Width, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
     each(width, &Power, [fx, fy, fz, u, v, w], [])
 }
 
 impl System for Mechanics {
+    fn select(&mut self, part: Part) {
+        self.part = Some(part);
+        for (taken, is_slow) in self.taken.iter_mut().zip(&self.is_slow) {
+            *taken = *is_slow == (part == Part::Slow);
+        }
+    }
+
     fn gather(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
-            self.evaluation_count += 1;
+            // Where laws are told apart, evaluations of the fast ones count.
+            self.evaluation_count += u64::from(self.part != Some(Part::Slow));
         }
-        forces::add_between_nodes(&self.laws, tile, at, &mut self.forces, powers, &mut self.resistances);
+        let (forces, taken) = (&mut self.forces, &self.taken);
+        forces::add_between_nodes(&self.laws, |row| taken[row], tile, at, forces, powers, &mut self.resistances);
         for (row, power) in powers.iter_mut().enumerate() {
             if self.remembered[row] || self.resistances[row].is_some() {
                 *power = 0.0;
@@ -106,15 +129,17 @@ impl System for Mechanics {
 
     fn finish(&mut self, range: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]) {
         let width = self.width;
-        for ((law, resistance), power) in self.laws.iter().zip(&mut self.resistances).zip(powers) {
+        for (((law, resistance), power), _) in
+            self.laws.iter().zip(&mut self.resistances).zip(powers).zip(&self.taken).filter(|(_, taken)| **taken)
+        {
             let forces = rows_mut(&mut self.forces, range.clone());
             match (law.by_node(), resistance) {
                 (Some(law), None) => *power += law.add_to_rows(range.clone(), at, forces),
                 (Some(law), Some(resistance)) => {
-                    let own = || 0..range.len();
-                    rows_mut(resistance, own()).into_iter().for_each(|column| column.fill(0.0));
-                    law.add_to_rows(range.clone(), at, rows_mut(resistance, own()));
-                    on_axes(width, &Add, [rows(resistance, own())], [forces]);
+                    let own = place_of(&range, resistance, self.masses.len());
+                    rows_mut(resistance, own.clone()).into_iter().for_each(|column| column.fill(0.0));
+                    law.add_to_rows(range.clone(), at, rows_mut(resistance, own.clone()));
+                    on_axes(width, &Add, [rows(resistance, own)], [forces]);
                 }
                 (None, Some(resistance)) => on_axes(width, &Add, [rows(resistance, range.clone())], [forces]),
                 (None, None) => {}
@@ -125,9 +150,11 @@ impl System for Mechanics {
     }
 
     fn rework_rows(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {
-        for ((law, resistance), power) in self.laws.iter().zip(&self.resistances).zip(powers) {
+        for (((law, resistance), power), _) in
+            self.laws.iter().zip(&self.resistances).zip(powers).zip(&self.taken).filter(|(_, taken)| **taken)
+        {
             if let (Some(_), Some(resistance)) = (law.by_node(), resistance) {
-                let forces = rows(resistance, 0..range.len());
+                let forces = rows(resistance, place_of(&range, resistance, self.masses.len()));
                 *power += power_of(self.width, forces, velocities);
             }
         }
@@ -135,6 +162,9 @@ impl System for Mechanics {
 
     fn rework(&mut self, at: Instant<'_>, powers: &mut [f64]) {
         for (row, (law, resistance)) in self.laws.iter().zip(&mut self.resistances).enumerate() {
+            if !self.taken[row] {
+                continue;
+            }
             if self.remembered[row] {
                 powers[row] += law.rework(at);
             } else if let (None, Some(resistance)) = (law.by_node(), resistance) {

@@ -1,0 +1,250 @@
+//! Leapfrog in short steps, also called r-RESPA or the impulse method (Grubmueller et al. 1991; Tuckerman, Berne and Martyna
+//! 1992): slow laws s are evaluated once a step of length h, the others, f, at each of m short steps of length dt = h/m.
+//! With b_k = f_k, and b_k = f_k + m s_k at the ends of the step,
+//!
+//!     v_k+1/2 = v_k + dt/2 b_k,    x_k+1 = x_k + dt v_k+1/2,    v_k+1 = v_k+1/2 + dt/2 b_k+1
+//!
+//! so slow laws kick by h/2 s at both ends. Forces that depend on velocity see p = v_k+1/2 + dt/2 (f_k, + m s_n at the end of
+//! the step), good to h^2, with which order 2 holds; the force of Coriolis is taken at v_k+1 itself, as `leapfrog` does.
+//!
+//! Which laws are slow is not said here: those that alone would allow a step many times as long (`simulation::pace`).
+//! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, kicks by slow laws
+//! can meet that mode in step, and feed it unless damping takes more: a step that is not given stays below.
+//! Storage: two vectors per node beside the state.
+
+use super::leapfrog::{Correct, Drift, Gyrate, Leapfrog, growth};
+use super::{Integrator, Memory, Part, System};
+use crate::lanes::Vector;
+use crate::rowwise::{Formula, each, on_axes};
+use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, rows_of, stretches, tiles};
+use crate::width::Width;
+
+/// The method and what it keeps.
+pub(super) struct Multirate {
+    /// m.
+    count: u32,
+    /// f_n and s_n, and each law's power with them.
+    fast: Vectors,
+    slow: Vectors,
+    fast_powers: Vec<f64>,
+    slow_powers: Vec<f64>,
+    is_started: bool,
+    /// Accelerations of one stretch of nodes.
+    stretch: Vectors,
+    width: Width,
+}
+
+impl Multirate {
+    pub(super) fn new(nodes: usize, laws: usize, count: u32, width: Width) -> Self {
+        Self {
+            count,
+            fast: Vectors::zeros(nodes),
+            slow: Vectors::zeros(nodes),
+            fast_powers: vec![0.0; laws],
+            slow_powers: vec![0.0; laws],
+            is_started: false,
+            stretch: Vectors::zeros(STRETCH.min(nodes)),
+            width,
+        }
+    }
+
+    /// Evaluates the slow laws at the end of a step: what the last short step then takes for f_k is f_k - m (s' - s), so
+    /// that its correction is that of b.
+    fn evaluate_slow(&mut self, system: &mut dyn System, at: Instant<'_>) {
+        let Self { fast, slow, slow_powers, stretch, width, .. } = self;
+        let shift = Shift { count: f64::from(self.count) };
+        system.select(Part::Slow);
+        let count = slow.nrows();
+        for tile in tiles(count) {
+            system.gather(tile, at, slow_powers);
+            for range in stretches(rows_of(tile, count)) {
+                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), slow_powers);
+                let changed = [rows_mut(fast, range.clone()), rows_mut(slow, range.clone())];
+                on_axes(*width, &shift, [rows(stretch, 0..range.len())], changed);
+            }
+        }
+        system.select(Part::Fast);
+    }
+
+    /// Evaluates the fast laws at the end of a short step, and corrects its velocities.
+    fn evaluate_fast(&mut self, system: &mut dyn System, time: f64, half: f64, state: &mut State) {
+        let Self { fast, fast_powers, stretch, width, .. } = self;
+        let (width, rate) = (*width, system.gyration(time));
+        let count = fast.nrows();
+        for tile in tiles(count) {
+            system.gather(tile, instant(state, time), fast_powers);
+            for range in stretches(rows_of(tile, count)) {
+                system.finish(range.clone(), instant(state, time), rows_mut(stretch, 0..range.len()), fast_powers);
+                let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
+                let [ax, ay, az] = rows_mut(fast, range.clone());
+                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+                if rate == 0.0 {
+                    each(width, &Correct { half }, [new_x], [ax, vx]);
+                    each(width, &Correct { half }, [new_y], [ay, vy]);
+                } else {
+                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                }
+                each(width, &Correct { half }, [new_z], [az, vz]);
+                system.rework_rows(range.clone(), rows(&state.velocities, range), fast_powers);
+            }
+        }
+        system.rework(instant(state, time), fast_powers);
+    }
+}
+
+/// The drift and the prediction where slow forces kick before or after it.
+struct KickedDrift {
+    dt: f64,
+    before: f64,
+    after: f64,
+}
+
+impl Formula<2, 2> for KickedDrift {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [fast, slow]: [V; 2], [x, v]: [V; 2]) -> [V; 2] {
+        let half = V::all(0.5 * self.dt);
+        let kicked = v + half * fast + V::all(self.before) * slow;
+        [x + V::all(self.dt) * kicked, kicked + half * fast + V::all(self.after) * slow]
+    }
+}
+
+/// f - m (s' - s) in place of f, s' in place of s.
+struct Shift {
+    count: f64,
+}
+
+impl Formula<1, 2> for Shift {
+    #[inline(always)]
+    fn row<V: Vector>(&self, [new]: [V; 1], [fast, slow]: [V; 2]) -> [V; 2] {
+        [fast - V::all(self.count) * (new - slow), new]
+    }
+}
+
+fn instant(state: &State, time: f64) -> Instant<'_> {
+    Instant { time, positions: &state.positions, velocities: &state.velocities }
+}
+
+impl Integrator for Multirate {
+    fn name(&self) -> &'static str {
+        "leapfrog"
+    }
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn evaluations_per_step(&self) -> u32 {
+        self.count
+    }
+
+    fn evaluations_at_start(&self) -> u32 {
+        1
+    }
+
+    fn keeps_energy(&self) -> bool {
+        true
+    }
+
+    fn evaluates_elsewhere(&self) -> bool {
+        true
+    }
+
+    fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
+        Some(Box::new(Leapfrog::new(0, 0, self.width)))
+    }
+
+    fn damping_weight(&self) -> Option<f64> {
+        Some(4.0 * f64::from(self.count))
+    }
+
+    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+        growth(omega, damping, dt / f64::from(self.count)).powi(self.count as i32)
+    }
+
+    fn is_started(&self) -> bool {
+        self.is_started
+    }
+
+    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+        let at = instant(state, time);
+        let parts =
+            [(Part::Slow, &mut self.slow, &mut self.slow_powers), (Part::Fast, &mut self.fast, &mut self.fast_powers)];
+        for (part, accelerations, powers) in parts {
+            system.select(part);
+            let count = accelerations.nrows();
+            for tile in tiles(count) {
+                system.gather(tile, at, powers);
+                for range in stretches(rows_of(tile, count)) {
+                    system.finish(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
+                    system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
+                }
+            }
+            system.rework(at, powers);
+        }
+        self.is_started = true;
+    }
+
+    fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
+        let (short, kick) = (dt / f64::from(self.count), 0.5 * dt);
+        let mut add_work = |weight: f64, powers: &[f64]| {
+            work.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
+        };
+        system.select(Part::Fast);
+        add_work(kick, &self.slow_powers);
+        for k in 1..=self.count {
+            let is_last = k == self.count;
+            let now = if is_last { time + dt } else { time + f64::from(k) * short };
+            add_work(0.5 * short, &self.fast_powers);
+            let changed = [state.positions.as_mut_slice(), state.velocities.as_mut_slice()];
+            if k == 1 || is_last {
+                let (before, after) = if is_last { (0.0, kick) } else { (kick, 0.0) };
+                let drift = KickedDrift { dt: short, before, after };
+                each(self.width, &drift, [self.fast.as_slice(), self.slow.as_slice()], changed);
+            } else {
+                each(self.width, &Drift { dt: short }, [self.fast.as_slice()], changed);
+            }
+            if is_last {
+                self.evaluate_slow(system, instant(state, now));
+            }
+            self.evaluate_fast(system, now, 0.5 * short, state);
+            add_work(0.5 * short, &self.fast_powers);
+        }
+        system.select(Part::Slow);
+        for range in stretches(0..self.slow.nrows()) {
+            system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.slow_powers);
+        }
+        system.rework(instant(state, time + dt), &mut self.slow_powers);
+        add_work(kick, &self.slow_powers);
+    }
+
+    fn energy_shift(&self, masses: &[f64], dt: f64) -> f64 {
+        let [x, y, z] = columns(&self.fast);
+        let dt = dt / f64::from(self.count);
+        let squares = (0..masses.len()).map(|i| masses[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
+        -0.125 * dt * dt * squares.sum::<f64>()
+    }
+
+    fn memory(&self) -> Memory {
+        if !self.is_started {
+            return Memory::default();
+        }
+        let numbers = self.fast_powers.iter().chain(&self.slow_powers).copied().collect();
+        Memory { vectors: vec![self.fast.clone(), self.slow.clone()], numbers }
+    }
+
+    fn recall(&mut self, memory: Memory) -> bool {
+        self.is_started = !memory.vectors.is_empty();
+        if !self.is_started {
+            return memory.numbers.is_empty();
+        }
+        let laws = self.fast_powers.len();
+        let fits = memory.vectors.len() == 2 && memory.numbers.len() == 2 * laws;
+        if fits {
+            self.fast.copy_from(&memory.vectors[0]);
+            self.slow.copy_from(&memory.vectors[1]);
+            self.fast_powers.copy_from_slice(&memory.numbers[..laws]);
+            self.slow_powers.copy_from_slice(&memory.numbers[laws..]);
+        }
+        fits
+    }
+}

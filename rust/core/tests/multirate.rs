@@ -1,0 +1,114 @@
+//! Leapfrog in short steps: which laws are slow, and what holds with them.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod common;
+
+use common::sail;
+use membrane_core::forces::{LawSpec, Spin};
+use membrane_core::model::{Cord, Model};
+use membrane_core::simulation::{Settings, Simulation};
+
+/// Three masses on a taut chain between two held nodes that swing in all directions in a frame that turns ever faster;
+/// friction and weight are slow beside the cords.
+fn swinging(name: &str, short_steps: u32, dt: f64) -> Simulation {
+    let model = Model {
+        positions: (0..5).map(|i| [2.0 * f64::from(i), 0.0, 0.0]).collect(),
+        velocities: common::Dice(7).vectors(5, 0.5),
+        extra_masses: vec![1.0; 5],
+        fixed: vec![0, 4],
+        cords: (0..4)
+            .map(|i| Cord { nodes: [i, i + 1], stiffness: 7.0, rest_length: 1.0, strain_limit: 10.0 })
+            .collect(),
+        ..Model::default()
+    };
+    let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
+    let laws =
+        [LawSpec::SpringDamping(0.1.into()), spin, LawSpec::MassDamping(0.05), LawSpec::Gravity([0.3, -0.2, 0.4])];
+    let settings = Settings { short_steps, watch_interval: u64::MAX, ..Settings::default() };
+    Simulation::new(model, &laws, name, Some(dt), settings).unwrap()
+}
+
+fn sail_in(short_steps: u32, dt: Option<f64>) -> Simulation {
+    let settings = Settings { short_steps, ..Settings::default() };
+    Simulation::new(sail::sail(1), &sail::laws(), "leapfrog", dt, settings).unwrap()
+}
+
+#[test]
+fn laws_are_slow_that_alone_allow_ten_times_the_step() {
+    let slow = |simulation: &Simulation| simulation.slow_laws().collect::<Vec<_>>();
+    assert_eq!(slow(&swinging("leapfrog", 4, 0.01)), ["mass_damping", "gravity"]);
+    for (name, count) in [("leapfrog", 1), ("rk4", 4)] {
+        assert!(slow(&swinging(name, count, 0.01)).is_empty());
+    }
+    let (whole, divided) = (sail_in(1, None), sail_in(4, None));
+    assert!(slow(&divided).contains(&"creases") && slow(&divided).contains(&"air_drag"), "{:?}", slow(&divided));
+    assert!((divided.limit().unwrap().dt / whole.limit().unwrap().dt / 4.0 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_step_that_is_not_given_is_shorter_than_half_a_period_of_any_mode() {
+    let mut last = 0.0;
+    for count in 2..12 {
+        let simulation = sail_in(count, None);
+        let phase = simulation.dt() * simulation.limit().unwrap().largest_frequency;
+        assert!(phase < std::f64::consts::PI && phase >= last, "{count}: {phase}");
+        last = phase;
+    }
+    assert!(last > 2.8);
+}
+
+#[test]
+fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
+    let run = |name: &str, steps: u64| {
+        let mut simulation = swinging(name, 4, 2.0 / steps as f64);
+        simulation.step(steps).unwrap();
+        simulation
+    };
+    let exact = run("dopri5", 4000);
+    let errors = [40, 80].map(|steps| {
+        let found = run("leapfrog", steps);
+        let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+            a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let work = |simulation: &Simulation, law: usize| simulation.ledger().work[law];
+        [
+            apart(&found.positions(), &exact.positions()),
+            apart(&found.velocities(), &exact.velocities()),
+            (work(&found, 2) - work(&exact, 2)).abs(),
+            found.ledger().surplus(&found.accounts()).abs(),
+        ]
+    });
+    for (k, what) in ["position", "velocity", "work of friction", "energy"].iter().enumerate() {
+        let order = (errors[0][k] / errors[1][k]).log2();
+        let is_met = if k < 2 { (order - 2.0).abs() < 0.25 } else { order > 1.7 };
+        assert!(is_met, "{what}: order {order}, error {:e}", errors[1][k]);
+    }
+}
+
+#[test]
+fn a_sail_is_balanced_as_by_leapfrog_with_a_quarter_of_the_slow_evaluations() {
+    let run = |short_steps: u32, steps: u64, dt: f64| {
+        let mut simulation = sail_in(short_steps, Some(dt));
+        simulation.step(steps).unwrap();
+        simulation
+    };
+    let (short, long) = (run(1, 400, 1e-6), run(4, 100, 4e-6));
+    assert_eq!(short.evaluation_count(), long.evaluation_count());
+    assert!((short.time() - long.time()).abs() < 1e-12);
+    let [a, b] = [&short, &long].map(|simulation| simulation.ledger().error(&simulation.accounts()));
+    assert!((a - b).abs() < 0.05 * a.abs() + 1e-6, "{a:e} {b:e}");
+    let drag = short.laws().iter().position(|law| law.name() == "air_drag").unwrap();
+    let work = |simulation: &Simulation| simulation.ledger().work[drag];
+    assert!((work(&long) / work(&short) - 1.0).abs() < 1e-3, "{:e} {:e}", work(&long), work(&short));
+}
+
+#[test]
+fn a_sail_goes_on_with_the_same_bits() {
+    let new = || sail_in(4, Some(4e-6));
+    let (mut whole, mut first, mut second) = (new(), new(), new());
+    whole.step(50).unwrap();
+    first.step(17).unwrap();
+    second.resume(&first.progress()).unwrap();
+    second.step(33).unwrap();
+    assert_eq!(whole.progress(), second.progress());
+}
