@@ -113,7 +113,7 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
                 continue;
             }
             let measured = times[part][1 + column];
-            let fillers = bound * (1.0 - elements as f64 / lanes.max(1) as f64);
+            let fillers = if lanes > 0 { bound * (1.0 - elements as f64 / lanes as f64) } else { 0.0 };
             println!(
                 "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {fillers:.1} |",
                 label(part),
