@@ -7,6 +7,7 @@ use common::sail;
 use membrane_core::forces::{LawSpec, Spin};
 use membrane_core::model::{Cord, Model};
 use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::width::Width;
 
 /// Three masses on a taut chain between two held nodes that swing in all directions in a frame that turns ever faster;
 /// friction and weight are slow beside the cords.
@@ -103,7 +104,7 @@ fn a_sail_is_balanced_as_by_leapfrog_with_a_quarter_of_the_slow_evaluations() {
 }
 
 #[test]
-fn a_sail_goes_on_with_the_same_bits() {
+fn a_sail_goes_on_with_the_same_bits_at_every_width() {
     let new = || sail_in(4, Some(4e-6));
     let (mut whole, mut first, mut second) = (new(), new(), new());
     whole.step(50).unwrap();
@@ -111,4 +112,10 @@ fn a_sail_goes_on_with_the_same_bits() {
     second.resume(&first.progress()).unwrap();
     second.step(33).unwrap();
     assert_eq!(whole.progress(), second.progress());
+    for width in Width::ALL {
+        let settings = Settings { short_steps: 4, width, ..Settings::default() };
+        let mut other = Simulation::new(sail::sail(1), &sail::laws(), "leapfrog", Some(4e-6), settings).unwrap();
+        other.step(50).unwrap();
+        assert_eq!(whole.progress(), other.progress(), "{width:?}");
+    }
 }
