@@ -1,10 +1,12 @@
 //! Eight numbers at a time, in portable Rust.
 //!
 //! `Lanes` are eight numbers in memory, and work everywhere: every operation is a plain loop over them that the compiler
-//! turns into vectors as it can. `x86` has them in the registers of AVX2 and AVX-512. There is no fused multiply-add and no
+//! turns into vectors as it can. `sse2` and `x86` have them in the registers of SSE2, AVX2 and AVX-512. There is no fused multiply-add and no
 //! sum across lanes but `sum`, so the bits are the same in every form.
 
 pub mod counted;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod sse2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 

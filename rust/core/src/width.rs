@@ -6,11 +6,17 @@
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
+use crate::lanes::Vector;
 use crate::lanes::counted::Counted;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::x86;
-use crate::lanes::{Lanes, Vector};
 use crate::layout::{HALVES, LOOSE, RUNS};
+
+/// Eight numbers in what every machine of this architecture has.
+#[cfg(target_arch = "x86_64")]
+type Baseline = crate::lanes::sse2::Sse2;
+#[cfg(not(target_arch = "x86_64"))]
+type Baseline = crate::lanes::Lanes;
 
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,7 +132,7 @@ impl Width {
                 avx2(With(kernel, PhantomData::<x86::Avx2>))
             },
             Self::Counted => counted(kernel),
-            _ => kernel.sweep::<Lanes>(),
+            _ => kernel.sweep::<Baseline>(),
         }
     }
 
