@@ -242,6 +242,24 @@ fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
     }
 }
 
+#[test]
+fn a_progress_that_does_not_fit_changes_nothing() {
+    for name in integrators::names() {
+        let new = || Simulation::new(oscillator(0.3), &[], name, Some(0.01), unwatched()).unwrap();
+        let (mut simulation, mut later) = (new(), new());
+        simulation.step(3).unwrap();
+        later.step(7).unwrap();
+        let (before, mut unfit) = (simulation.progress(), later.progress());
+        unfit.memory.0.push(unfit.positions.clone());
+        assert!(simulation.resume(&unfit).is_err(), "{name}");
+        assert_eq!(simulation.progress(), before, "{name}");
+        simulation.step(2).unwrap();
+        let mut whole = new();
+        whole.step(5).unwrap();
+        assert_eq!(simulation.progress(), whole.progress(), "{name}");
+    }
+}
+
 fn adaptive(model: Model, laws: &[LawSpec], relative: f64) -> Simulation {
     let tolerance = Tolerance { relative, length: 0.1, speed: 1.0 };
     Simulation::new(model, laws, "dopri5", None, Settings { tolerance, ..Settings::default() }).unwrap()

@@ -19,7 +19,7 @@ use crate::layout::Elements;
 use crate::model::{Assembly, non_negative, positive};
 use crate::rowwise::{Formula, each};
 use crate::slopes::Slopes;
-use crate::state::{Instant, Vectors, columns, rows};
+use crate::state::{Instant, Vectors, columns, rows, tiles};
 use crate::width::{GroupKernel, Width};
 
 /// Specific gas constant of air \[J/(kg K)\].
@@ -175,6 +175,41 @@ impl Formula<5, 4> for Resist {
     }
 }
 
+/// Adds C p: the derivative of |S . V| V by V.
+struct Damp<'a> {
+    drag: &'a AirDrag,
+    tile: usize,
+    rate: f64,
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    p: Columns<'a>,
+    out: ColumnsMut<'a>,
+}
+
+impl GroupKernel for Damp<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        let pass = self.drag.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let presence = pass.of(&self.drag.presence);
+        for group in 0..pass.len() {
+            let (r, v) = (pass.read::<V, 3>(self.positions, group), pass.read::<V, 3>(self.velocities, group));
+            let p = pass.read::<V, 3>(self.p, group);
+            let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
+            let factor = V::all(self.drag.factor) * V::load(&presence[group]);
+            let mut products = [[V::zero(); 3]; 3];
+            for k in 0..3 {
+                let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], V::all(self.rate));
+                let wind = [wind_x, wind_y, v[k][2]];
+                let (flow, moved) = (dot(normal, wind), dot(normal, p[k]));
+                let along = scale(moved.copysign(flow * moved), wind);
+                products[k] = scale(factor, sum(scale(flow.abs(), p[k]), along));
+            }
+            pass.add(&mut self.out, group, products);
+        }
+        V::zero()
+    }
+}
+
 impl ByNode for AirDrag {
     fn prepare(&self, tile: usize, at: Instant<'_>) {
         let Air { wind, flows } = &mut *self.air();
@@ -214,24 +249,12 @@ impl Law for AirDrag {
         Some(self)
     }
 
-    /// The derivative of |S . V| V by V.
     fn add_damping_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, v, p) = (Columns::of(at.positions), Columns::of(at.velocities), Columns::of(p));
-        let mut out = ColumnsMut::of(out);
-        let rate = Lanes::all(self.spin.rate_at(at.time));
-        for group in 0..self.elements.group_count() {
-            let [r, v, p] = [x, v, p].map(|columns| self.elements.read_any(columns, group));
-            let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
-            let mut products = [[Lanes::ZERO; 3]; 3];
-            for k in 0..3 {
-                let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], rate);
-                let wind = [wind_x, wind_y, v[k][2]];
-                let flow = dot(normal, wind);
-                let along = scale(dot(normal, p[k]).copysign(flow * dot(normal, p[k])), wind);
-                products[k] =
-                    scale(Lanes::all(self.factor) * self.presence[group], sum(scale(flow.abs(), p[k]), along));
-            }
-            self.elements.add_any(&mut out, group, products);
+        let [positions, velocities, p] = [at.positions, at.velocities, p].map(Columns::of);
+        let rate = self.spin.rate_at(at.time);
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.width.run_groups(Damp { drag: self, tile, rate, positions, velocities, p, out });
         }
     }
 

@@ -13,18 +13,20 @@
 //! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law with l_cr = L: it bears no compression.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
 
+mod measures;
 mod tangent;
 
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
+use self::measures::{Exceed, Stiffen, Store};
 use super::buckling::Buckling;
 use super::damped_springs::Nets;
 use super::{Excess, Law, Readings};
 use crate::columns::{Columns, ColumnsMut};
 use crate::error::{Error, Result};
-use crate::lanes::{Lanes, Point, Vector, dot, negate, scale, sub, sum};
+use crate::lanes::{Lanes, Point, Vector, dot, negate, scale, sub};
 use crate::layout::Elements;
 use crate::mesh::Mesh;
 use crate::model::{Assembly, positive};
@@ -195,54 +197,6 @@ impl GroupKernel for Pull<'_> {
     }
 }
 
-/// Gives the energy stored in springs.
-struct Store<'a> {
-    springs: &'a Springs,
-    tile: usize,
-    positions: Columns<'a>,
-}
-
-impl GroupKernel for Store<'_> {
-    #[inline(always)]
-    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.springs.parameters);
-        let mut energy = V::zero();
-        for group in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, group);
-            let (d, parameters) = (sub(b, a), &parameters[group]);
-            let l = dot(d, d).sqrt();
-            let held = l.max(V::load(&parameters.critical_length));
-            let stretch = held - V::load(&parameters.rest_length);
-            energy += V::load(&parameters.stiffness) * stretch * (V::all(0.5) * stretch + (l - held));
-        }
-        energy
-    }
-}
-
-/// Counts the springs beyond their bound.
-struct Exceed<'a> {
-    springs: &'a Springs,
-    tile: usize,
-    positions: Columns<'a>,
-}
-
-impl GroupKernel for Exceed<'_> {
-    #[inline(always)]
-    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
-        let mut count = V::zero();
-        for group in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, group);
-            let d = sub(b, a);
-            let bound = V::load(&parameters[group].rest_length) * (V::all(1.0) + V::load(&limits[group]));
-            count += bound.below(dot(d, d).sqrt(), V::all(1.0), V::zero());
-        }
-        count
-    }
-}
-
 impl Law for Springs {
     fn name(&self) -> &'static str {
         self.name
@@ -265,19 +219,9 @@ impl Law for Springs {
 
     /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &Vectors, out: &mut Vectors) {
-        let (x, p) = (Columns::of(at.positions), Columns::of(p));
-        let mut out = ColumnsMut::of(out);
-        for group in 0..self.elements.group_count() {
-            let (d, l) = self.span(x, group);
-            let [a, b] = self.elements.read_any(p, group);
-            let moved = sub(b, a);
-            let k = self.parameters[group].stiffness;
-            let stretch = dot(d, moved) / (l * l).max(Lanes::all(f64::MIN_POSITIVE));
-            let stretched =
-                (l - self.parameters[group].rest_length).max(Lanes::ZERO) / l.max(Lanes::all(f64::MIN_POSITIVE));
-            let across = k * stretched;
-            let pull = sum(scale((k - across) * stretch, d), scale(across, moved));
-            self.elements.add_any(&mut out, group, [negate(pull), pull]);
+        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
+        for tile in tiles(p.rows()) {
+            self.width.run_groups(Stiffen { springs: self, tile, positions, p, out: ColumnsMut::of(out) });
         }
     }
 

@@ -58,8 +58,17 @@ impl Simulation {
     /// Continues from a saved progress of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`.
+    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then all stays as it was.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
+        let before = self.progress();
+        let resumed = self.take_up(progress);
+        if resumed.is_err() {
+            self.take_up(&before)?;
+        }
+        resumed
+    }
+
+    fn take_up(&mut self, progress: &Progress) -> Result<()> {
         let nodes = self.mechanics.masses.len();
         let length = |what, found: usize, expected: usize, per| {
             if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
