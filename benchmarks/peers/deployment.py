@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from membrane_rs import Scene, Simulation
@@ -22,6 +22,8 @@ INSTANTS = 100
 """At which the curves are compared, as in the chart."""
 METHOD, SHARE = "leapfrog", 0.9
 """The cheapest method of the chart, and its step over its limit."""
+SHORT_STEPS = 4
+"""In a step: slow laws are evaluated once in so many."""
 FINER, FINER_SHARE = "rk4", 0.25
 """What it is compared with."""
 
@@ -51,6 +53,7 @@ class Deployment:
 
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
+    scene = replace(scene, run=replace(scene.run, short_steps=SHORT_STEPS))
     where = course(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
     finer = run(where, FINER, FINER_SHARE * limits[FINER]).whole()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from peers.deployment import FINER, METHOD, SHARE, UNTIL
+from peers.deployment import FINER, METHOD, SHARE, SHORT_STEPS, UNTIL
 from peers.speed import Speed, Steps
 from peers.words import paragraph, table
 
@@ -75,7 +75,7 @@ AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
 def aims(speed: Speed) -> list[str]:
     """What was aimed at, and what was reached."""
     done, mujoco = speed.deployment, speed.pace("MuJoCo RK4", "triangles")
-    ours = f"model 1, {METHOD}, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
+    ours = f"model 1, {METHOD} in {SHORT_STEPS} short steps, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
     against = f"MuJoCo RK4, flat, triangles: {mujoco.whole:.4g} s"
     rows = [*steps(speed), _aim("deployment", ours, against, mujoco.whole / done.processor, speed.width)]
     apart = " and ".join(
@@ -86,9 +86,10 @@ def aims(speed: Speed) -> list[str]:
         "## What was aimed at",
         paragraph(
             f"""Aims for {speed.width}, the vector instructions of this machine. The deployment of model 1 was run
-            whole, by {METHOD} with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us: {done.steps} steps in
-            {done.processor:.3g} s of processor time, {done.wall:.3g} s by the clock; the deployment itself takes
-            {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at {1e6 * done.finer_dt:.2f} us:
+            whole, by {METHOD} in {SHORT_STEPS} short steps with {SHARE:g} of its largest step of
+            {1e6 * done.limit:.2f} us: {done.steps} steps in {done.processor:.3g} s of processor time,
+            {done.wall:.3g} s by the clock; the deployment itself takes {UNTIL:g} s. Its curves are at most {apart}
+            from those of {FINER} at {1e6 * done.finer_dt:.2f} us:
             {"within" if done.is_within else "**beyond**"} the spread of the ensemble in [studies.md](studies.md).
             MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are extrapolated from the time of a
             step."""
