@@ -172,18 +172,37 @@ struct Pull<'a> {
     forces: ColumnsMut<'a>,
 }
 
-impl GroupKernel for Pull<'_> {
+/// The same for a plate that does not wrinkle: wrinkles would take nothing off.
+struct PullPlate<'a>(Pull<'a>);
+
+impl Pull<'_> {
     #[inline(always)]
-    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+    fn go<V: Vector, const KIND: usize, const WRINKLES: bool>(&mut self) -> V {
         let Triangles { flat, .. } = self.triangles;
         let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
         for place in 0..pass.len() {
             let group = pass.place(place);
             let gradient = flat.gradient(group, pass.read::<V, 3>(self.positions, place));
-            let pull = flat.pull(group, gradient, self.triangles.stress(group, strain(gradient)));
+            let e = strain(gradient);
+            let stress = if WRINKLES { self.triangles.stress(group, e) } else { flat.stress(e) };
+            let pull = flat.pull(group, gradient, stress);
             pass.add(&mut self.forces, place, pull);
         }
         V::zero()
+    }
+}
+
+impl GroupKernel for Pull<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        self.go::<V, KIND, true>()
+    }
+}
+
+impl GroupKernel for PullPlate<'_> {
+    #[inline(always)]
+    fn part<V: Vector, const KIND: usize>(&mut self) -> V {
+        self.0.go::<V, KIND, false>()
     }
 }
 
@@ -198,7 +217,8 @@ impl Law for Triangles {
 
     fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
         let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        self.width.run_groups(Pull { triangles: self, tile, positions, forces })
+        let pull = Pull { triangles: self, tile, positions, forces };
+        if self.compression == 1.0 { self.width.run_groups(PullPlate(pull)) } else { self.width.run_groups(pull) }
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
