@@ -60,7 +60,7 @@ impl Layout {
                 .map(|edge| ascending(edge.map(|node| rank[node as usize])))
                 .collect();
             // Springs per lane that is paid for, at best 1.
-            sample.len() as f32 / (Cover::new(&sample, node_count).cost() * LANES as f32).max(1.0)
+            sample.len() as f64 / (Cover::new(&sample, node_count).cost() * LANES as f64).max(1.0)
         };
         let mut best = (0.0, (0..node_count as u32).collect());
         let breaks = breaks(mesh_count, edges);

@@ -78,6 +78,12 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
     fn sweep<V: Vector>(self) -> f64 {
         let Self { formula, read, changed } = self;
         let rows = if W > 0 { changed[0].len() } else { read[0].len() };
+        for k in 0..R {
+            assert!(read[k].len() == rows);
+        }
+        for k in 0..W {
+            assert!(changed[k].len() == rows);
+        }
         let count = rows / LANES;
         // Equal lengths, said once, so that the loop needs no check.
         let read = read.map(|array| {

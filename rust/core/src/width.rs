@@ -1,8 +1,10 @@
 //! The instruction set that kernels run with, chosen once per process from what the machine has.
 //!
-//! A kernel is written once, as a `Sweep`; `run` compiles it for each width and calls the one that was chosen. Results
-//! have the same bits at every width (see `lanes`).
+//! A kernel is written once, as a `Kernel` or a `GroupKernel`; `run_kernel` and `run_groups` compile it for each width and call
+//! the one that was chosen. Plain loops, which the compiler turns into vectors by itself, are a `Sweep`. Results have the same
+//! bits at every width (see `lanes`).
 
+#[cfg(target_arch = "x86_64")]
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
@@ -66,8 +68,10 @@ impl<G: GroupKernel> Kernel for Kinds<G> {
 }
 
 /// A kernel as a sweep with one form of eight numbers.
+#[cfg(target_arch = "x86_64")]
 struct With<K, V>(K, PhantomData<V>);
 
+#[cfg(target_arch = "x86_64")]
 impl<K: Kernel, V: Vector> Sweep for With<K, V> {
     type Output = K::Output;
 

@@ -7,6 +7,7 @@ mod oracle;
 use common::{Dice, sail, sheet};
 use membrane_core::model::{Assembly, Model};
 use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::state::TILE;
 use membrane_core::width::Width;
 use oracle::steps::{METHODS, Stepper};
 use oracle::{Motion, Oracle};
@@ -103,13 +104,26 @@ fn on_the_sail_of_model_1() {
 }
 
 #[test]
+fn on_a_sail_of_several_tiles() {
+    let sail = sail::sail(2);
+    assert!(sail.positions.len() > 2 * TILE);
+    widths().for_each(|width| agree(sail.clone(), width));
+}
+
+#[test]
 fn on_a_mesh_in_no_order() {
     widths().for_each(|width| agree(unstructured(), width));
 }
 
 #[test]
 fn steps_of_plain_loops_are_those_of_the_core() {
-    let (model, laws, dt, steps) = (sail::sail(1), sail::laws(), 1e-6, 20);
+    for fineness in [1, 2] {
+        agree_in_steps(sail::sail(fineness));
+    }
+}
+
+fn agree_in_steps(model: Model) {
+    let (laws, dt, steps) = (sail::laws(), 1e-6 / model.positions.len() as f64 * 1912.0, 20);
     let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
     for method in METHODS {
         let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), Settings::default()).unwrap();

@@ -5,15 +5,21 @@ mod common;
 
 use common::{Dice, every_law, sheet};
 use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::state::TILE;
 use membrane_core::width::Width;
 
 fn crumpled(width: Width) -> Simulation {
-    let mut model = sheet(19, 13, 0.01);
-    for (point, kick) in model.positions.iter_mut().zip(Dice(1).vectors(1000, 2e-4)) {
+    sheet_in_motion((19, 13), "rk4", Settings { width, ..Settings::default() })
+}
+
+fn sheet_in_motion((columns, rows): (usize, usize), method: &str, settings: Settings) -> Simulation {
+    let mut model = sheet(columns, rows, 0.01);
+    let kicks = Dice(1).vectors(model.positions.len(), 2e-4);
+    for (point, kick) in model.positions.iter_mut().zip(kicks) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
     }
     model.velocities = Dice(2).vectors(model.positions.len(), 0.1);
-    Simulation::new(model, &every_law(), "rk4", Some(1e-6), Settings { width, ..Settings::default() }).unwrap()
+    Simulation::new(model, &every_law(), method, Some(1e-6), settings).unwrap()
 }
 
 #[test]
@@ -24,6 +30,45 @@ fn a_trajectory_has_the_same_bits_at_every_width() {
         let mut simulation = crumpled(width);
         simulation.step(500).unwrap();
         assert_eq!(simulation.progress(), baseline.progress(), "{}", width.name());
+    }
+}
+
+#[test]
+fn so_has_one_of_more_nodes_than_a_tile() {
+    for (method, short_steps) in [("rk4", 1), ("leapfrog", 1), ("leapfrog", 2)] {
+        let run = |width: Width| {
+            let settings = Settings { width, short_steps, ..Settings::default() };
+            let mut simulation = sheet_in_motion((69, 59), method, settings);
+            assert!(simulation.positions().len() > TILE);
+            simulation.step(10).unwrap();
+            simulation.progress()
+        };
+        let baseline = run(Width::Baseline);
+        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+            assert_eq!(run(width), baseline, "{method}, {}", width.name());
+        }
+    }
+}
+
+#[test]
+fn methods_agree_on_the_work_of_each_law_however_many_the_tiles() {
+    for size in [(19, 13), (69, 59)] {
+        let run = |method: &str, short_steps: u32, steps: u64| {
+            let settings = Settings { short_steps, energy_tolerance: 1.0, ..Settings::default() };
+            let mut simulation = sheet_in_motion(size, method, settings);
+            simulation.set_dt(2e-8 * f64::from(short_steps)).unwrap();
+            simulation.step(steps).unwrap();
+            simulation
+        };
+        let known = run("rk4", 1, 20);
+        for (method, short_steps) in [("leapfrog", 1), ("leapfrog", 2)] {
+            let found = run(method, short_steps, 20 / u64::from(short_steps));
+            for (law, (found, known)) in known.laws().iter().zip(found.ledger().work.iter().zip(&known.ledger().work)) {
+                let name = law.name();
+                assert!((found - known).abs() <= 1e-2 * known.abs(), "{size:?}, {method}, {name}: {found:e} {known:e}");
+                assert!(law.is_conservative() || *known < 0.0, "{name}");
+            }
+        }
     }
 }
 

@@ -130,7 +130,8 @@ pub trait Law: Send + Sync {
 /// A law whose force on a node depends on that node alone, or on a sum over its neighbours that is worked out before: so
 /// that it can be added stretch by stretch, in the pass of a method that has the nodes in the cache.
 pub trait ByNode {
-    /// Works out what depends on neighbours; once for each tile, in order, before `add_to_rows` goes over its nodes.
+    /// Works out what depends on neighbours; once for each tile, in order, before `add_to_rows` goes over its nodes. One
+    /// evaluation at a time: what is worked out is kept in the law.
     fn prepare(&self, _tile: usize, _at: Instant<'_>) {}
 
     /// Adds the forces \[N\] on `rows` to three columns of as many, and returns the power as `add_forces` does.

@@ -144,7 +144,8 @@ pub trait Integrator: Send + Sync {
     }
     /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
     fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64;
-    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping < 4 for every shape that a scene can take;
+    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping is below the same bound for every shape that a
+    /// scene can take, 4 for leapfrog;
     /// `None` for one that multiplies each solution exp(lambda t) by a function of lambda dt.
     fn damping_weight(&self) -> Option<f64> {
         None

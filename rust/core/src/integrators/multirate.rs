@@ -36,6 +36,7 @@ pub(super) struct Multirate {
 
 impl Multirate {
     pub(super) fn new(nodes: usize, laws: usize, count: u32, width: Width) -> Self {
+        debug_assert!(count > 1, "one short step is leapfrog");
         Self {
             count,
             fast: Vectors::zeros(nodes),

@@ -2,20 +2,20 @@
 //!
 //! A group is a *run* of eight, two *halves* of four, or eight *loose* elements. Elements of one shape (the same
 //! differences between their nodes) follow each other by their first nodes; a run or a half begins at one of them and
-//! takes what there is of the next eight or four, so that lanes may stay empty. Of all ways to cover the elements of a shape,
-//! the cheapest is taken.
+//! takes what there is of the next eight or four, so that lanes may stay empty. Of all ways to cover the elements of a shape
+//! so, from the lowest on, the cheapest is taken.
 
 use std::collections::VecDeque;
 
 use crate::lanes::{HALF, LANES};
 
 /// What a half and a loose element cost, in groups of a run.
-const HALF_COST: f32 = 0.55;
-const LOOSE_COST: f32 = 0.5;
+const HALF_COST: f64 = 0.55;
+const LOOSE_COST: f64 = 0.5;
 /// What a run costs beside for each of its nodes whose eight numbers lie in two cache lines.
-const SPLIT_COST: f32 = 0.1;
+const SPLIT_COST: f64 = 0.1;
 /// Nodes that are looked at together where groups are kept apart.
-const STRETCH: u32 = 4;
+const NEAR: u32 = 4;
 /// Groups between two that add to the same nodes, and how many are looked at to find such an order.
 const APART: usize = 4;
 const POOL: usize = 64;
@@ -86,12 +86,12 @@ impl<const N: usize> Cover<N> {
             }
             end
         };
-        let mut costs = vec![0.0_f32; alike.len() + 1];
+        let mut costs = vec![0.0_f64; alike.len() + 1];
         let mut widths = vec![1_u8; alike.len()];
         for place in (0..alike.len()).rev() {
             costs[place] = LOOSE_COST + costs[place + 1];
             let split = elements[alike[place] as usize].iter().filter(|&&node| node % LANES as u32 != 0).count();
-            for (width, cost) in [(LANES, 1.0 + SPLIT_COST * split as f32), (HALF, HALF_COST)] {
+            for (width, cost) in [(LANES, 1.0 + SPLIT_COST * split as f64), (HALF, HALF_COST)] {
                 let cost = cost + costs[behind(place, width)];
                 if cost < costs[place] {
                     (costs[place], widths[place]) = (cost, width as u8);
@@ -114,9 +114,9 @@ impl<const N: usize> Cover<N> {
         }
     }
 
-    /// What going over all of them costs, in groups of a run.
-    pub(super) fn cost(&self) -> f32 {
-        self.runs.len() as f32 + HALF_COST * self.halves.len() as f32 + LOOSE_COST * self.loose.len() as f32
+    /// About what going over all of them costs, in groups of a run, wherever they begin.
+    pub(super) fn cost(&self) -> f64 {
+        self.runs.len() as f64 + HALF_COST * self.halves.len() as f64 + LOOSE_COST * self.loose.len() as f64
     }
 }
 
@@ -134,8 +134,7 @@ fn window<const N: usize, const WIDTH: usize>(elements: &[[u32; N]], here: &[u32
 /// allow: a processor that adds to a number just stored waits for it. `starts` gives the first nodes of the `width` lanes that
 /// a group reads straight on.
 pub(super) fn apart<T, I: IntoIterator<Item = u32>>(groups: Vec<T>, width: u32, starts: impl Fn(&T) -> I) -> Vec<T> {
-    let stretches =
-        |group: &T| starts(group).into_iter().flat_map(|node| node / STRETCH..(node + width - 1) / STRETCH + 1);
+    let stretches = |group: &T| starts(group).into_iter().flat_map(|node| node / NEAR..(node + width - 1) / NEAR + 1);
     let (mut low, mut high) = (u32::MAX, 0);
     for stretch in groups.iter().flat_map(stretches) {
         (low, high) = (low.min(stretch), high.max(stretch + 1));

@@ -120,8 +120,9 @@ impl System for Mechanics {
         }
         let (forces, taken) = (&mut self.forces, &self.taken);
         forces::add_between_nodes(&self.laws, |row| taken[row], tile, at, forces, powers, &mut self.resistances);
+        // What `rework` adds later. That of laws node by node is added row by row, between the tiles.
         for (row, power) in powers.iter_mut().enumerate() {
-            if self.remembered[row] || self.resistances[row].is_some() {
+            if self.remembered[row] || (self.resistances[row].is_some() && self.laws[row].by_node().is_none()) {
                 *power = 0.0;
             }
         }

@@ -9,7 +9,8 @@ use crate::stability::{self, Limit};
 use crate::state::Instant;
 
 /// A law is slow if alone it would allow a step so many times as long as the method's limit: its stiffness may grow by the
-/// square of that before it limits the step.
+/// square of that before it limits the step. It is asked at the start: what depends on speed, such as drag, allows any step to
+/// a scene at rest, and its own limit is looked at with every limit that is asked for later.
 const RESERVE: f64 = 10.0;
 /// Of half a period of the fastest mode, what a step takes at most where none is given.
 const SHARE_OF_HALF_PERIOD: f64 = 0.9;

@@ -58,7 +58,7 @@ impl Simulation {
     /// Continues from a saved progress of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then all stays as it was.
+    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then the motion, the books and the method go on as they were.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
         let resumed = self.take_up(progress);
