@@ -74,8 +74,8 @@ impl Formula<1, 2> for Drift {
 }
 
 /// The velocity from its prediction, without gyration: v = p + dt/2 (a' - a). Then a' stands in place of a.
-pub(super) struct Correct {
-    pub(super) half: f64,
+struct Correct {
+    half: f64,
 }
 
 impl Formula<1, 2> for Correct {
@@ -86,9 +86,9 @@ impl Formula<1, 2> for Correct {
 }
 
 /// The same with gyration, in x and y.
-pub(super) struct Gyrate {
-    pub(super) half: f64,
-    pub(super) rate: f64,
+struct Gyrate {
+    half: f64,
+    rate: f64,
 }
 
 impl Formula<2, 4> for Gyrate {
@@ -118,6 +118,62 @@ pub(super) fn growth(omega: f64, damping: f64, dt: f64) -> f64 {
         -0.5 * z - c,
     );
     step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+/// Accelerations at the first instant, and each law's power with them.
+pub(super) fn begin(system: &mut dyn System, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
+    let count = accelerations.nrows();
+    for tile in tiles(count) {
+        system.gather(tile, at, powers);
+        for range in stretches(rows_of(tile, count)) {
+            system.finish(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
+            system.rework_rows(range.clone(), rows(at.velocities, range), powers);
+        }
+    }
+    system.rework(at, powers);
+}
+
+/// The end of a step: the state stands at `time`, its velocities as predicted.
+pub(super) struct End<'a> {
+    pub(super) time: f64,
+    /// Half of the step.
+    pub(super) half: f64,
+    /// Those at its start; then those at its end, and each law's power with them.
+    pub(super) accelerations: &'a mut Vectors,
+    pub(super) powers: &'a mut [f64],
+    /// Room for accelerations of one stretch of nodes.
+    pub(super) stretch: &'a mut Vectors,
+    pub(super) width: Width,
+}
+
+impl End<'_> {
+    /// Evaluates the accelerations, and corrects the velocities.
+    pub(super) fn correct(self, system: &mut dyn System, state: &mut State) {
+        let End { time, half, accelerations, powers, stretch, width } = self;
+        let (rate, count) = (system.gyration(time), accelerations.nrows());
+        for tile in tiles(count) {
+            system.gather(tile, instant(state, time), powers);
+            for range in stretches(rows_of(tile, count)) {
+                system.finish(range.clone(), instant(state, time), rows_mut(stretch, 0..range.len()), powers);
+                let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
+                let [ax, ay, az] = rows_mut(accelerations, range.clone());
+                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+                if rate == 0.0 {
+                    each(width, &Correct { half }, [new_x], [ax, vx]);
+                    each(width, &Correct { half }, [new_y], [ay, vy]);
+                } else {
+                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                }
+                each(width, &Correct { half }, [new_z], [az, vz]);
+                system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
+            }
+        }
+        system.rework(instant(state, time), powers);
+    }
+}
+
+pub(super) fn instant(state: &State, time: f64) -> Instant<'_> {
+    Instant { time, positions: &state.positions, velocities: &state.velocities }
 }
 
 impl Integrator for Leapfrog {
@@ -162,16 +218,7 @@ impl Integrator for Leapfrog {
     }
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
-        let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        let count = self.acceleration.nrows();
-        for tile in tiles(count) {
-            system.gather(tile, at, &mut self.powers);
-            for range in stretches(rows_of(tile, count)) {
-                system.finish(range.clone(), at, rows_mut(&mut self.acceleration, range.clone()), &mut self.powers);
-                system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.powers);
-            }
-        }
-        system.rework(at, &mut self.powers);
+        begin(system, instant(state, time), &mut self.acceleration, &mut self.powers);
         self.is_started = true;
     }
 
@@ -184,27 +231,7 @@ impl Integrator for Leapfrog {
         let (x, v) = (state.positions.as_mut_slice(), state.velocities.as_mut_slice());
         each(width, &Drift { dt }, [acceleration.as_slice()], [x, v]);
         let time = time + dt;
-        let rate = system.gyration(time);
-        let count = acceleration.nrows();
-        for tile in tiles(count) {
-            system.gather(tile, Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
-            for range in stretches(rows_of(tile, count)) {
-                let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
-                let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
-                let [ax, ay, az] = rows_mut(acceleration, range.clone());
-                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
-                if rate == 0.0 {
-                    each(width, &Correct { half }, [new_x], [ax, vx]);
-                    each(width, &Correct { half }, [new_y], [ay, vy]);
-                } else {
-                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
-                }
-                each(width, &Correct { half }, [new_z], [az, vz]);
-                system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
-            }
-        }
-        system.rework(Instant { time, positions: &state.positions, velocities: &state.velocities }, powers);
+        End { time, half, accelerations: acceleration, stretch, powers, width }.correct(system, state);
         add_work(powers);
     }
 

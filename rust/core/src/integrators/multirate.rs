@@ -12,7 +12,7 @@
 //! can meet that mode in step, and feed it unless damping takes more: a step that is not given stays below.
 //! Storage: two vectors per node beside the state.
 
-use super::leapfrog::{Correct, Drift, Gyrate, Leapfrog, growth};
+use super::leapfrog::{Drift, End, Leapfrog, begin, growth, instant};
 use super::{Integrator, Memory, Part, System};
 use crate::lanes::Vector;
 use crate::rowwise::{Formula, each, on_axes};
@@ -70,26 +70,7 @@ impl Multirate {
     /// Evaluates the fast laws at the end of a short step, and corrects its velocities.
     fn evaluate_fast(&mut self, system: &mut dyn System, time: f64, half: f64, state: &mut State) {
         let Self { fast, fast_powers, stretch, width, .. } = self;
-        let (width, rate) = (*width, system.gyration(time));
-        let count = fast.nrows();
-        for tile in tiles(count) {
-            system.gather(tile, instant(state, time), fast_powers);
-            for range in stretches(rows_of(tile, count)) {
-                system.finish(range.clone(), instant(state, time), rows_mut(stretch, 0..range.len()), fast_powers);
-                let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
-                let [ax, ay, az] = rows_mut(fast, range.clone());
-                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
-                if rate == 0.0 {
-                    each(width, &Correct { half }, [new_x], [ax, vx]);
-                    each(width, &Correct { half }, [new_y], [ay, vy]);
-                } else {
-                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
-                }
-                each(width, &Correct { half }, [new_z], [az, vz]);
-                system.rework_rows(range.clone(), rows(&state.velocities, range), fast_powers);
-            }
-        }
-        system.rework(instant(state, time), fast_powers);
+        End { time, half, accelerations: fast, powers: fast_powers, stretch, width: *width }.correct(system, state);
     }
 }
 
@@ -119,10 +100,6 @@ impl Formula<1, 2> for Shift {
     fn row<V: Vector>(&self, [new]: [V; 1], [fast, slow]: [V; 2]) -> [V; 2] {
         [fast - V::all(self.count) * (new - slow), new]
     }
-}
-
-fn instant(state: &State, time: f64) -> Instant<'_> {
-    Instant { time, positions: &state.positions, velocities: &state.velocities }
 }
 
 impl Integrator for Multirate {
@@ -172,15 +149,7 @@ impl Integrator for Multirate {
             [(Part::Slow, &mut self.slow, &mut self.slow_powers), (Part::Fast, &mut self.fast, &mut self.fast_powers)];
         for (part, accelerations, powers) in parts {
             system.select(part);
-            let count = accelerations.nrows();
-            for tile in tiles(count) {
-                system.gather(tile, at, powers);
-                for range in stretches(rows_of(tile, count)) {
-                    system.finish(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
-                    system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
-                }
-            }
-            system.rework(at, powers);
+            begin(system, at, accelerations, powers);
         }
         self.is_started = true;
     }
