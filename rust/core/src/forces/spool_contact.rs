@@ -77,10 +77,15 @@ impl Law for SpoolContact {
     }
 
     fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut Vectors) -> f64 {
+        let rows = rows_of(tile, at.positions.nrows());
+        let [start, end] = [rows.start, rows.end].map(|row| row as u32);
+        // In most tiles there is none.
+        if self.nodes.last().is_none_or(|&last| last < start) || self.nodes[0] >= end {
+            return 0.0;
+        }
+        let [start, end] = [start, end].map(|row| self.nodes.partition_point(|&node| node < row));
         let x = columns(at.positions);
         let mut f = columns_mut(forces);
-        let rows = rows_of(tile, x[0].len());
-        let [start, end] = [rows.start, rows.end].map(|row| self.nodes.partition_point(|&node| (node as usize) < row));
         for &node in &self.nodes[start..end] {
             if let Some((depth, normal)) = self.depth(point(x, node)) {
                 add(&mut f, node, scale(self.parameters.stiffness * depth, normal));
