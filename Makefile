@@ -14,7 +14,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
 RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: demo test check lint bench peers readme accuracy clean
+.PHONY: demo test check lint golden bench peers readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -32,6 +32,10 @@ lint: $(VENV)/built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+
+# Whether a change has changed a bit of any motion, at every width of vector instructions; it may: WRITE=--write.
+golden: $(VENV)/built
+	@$(BIN)/python tests/golden.py $(WRITE)
 
 # Times of laws and steps, into benchmarks/README.md; some of them: make bench PART="model_1 steps". QUICK=--quick shows
 # that all works.
