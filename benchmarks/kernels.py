@@ -27,7 +27,7 @@ Medians = dict[int, dict[str, dict[str, float]]]
 
 def run(*, quick: bool) -> None:
     """Let criterion measure."""
-    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "kernels", "--"]
+    command = ["cargo", "bench", "--package", "membrane-benches", "--bench", "kernels", "--"]
     subprocess.run([*command, "--quick" if quick else "--noplot"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
 

@@ -65,7 +65,7 @@ def sail_table(times: dict[str, list[float]]) -> str:
 
 def scalar_table(*, quick: bool) -> str:
     """The kernels against plain scalar loops and against the machine, as `cargo bench --bench model_1` prints them."""
-    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1", "--"]
+    command = ["cargo", "bench", "--package", "membrane-benches", "--bench", "model_1", "--"]
     done = subprocess.run(
         [*command, *(["quick"] if quick else [])], cwd=ROOT, check=True, capture_output=True, text=True
     )

@@ -5,10 +5,10 @@
 //! number of nodes. Where a filter leaves out a mesh, that mesh is not built.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../core/tests/common/mod.rs"]
 mod common;
 mod contenders;
-#[path = "../tests/oracle/mod.rs"]
+#[path = "../core/tests/oracle/mod.rs"]
 mod oracle;
 
 use std::time::{Duration, Instant};

@@ -8,10 +8,10 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 mod bound;
-#[path = "../tests/common/mod.rs"]
+#[path = "../core/tests/common/mod.rs"]
 mod common;
 mod contenders;
-#[path = "../tests/oracle/mod.rs"]
+#[path = "../core/tests/oracle/mod.rs"]
 mod oracle;
 
 use std::time::Instant;
