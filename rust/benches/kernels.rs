@@ -1,7 +1,7 @@
 //! Times of one evaluation of each law, of all laws, and of a step, on model 1's sail and on finer ones: by plain scalar
 //! loops (`tests/oracle`), and by the kernels for each set of vector instructions that the machine has.
 //!
-//! `benchmarks/kernels.py` makes tables of what criterion finds: a group for each mesh, named by what is timed and by the
+//! `benchmarks/kernels.py` makes tables of what criterion finds: a batch for each mesh, named by what is timed and by the
 //! number of nodes. Where a filter leaves out a mesh, that mesh is not built.
 #![allow(missing_docs, clippy::unwrap_used)]
 
@@ -17,11 +17,11 @@ use common::sail;
 use contenders::{PARTS, Scene, label, widths};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
-use membrane_core::aligned::Aligned;
-use membrane_core::model::Model;
+use membrane_core::model::input::Model;
+use membrane_core::simd::aligned::Aligned;
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Progress, Settings, Simulation};
 use membrane_core::stability::Limit;
-use membrane_core::width::Width;
 use oracle::Motion;
 use oracle::steps::{METHODS, Stepper};
 
@@ -36,23 +36,23 @@ const STEP: f64 = 4e-6;
 /// Steps before a motion begins anew, so that all samples do the same work.
 const MOST_STEPS: u64 = 1000;
 
-/// A group of the benchmark; on the largest mesh only some evaluations fit into a sample.
-fn group<'a>(criterion: &'a mut Criterion, what: &str, fineness: usize) -> BenchmarkGroup<'a, WallTime> {
+/// A batch of the benchmark; on the largest mesh only some evaluations fit into a sample.
+fn batch<'a>(criterion: &'a mut Criterion, what: &str, fineness: usize) -> BenchmarkGroup<'a, WallTime> {
     let nodes = sail::node_count(fineness) + sail::TETHER_NODES;
-    let mut group = criterion.benchmark_group(format!("{what}-{nodes}"));
+    let mut batch = criterion.benchmark_group(format!("{what}-{nodes}"));
     let milliseconds = if nodes > 100_000 { 300 } else { 500 };
-    group.sampling_mode(SamplingMode::Flat).sample_size(10);
-    group.warm_up_time(Duration::from_millis(milliseconds / 3));
-    group.measurement_time(Duration::from_millis(milliseconds));
-    group
+    batch.sampling_mode(SamplingMode::Flat).sample_size(10);
+    batch.warm_up_time(Duration::from_millis(milliseconds / 3));
+    batch.measurement_time(Duration::from_millis(milliseconds));
+    batch
 }
 
 fn evaluations(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) {
-    let mut group = group(criterion, "evaluation", fineness);
+    let mut batch = batch(criterion, "evaluation", fineness);
     let mut new_scene = || Scene::new(model.get_or_insert_with(|| sail::sail(fineness)).clone());
     let (mut scene, mut loops) = (None, None);
     for part in 0..PARTS {
-        group.bench_function(BenchmarkId::new(label(part), "scalar"), |bencher| {
+        batch.bench_function(BenchmarkId::new(label(part), "scalar"), |bencher| {
             let loops = loops.get_or_insert_with(|| scene.get_or_insert_with(&mut new_scene).loops());
             bencher.iter(|| loops.evaluate(part));
         });
@@ -61,14 +61,14 @@ fn evaluations(criterion: &mut Criterion, fineness: usize, model: &mut Option<Mo
     for width in widths() {
         let mut kernels = None;
         for part in 0..PARTS {
-            group.bench_function(BenchmarkId::new(label(part), width.name()), |bencher| {
+            batch.bench_function(BenchmarkId::new(label(part), width.name()), |bencher| {
                 let scene = scene.get_or_insert_with(&mut new_scene);
                 let kernels = kernels.get_or_insert_with(|| scene.kernels(width));
                 bencher.iter(|| kernels.evaluate(part, scene.at()));
             });
         }
     }
-    group.finish();
+    batch.finish();
 }
 
 /// What takes steps from a start, again and again.
@@ -101,7 +101,7 @@ impl Steps for (Simulation, Progress) {
 }
 
 fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) {
-    let mut group = group(criterion, "step", fineness);
+    let mut batch = batch(criterion, "step", fineness);
     let mut model = || model.get_or_insert_with(|| sail::sail(fineness)).clone();
     let dt = STEP / fineness as f64;
     // Near enough, and not looked at: nothing watches.
@@ -111,7 +111,7 @@ fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) 
         .flat_map(|method| [None].into_iter().chain(widths().map(Some)).map(move |width| (method, width)))
     {
         let mut contender: Option<Box<dyn Steps>> = None;
-        group.bench_function(BenchmarkId::new(method, width.map_or("scalar", Width::name)), |bencher| {
+        batch.bench_function(BenchmarkId::new(method, width.map_or("scalar", InstructionSet::name)), |bencher| {
             let contender = contender.get_or_insert_with(|| match width {
                 None => {
                     let scene = Scene::new(model());
@@ -135,17 +135,17 @@ fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) 
                     contender.begin();
                     // Leapfrog's first step evaluates twice.
                     contender.step(1);
-                    let batch = left.min(MOST_STEPS);
+                    let chunk = left.min(MOST_STEPS);
                     let began = Instant::now();
-                    contender.step(batch);
+                    contender.step(chunk);
                     spent += began.elapsed();
-                    left -= batch;
+                    left -= chunk;
                 }
                 spent
             });
         });
     }
-    group.finish();
+    batch.finish();
 }
 
 fn all(criterion: &mut Criterion) {

@@ -19,10 +19,10 @@ use std::time::Instant;
 use bound::Pace;
 use common::sail;
 use contenders::{PARTS, Scene, label, widths};
-use membrane_core::aligned::Aligned;
-use membrane_core::lanes::LANES;
-use membrane_core::lanes::counted::{Counts, count};
-use membrane_core::width::Width;
+use membrane_core::simd::aligned::Aligned;
+use membrane_core::simd::counted::{Counts, count};
+use membrane_core::simd::dispatch::InstructionSet;
+use membrane_core::simd::lanes::LANES;
 
 /// As in the Python module.
 #[global_allocator]
@@ -63,7 +63,7 @@ fn tenth_percentile(mut times: Vec<f64>) -> f64 {
 
 /// A table: first the scalar loops, then each width and how many times as fast it is.
 fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
-    println!("| {title} | scalar | {} |", widths().map(Width::name).collect::<Vec<_>>().join(" | "));
+    println!("| {title} | scalar | {} |", widths().map(InstructionSet::name).collect::<Vec<_>>().join(" | "));
     println!("|---|{}", "---:|".repeat(rows[0].1.len()));
     for (label, times) in rows {
         let cells: Vec<String> = times[1..].iter().map(|time| format!("{time:.1} ({:.1}x)", times[0] / time)).collect();
@@ -74,7 +74,7 @@ fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
 
 /// What the machine does with eight numbers, what an evaluation asks of it, and what that takes at least.
 fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
-    let paces: Vec<(Width, Pace)> = widths().map(|width| (width, Pace::of(width))).collect();
+    let paces: Vec<(InstructionSet, Pace)> = widths().map(|width| (width, Pace::of(width))).collect();
     let names: Vec<&str> = paces.iter().map(|(width, _)| width.name()).collect();
     println!("| an operation on eight numbers [ns] | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
     for row in 0..Pace::ROWS {
@@ -82,10 +82,10 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
         println!("| {} | {} |", paces[0].1.rows()[row].0, cells.join(" | "));
     }
 
-    let mut counted = scene.kernels(Width::Counted);
+    let mut counted = scene.kernels(InstructionSet::Counted);
     let counts: Vec<Counts> = (0..PARTS).map(|part| count(|| counted.evaluate(part, scene.at()))).collect();
     println!(
-        "\n| operations on eight numbers, per group of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | groups | fillers |"
+        "\n| operations on eight numbers, per batch of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | batches | fillers |"
     );
     println!("|---|{}", "---:|".repeat(11));
     for (part, counts) in counts.iter().enumerate() {
@@ -95,10 +95,10 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
         }
         let Counts { additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores } = *counts;
         let all = [additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores];
-        let groups = lanes / LANES;
-        let cells: Vec<String> = all.iter().map(|&count| format!("{:.1}", count as f64 / groups as f64)).collect();
+        let batches = lanes / LANES;
+        let cells: Vec<String> = all.iter().map(|&count| format!("{:.1}", count as f64 / batches as f64)).collect();
         let fillers = 100.0 * (1.0 - elements as f64 / lanes as f64);
-        println!("| {} | {} | {groups} | {fillers:.0} % |", label(part), cells.join(" | "));
+        println!("| {} | {} | {batches} | {fillers:.0} % |", label(part), cells.join(" | "));
     }
 
     println!(

@@ -10,14 +10,14 @@ use std::hint::black_box;
 use std::marker::PhantomData;
 use std::time::Instant;
 
-use membrane_core::lanes::counted::Counts;
-use membrane_core::lanes::{LANES, Lanes, Vector};
-use membrane_core::width::{Kernel, Width};
+use membrane_core::simd::counted::Counts;
+use membrane_core::simd::dispatch::{InstructionSet, Kernel};
+use membrane_core::simd::lanes::{F64x8, LANES, SimdF64};
 
 /// Rounds in one timing, and timings.
 const ROUNDS: usize = 10_000;
 const TIMINGS: usize = 20;
-/// Vectors of eight that reads and writes go over: less than 4 KiB, well within the first cache.
+/// NodeVectors of eight that reads and writes go over: less than 4 KiB, well within the first cache.
 const PLACES: usize = 48;
 
 /// Time that each operation takes per eight numbers [ns].
@@ -40,7 +40,7 @@ impl Pace {
     pub const ROWS: usize = 9;
 
     /// Measures it.
-    pub fn of(width: Width) -> Self {
+    pub fn of(width: InstructionSet) -> Self {
         Self {
             addition: chained::<Addition>(width),
             multiplication: chained::<Multiplication>(width),
@@ -50,7 +50,7 @@ impl Pace {
             extreme: chained::<Extreme>(width),
             choice: chained::<Choice>(width),
             load: [loads::<2>(width), loads::<3>(width), loads::<4>(width)].into_iter().fold(f64::INFINITY, f64::min),
-            store: fastest(PLACES, || width.run_kernel(Stores)),
+            store: fastest(PLACES, || width.dispatch(Stores)),
         }
     }
 
@@ -105,7 +105,7 @@ fn fastest<T>(operations: usize, mut rounds: impl FnMut() -> T) -> f64 {
 
 /// An operation on the numbers of chain `k`, those of the next one, and a number that stays.
 trait Operation {
-    fn on<V: Vector>(k: usize, x: V, next: V, c: V) -> V;
+    fn on<V: SimdF64>(k: usize, x: V, next: V, c: V) -> V;
 }
 
 macro_rules! operation {
@@ -113,7 +113,7 @@ macro_rules! operation {
         struct $name;
         impl Operation for $name {
             #[inline(always)]
-            fn on<V: Vector>($k: usize, $x: V, $next: V, $c: V) -> V {
+            fn on<V: SimdF64>($k: usize, $x: V, $next: V, $c: V) -> V {
                 $formula
             }
         }
@@ -128,23 +128,23 @@ operation!(Extreme, |_k, x, next, _c| x.max(next));
 operation!(Choice, |_k, x, next, c| c.below(x, next, x));
 
 /// Time of an operation [ns], with as many chains as are best: few wait for each other, many do not fit the registers.
-fn chained<O: Operation>(width: Width) -> f64 {
+fn chained<O: Operation>(width: InstructionSet) -> f64 {
     let few = chains::<O, 2>(width).min(chains::<O, 3>(width)).min(chains::<O, 4>(width));
     let more = chains::<O, 6>(width).min(chains::<O, 8>(width));
     few.min(more).min(chains::<O, 12>(width)).min(chains::<O, 16>(width))
 }
 
-fn chains<O: Operation, const COUNT: usize>(width: Width) -> f64 {
-    fastest(COUNT, || width.run_kernel(Chains::<O, COUNT>(PhantomData)))
+fn chains<O: Operation, const COUNT: usize>(width: InstructionSet) -> f64 {
+    fastest(COUNT, || width.dispatch(Chains::<O, COUNT>(PhantomData)))
 }
 
 struct Chains<O, const COUNT: usize>(PhantomData<O>);
 
 impl<O: Operation, const COUNT: usize> Kernel for Chains<O, COUNT> {
-    type Output = Lanes;
+    type Output = F64x8;
 
     #[inline(always)]
-    fn sweep<V: Vector>(self) -> Lanes {
+    fn sweep<V: SimdF64>(self) -> F64x8 {
         let c = V::all(black_box(1.000_000_1));
         let mut x = [V::all(black_box(1.5)); COUNT];
         for _ in 0..ROUNDS {
@@ -163,16 +163,16 @@ impl<O: Operation, const COUNT: usize> Kernel for Chains<O, COUNT> {
 /// Reads, each of them added or multiplied to one of `COUNT` sums and as many products.
 struct Loads<const COUNT: usize>;
 
-fn loads<const COUNT: usize>(width: Width) -> f64 {
-    fastest(PLACES, || width.run_kernel(Loads::<COUNT>))
+fn loads<const COUNT: usize>(width: InstructionSet) -> f64 {
+    fastest(PLACES, || width.dispatch(Loads::<COUNT>))
 }
 
 impl<const COUNT: usize> Kernel for Loads<COUNT> {
-    type Output = Lanes;
+    type Output = F64x8;
 
     #[inline(always)]
-    fn sweep<V: Vector>(self) -> Lanes {
-        let places = [Lanes([1.0; LANES]); PLACES];
+    fn sweep<V: SimdF64>(self) -> F64x8 {
+        let places = [F64x8([1.0; LANES]); PLACES];
         let (mut sums, mut products) = ([V::zero(); COUNT], [V::zero(); COUNT]);
         for _ in 0..ROUNDS {
             let places = black_box(&places);
@@ -198,9 +198,9 @@ impl Kernel for Stores {
     type Output = ();
 
     #[inline(always)]
-    fn sweep<V: Vector>(self) {
+    fn sweep<V: SimdF64>(self) {
         let x = V::all(black_box(1.5));
-        let mut places = [Lanes::ZERO; PLACES];
+        let mut places = [F64x8::ZERO; PLACES];
         for _ in 0..ROUNDS {
             for place in black_box(&mut places) {
                 *place = x.lanes();

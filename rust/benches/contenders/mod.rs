@@ -4,10 +4,11 @@
 use std::hint::black_box;
 use std::ops::Range;
 
-use membrane_core::forces::{self, Law};
-use membrane_core::model::{Assembly, Model};
-use membrane_core::state::{Instant, Vectors};
-use membrane_core::width::Width;
+use membrane_core::arrays::state::{Instant, NodeVectors};
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::{self, Law};
+use membrane_core::model::input::Model;
+use membrane_core::simd::dispatch::InstructionSet;
 
 use crate::common::sail;
 use crate::oracle::{Motion, Oracle};
@@ -21,22 +22,22 @@ pub fn label(part: usize) -> &'static str {
 }
 
 /// The widths that this machine has.
-pub fn widths() -> impl Iterator<Item = Width> {
-    Width::ALL.into_iter().filter(|width| width.is_available())
+pub fn widths() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::ALL.into_iter().filter(|width| width.is_available())
 }
 
 /// The sail at one fineness, arranged once for all widths.
 pub struct Scene {
     pub assembly: Assembly,
-    positions: Vectors,
-    velocities: Vectors,
+    positions: NodeVectors,
+    velocities: NodeVectors,
 }
 
 impl Scene {
     pub fn new(model: Model) -> Self {
-        let assembly = Assembly::new(model, Width::Baseline).unwrap();
-        let positions = assembly.layout.gather_vectors(&assembly.model.positions);
-        let velocities = assembly.layout.gather_vectors(&assembly.model.velocities);
+        let assembly = Assembly::new(model, InstructionSet::Baseline).unwrap();
+        let positions = assembly.layout.internal_vectors(&assembly.model.positions);
+        let velocities = assembly.layout.internal_vectors(&assembly.model.velocities);
         Self { assembly, positions, velocities }
     }
 
@@ -44,7 +45,7 @@ impl Scene {
         Loops { oracle: Oracle::new(&sail::laws(), &self.assembly), motion: Motion::of(&self.assembly) }
     }
 
-    pub fn kernels(&mut self, width: Width) -> Kernels {
+    pub fn kernels(&mut self, width: InstructionSet) -> Kernels {
         self.assembly.width = width;
         Kernels::new(&self.assembly)
     }
@@ -75,7 +76,7 @@ pub struct Kernels {
     /// Those of each part side by side.
     laws: Vec<Box<dyn Law>>,
     parts: Vec<Range<usize>>,
-    forces: Vectors,
+    forces: NodeVectors,
     powers: Vec<f64>,
 }
 
@@ -83,12 +84,12 @@ impl Kernels {
     fn new(assembly: &Assembly) -> Self {
         let part_of =
             |law: &dyn Law| Oracle::PARTS.iter().position(|(_, names, _)| names.contains(&law.name())).unwrap();
-        let mut laws = forces::build(&sail::laws(), assembly).unwrap();
+        let mut laws = laws::build(&sail::laws(), assembly).unwrap();
         laws.sort_by_key(|law| part_of(law.as_ref()));
         let first = |part: usize| laws.partition_point(|law| part_of(law.as_ref()) < part);
         let mut parts: Vec<Range<usize>> = (0..PARTS - 1).map(|part| first(part)..first(part + 1)).collect();
         parts.push(0..laws.len());
-        Self { parts, forces: Vectors::zeros(assembly.masses.len()), powers: vec![0.0; laws.len()], laws }
+        Self { parts, forces: NodeVectors::zeros(assembly.masses.len()), powers: vec![0.0; laws.len()], laws }
     }
 
     /// The elements of a part, and the lanes that they take up; none for a part that goes node by node.
@@ -104,6 +105,6 @@ impl Kernels {
             self.forces.as_mut_slice().fill(0.0);
         }
         let powers = &mut self.powers[range.clone()];
-        forces::add_all(&self.laws[range], black_box(at), &mut self.forces, powers);
+        membrane_core::evaluation::damped_springs::add_all(&self.laws[range], black_box(at), &mut self.forces, powers);
     }
 }

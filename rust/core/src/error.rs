@@ -1,4 +1,4 @@
-//! What can go wrong, each with its numbers and its cure.
+//! What can go wrong, each with its numbers and its remedy.
 //! (The fields of the variants are named in the texts.)
 #![allow(missing_docs)]
 
@@ -86,7 +86,7 @@ pub enum Error {
 
     /// The watch stopped a run.
     #[error(
-        "stopped at t = {time:.6e} s, step {step}: {what} ({place}, {law}). {cure}. The state was set back to the last good check at t = {good_time:.6e} s"
+        "stopped at t = {time:.6e} s, step {step}: {what} ({place}, {law}). {remedy}. The state was set back to the last good check at t = {good_time:.6e} s"
     )]
-    Unstable { time: f64, step: u64, good_time: f64, what: String, place: String, law: String, cure: String },
+    Unstable { time: f64, step: u64, good_time: f64, what: String, place: String, law: String, remedy: String },
 }

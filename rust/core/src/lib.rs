@@ -1,24 +1,22 @@
 //! Spring-mass ("multi-particle") dynamics of thin membranes that are folded, stowed and deployed by spinning.
 //!
-//! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units.
-//! Imports go one way: `mesh`, `layout`, `state` <- `model` <- `forces`, `integrators` <- `stability`, `ledger` <- `simulation`.
+//! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units. Imports go one way, from
+//! right to left:
+//!
+//!     simd, error <- arrays <- model, layout, linear <- assembly, integrators <- elements <- laws <- evaluation, stability <- simulation
 
-pub mod aligned;
-pub mod columns;
+pub mod arrays;
+pub mod assembly;
+pub mod elements;
 pub mod error;
-pub mod forces;
+pub mod evaluation;
 pub mod integrators;
-pub mod lanes;
+pub mod laws;
 pub mod layout;
-pub mod ledger;
-pub mod mesh;
+pub mod linear;
 pub mod model;
-pub(crate) mod rowwise;
+pub mod simd;
 pub mod simulation;
-pub mod slopes;
 pub mod stability;
-pub mod state;
-pub mod tangent;
-pub mod width;
 
 pub use error::{Error, Result};

@@ -1,44 +1,44 @@
-//! What kernels do, counted: operations on eight numbers for each group of eight elements, without changing a bit.
+//! What kernels do, counted: operations on eight numbers for each batch of eight elements, without changing a bit.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 
 use common::sail;
-use membrane_core::forces::{self, Law, LawSpec};
-use membrane_core::lanes::LANES;
-use membrane_core::lanes::counted::{Counts, count};
-use membrane_core::model::Assembly;
-use membrane_core::state::{Instant, Vectors};
-use membrane_core::width::Width;
+use membrane_core::arrays::state::{Instant, NodeVectors};
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::{self, Law, LawSpec};
+use membrane_core::simd::counted::{Counts, count};
+use membrane_core::simd::dispatch::InstructionSet;
+use membrane_core::simd::lanes::LANES;
 
 /// One evaluation of those laws of model 1 that are wanted, without tethers: its forces, and what was counted.
-fn evaluate(width: Width, wanted: fn(&LawSpec) -> bool) -> (Vec<Box<dyn Law>>, Vectors, Counts) {
+fn evaluate(width: InstructionSet, wanted: fn(&LawSpec) -> bool) -> (Vec<Box<dyn Law>>, NodeVectors, Counts) {
     let mut sail = sail::sail(1);
     sail.cords.clear();
     let assembly = Assembly::new(sail, width).unwrap();
     let chosen: Vec<LawSpec> = sail::laws().into_iter().filter(wanted).collect();
-    let laws = forces::build(&chosen, &assembly).unwrap();
-    let positions = assembly.layout.gather_vectors(&assembly.model.positions);
-    let velocities = assembly.layout.gather_vectors(&assembly.model.velocities);
+    let laws = laws::build(&chosen, &assembly).unwrap();
+    let positions = assembly.layout.internal_vectors(&assembly.model.positions);
+    let velocities = assembly.layout.internal_vectors(&assembly.model.velocities);
     let at = Instant { time: 0.0, positions: &positions, velocities: &velocities };
-    let mut forces = Vectors::zeros(assembly.masses.len());
+    let mut forces = NodeVectors::zeros(assembly.masses.len());
     let mut powers = vec![0.0; laws.len()];
-    let counts = count(|| forces::add_all(&laws, at, &mut forces, &mut powers));
+    let counts = count(|| membrane_core::evaluation::damped_springs::add_all(&laws, at, &mut forces, &mut powers));
     (laws, forces, counts)
 }
 
 #[test]
 fn counting_changes_no_bit() {
-    let (_, forces, counts) = evaluate(Width::Baseline, |_| true);
+    let (_, forces, counts) = evaluate(InstructionSet::Baseline, |_| true);
     assert_eq!(counts, Counts::default());
-    let (_, counted, counts) = evaluate(Width::Counted, |_| true);
+    let (_, counted, counts) = evaluate(InstructionSet::Counted, |_| true);
     assert_eq!(counted, forces);
     assert!(counts.additions > 0);
 }
 
 #[test]
 fn a_group_of_eight_costs_no_more_than_its_formula() {
-    // The most that a group may cost: quotients and roots, the dearest; reads, writes; sums, products. Drag's are those of
+    // The most that a batch may cost: quotients and roots, the dearest; reads, writes; sums, products. Drag's are those of
     // its triangles and, at two triangles a node, of its nodes. The few that come once per pass stay below one in ten.
     let springs: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::Springs(_) | LawSpec::SpringDamping(_));
     let creases: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::Creases(_));
@@ -48,23 +48,23 @@ fn a_group_of_eight_costs_no_more_than_its_formula() {
         ("creases", creases, [4, 2, 41, 12, 112, 132]),
         ("drag", drag, [0, 0, 31, 7, 23, 24]),
     ] {
-        let (laws, _, counts) = evaluate(Width::Counted, wanted);
+        let (laws, _, counts) = evaluate(InstructionSet::Counted, wanted);
         let lanes: usize = laws.iter().filter_map(|law| law.lanes()).map(|[_, lanes]| lanes).sum();
-        let groups = (lanes / LANES) as f64;
+        let batches = (lanes / LANES) as f64;
         let found =
             [counts.divisions, counts.roots, counts.loads, counts.stores, counts.additions, counts.multiplications];
-        let found = found.map(|count| count as f64 / groups);
+        let found = found.map(|count| count as f64 / batches);
         let is_less = found.iter().zip(most).all(|(found, most)| *found < f64::from(most) + 0.1);
         assert!(
             is_less,
-            "{name}: quotients, roots, reads, writes, sums, products a group {found:.1?}, at most {most:?}"
+            "{name}: quotients, roots, reads, writes, sums, products a batch {found:.1?}, at most {most:?}"
         );
     }
 }
 
 #[test]
 fn fillers_are_few() {
-    let laws = evaluate(Width::Baseline, |_| true).0;
+    let laws = evaluate(InstructionSet::Baseline, |_| true).0;
     for (name, most) in [("springs", 0.02), ("creases", 0.03), ("air_drag", 0.02)] {
         let [elements, lanes] = laws.iter().find(|law| law.name() == name).unwrap().lanes().unwrap();
         let share = 1.0 - elements as f64 / lanes as f64;

@@ -4,11 +4,11 @@
 mod common;
 
 use common::{Dice, every_law_with, films, sheet};
-use membrane_core::forces::LawSpec;
-use membrane_core::integrators::{self, Effort, SPECTRAL_RADIUS};
-use membrane_core::model::{Cord, Model};
+use membrane_core::integrators::{self, SPECTRAL_RADIUS, Statistics};
+use membrane_core::laws::LawSpec;
+use membrane_core::model::input::{Cord, Model};
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::width::Width;
 
 const NAME: &str = "generalized_alpha";
 
@@ -31,18 +31,18 @@ fn oscillator(offset: f64) -> Model {
 
 #[test]
 fn growth_never_passes_one_and_ends_at_the_spectral_radius() {
-    let mut method = integrators::by_name(NAME, 1, 0, Width::Baseline).unwrap();
+    let mut method = integrators::by_name(NAME, 1, 0, InstructionSet::Baseline).unwrap();
     for radius in [0.0, 0.3, SPECTRAL_RADIUS, 1.0] {
-        method.dissipate(radius);
+        method.set_spectral_radius(radius);
         for k in -20..=16 {
             let omega = 10.0_f64.powf(0.25 * f64::from(k));
             for ratio in [0.0, 0.02, 1.0, 50.0] {
-                let growth = method.growth(omega, 2.0 * ratio * omega, 1.0);
+                let amplification = method.amplification(omega, 2.0 * ratio * omega, 1.0);
                 // A triple root is found to the cube root of rounding.
-                assert!(growth <= 1.0 + 1e-5, "radius {radius}, omega {omega}, ratio {ratio}: {growth}");
+                assert!(amplification <= 1.0 + 1e-5, "radius {radius}, omega {omega}, ratio {ratio}: {amplification}");
             }
         }
-        let last = method.growth(1e4, 0.0, 1.0);
+        let last = method.amplification(1e4, 0.0, 1.0);
         assert!((last - radius).abs() < 1e-2, "{last} {radius}");
     }
 }
@@ -52,14 +52,14 @@ fn what_a_step_does_to_an_oscillation_is_what_growth_says() {
     let settings = |spectral_radius| Settings { spectral_radius, ..unwatched() };
     for (radius, dt, steps) in [(0.8, 0.5, 200), (0.3, 0.5, 100), (0.8, 30.0, 60), (1.0, 30.0, 60)] {
         let mut simulation = Simulation::new(oscillator(0.3), &[], NAME, Some(dt), settings(radius)).unwrap();
-        let mut method = integrators::by_name(NAME, 1, 0, Width::Baseline).unwrap();
-        method.dissipate(radius);
-        let energy = |simulation: &Simulation| simulation.accounts().total() - 0.5;
+        let mut method = integrators::by_name(NAME, 1, 0, InstructionSet::Baseline).unwrap();
+        method.set_spectral_radius(radius);
+        let energy = |simulation: &Simulation| simulation.energy_terms().total() - 0.5;
         simulation.step(20).unwrap();
         let before = energy(&simulation);
         simulation.step(steps).unwrap();
         let per_step = (energy(&simulation) / before).powf(0.5 / steps as f64);
-        let expected = method.growth(1.0, 0.0, dt);
+        let expected = method.amplification(1.0, 0.0, dt);
         assert!((per_step - expected).abs() < 0.02 * (1.0 - expected) + 2e-3, "{radius} {dt}: {per_step} {expected}");
     }
     for radius in [-0.1, 1.1, f64::NAN] {
@@ -73,8 +73,8 @@ fn a_linear_step_takes_one_correction_and_one_factor() {
     let mut simulation = Simulation::new(oscillator(0.3), &[], NAME, Some(0.1), unwatched()).unwrap();
     assert_eq!(simulation.limit().unwrap().dt, f64::INFINITY);
     simulation.step(50).unwrap();
-    let expected = Effort { iterations: 50, factorisations: 50, fallbacks: 0 };
-    assert_eq!(simulation.integrator().effort(), expected);
+    let expected = Statistics { iterations: 50, factorisations: 50, fallbacks: 0 };
+    assert_eq!(simulation.integrator().statistics(), expected);
     assert_eq!(simulation.evaluation_count(), 101);
     // Without a step, a multiple of the explicit limit.
     let simulation = Simulation::new(oscillator(0.3), &[], NAME, None, unwatched()).unwrap();
@@ -100,7 +100,7 @@ fn every_law_at_once_converges_to_the_motion_of_an_explicit_method_at_order_two(
             let dt = 4e-5 / steps as f64;
             let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), unwatched()).unwrap();
             simulation.step(steps).unwrap();
-            (simulation.positions(), simulation.ledger().error(&simulation.accounts()))
+            (simulation.positions(), simulation.ledger().error(&simulation.energy_terms()))
         };
         let exact = end("rk4", 4000).0;
         let error = |steps: u64| {
@@ -127,7 +127,7 @@ fn runs_are_the_same_to_the_last_bit_whole_or_in_pieces_with_every_law() {
         second.resume(&first.progress()).unwrap();
         second.step(37).unwrap();
         assert_eq!(whole.progress(), second.progress(), "{name}");
-        assert!(whole.integrator().effort().iterations > 60, "{name}");
+        assert!(whole.integrator().statistics().iterations > 60, "{name}");
     }
 }
 
@@ -142,5 +142,5 @@ fn a_step_of_which_no_part_can_be_taken_is_told_with_time_place_law_and_cure() {
         assert!(text.contains(word), "{text}");
     }
     assert!(hopeless.positions().iter().flatten().all(|value| value.is_finite()));
-    assert_eq!(hopeless.integrator().effort().fallbacks, 10);
+    assert_eq!(hopeless.integrator().statistics().fallbacks, 10);
 }

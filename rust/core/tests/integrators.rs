@@ -3,11 +3,11 @@
 
 mod common;
 
-use membrane_core::forces::{LawSpec, Spin, SpringParameters};
 use membrane_core::integrators::{self, Tolerance};
-use membrane_core::model::{Cord, Model};
+use membrane_core::laws::{LawSpec, Spin, SpringParameters};
+use membrane_core::model::input::{Cord, Model};
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::width::Width;
 
 /// `masses` masses of `m` along x between two held nodes, joined by cords of stiffness `k`, stretched to twice their rest
 /// length so that none goes slack, with small velocities along x.
@@ -54,13 +54,13 @@ fn each_method_has_its_stated_order_and_cost() {
             (simulation.positions()[1][0] - 2.0 - 0.3 * 10.0_f64.cos()).abs()
         };
         let ratio = error(200) / error(400);
-        let order = f64::from(integrators::by_name(name, 1, 0, Width::Baseline).unwrap().order());
+        let order = f64::from(integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap().order());
         assert!((ratio.log2() - order).abs() < 0.1, "{name}: measured order {}", ratio.log2());
     }
 }
 
 fn by_name(name: &str) -> Box<dyn integrators::Integrator> {
-    integrators::by_name(name, 1, 0, Width::Baseline).unwrap()
+    integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap()
 }
 
 /// Methods whose step has a limit.
@@ -71,9 +71,9 @@ fn limited() -> impl Iterator<Item = &'static str> {
 /// Steps after which a mode that holds a thousandth of the motion has grown threefold and more at 1.02 of the limit.
 fn steps_to_see(simulation: &Simulation, damping: f64) -> u64 {
     let limit = simulation.limit().unwrap();
-    let growth = simulation.integrator().growth(limit.largest_frequency, damping, 1.02 * limit.dt);
-    assert!(growth > 1.0);
-    (3e3_f64.ln() / growth.ln()).ceil() as u64 + 100
+    let amplification = simulation.integrator().amplification(limit.largest_frequency, damping, 1.02 * limit.dt);
+    assert!(amplification > 1.0);
+    (3e3_f64.ln() / amplification.ln()).ceil() as u64 + 100
 }
 
 #[test]
@@ -86,10 +86,10 @@ fn each_method_is_stable_just_below_its_predicted_limit_and_not_just_above() {
             let steps = steps_to_see(&first, 0.0);
             let grows = |dt: f64| {
                 let mut simulation = new(dt);
-                let before = simulation.accounts().kinetic;
+                let before = simulation.energy_terms().kinetic;
                 simulation.step(steps).unwrap();
                 // The energy of leapfrog swings: at 0.99 of its limit fiftyfold.
-                let after = simulation.accounts();
+                let after = simulation.energy_terms();
                 let after = after.kinetic + after.stored.iter().sum::<f64>() - simulation.ledger().start.stored[0];
                 after.is_nan() || after > 1e3 * before
             };
@@ -134,7 +134,7 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
             let limit = new(0.05, 0.01).limit().unwrap().dt;
             let mut simulation = new(0.05, 0.02 * limit);
             simulation.step(500).unwrap();
-            let error = simulation.ledger().error(&simulation.accounts());
+            let error = simulation.ledger().error(&simulation.energy_terms());
             assert!(error.abs() < allowed, "{name}, zeta {ratio}: energy balance {error:e}");
             // Two cords of k = 1/2, each with its dashpot: c = 2 (2 zeta sqrt(k m)).
             let steps = steps_to_see(&new(0.05, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
@@ -180,10 +180,10 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
                 apart(found.positions(), exact.positions()),
                 apart(found.velocities(), exact.velocities()),
                 of_work.iter().fold(0.0, |a, b| a.max(*b)),
-                found.ledger().surplus(&found.accounts()).abs(),
+                found.ledger().residual(&found.energy_terms()).abs(),
             ]
         });
-        let order = f64::from(integrators::by_name(name, 1, 0, Width::Baseline).unwrap().order());
+        let order = f64::from(integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap().order());
         for (k, what) in ["position", "velocity", "work", "energy"].iter().enumerate() {
             let measured = (errors[0][k] / errors[1][k]).log2();
             let is_met = if k < 2 { (measured - order).abs() < 0.25 } else { measured > order - 0.3 };
@@ -214,7 +214,7 @@ fn a_method_that_keeps_energy_keeps_it_for_a_hundred_thousand_oscillations() {
             let mut worst: f64 = 0.0;
             for _ in 0..100 {
                 simulation.step(steps / 10_000).unwrap();
-                worst = worst.max(simulation.ledger().surplus(&simulation.accounts()).abs());
+                worst = worst.max(simulation.ledger().residual(&simulation.energy_terms()).abs());
             }
             swings.push(worst / simulation.ledger().start.kinetic);
         }
@@ -250,7 +250,7 @@ fn a_progress_that_does_not_fit_changes_nothing() {
         simulation.step(3).unwrap();
         later.step(7).unwrap();
         let (before, mut unfit) = (simulation.progress(), later.progress());
-        unfit.memory.0.push(unfit.positions.clone());
+        unfit.history.0.push(unfit.positions.clone());
         assert!(simulation.resume(&unfit).is_err(), "{name}");
         assert_eq!(simulation.progress(), before, "{name}");
         simulation.step(2).unwrap();
@@ -283,7 +283,7 @@ fn an_adaptive_run_gives_the_same_bits_whole_or_in_pieces_wherever_someone_looks
     }
     assert_eq!(whole.progress(), cut.progress());
     assert_eq!(whole.positions(), cut.positions());
-    assert_eq!(whole.accounts(), cut.accounts());
+    assert_eq!(whole.energy_terms(), cut.energy_terms());
     assert!(!whole.reach(50.0, 3).unwrap());
     cut.step(3).unwrap();
     assert_eq!(whole.progress(), cut.progress());
@@ -318,7 +318,7 @@ fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_gives_up_where_none_is_s
     let mut simulation = adaptive(model, &[], 1e-8);
     simulation.reach(10.0, u64::MAX).unwrap();
     assert!(simulation.rejected_count() > 0);
-    let error = simulation.ledger().error(&simulation.accounts());
+    let error = simulation.ledger().error(&simulation.energy_terms());
     assert!(error.abs() < 1e-4, "{error:e}");
     let mut hopeless = adaptive(everything().0, &[], 1e-300);
     let text = hopeless.reach(1.0, u64::MAX).unwrap_err().to_string();

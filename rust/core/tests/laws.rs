@@ -4,11 +4,11 @@
 mod common;
 
 use common::{Dice, creases, every_law, every_law_with, films, sheet};
-use membrane_core::forces::{self, CreaseParameters, LawSpec, Spin};
-use membrane_core::model::Assembly;
+use membrane_core::arrays::state::{Instant, NodeVectors};
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::{self, CreaseParameters, LawSpec, Spin};
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::state::{Instant, Vectors};
-use membrane_core::width::Width;
 
 /// A sheet of 4 x 3 squares of 1 cm of this film, every law on, crumpled by `size`.
 fn crumpled(film: LawSpec, seed: u64, size: f64) -> Simulation {
@@ -22,7 +22,7 @@ fn crumpled(film: LawSpec, seed: u64, size: f64) -> Simulation {
 }
 
 fn energy(simulation: &Simulation, law: usize) -> f64 {
-    simulation.accounts().stored[law]
+    simulation.energy_terms().stored[law]
 }
 
 fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
@@ -135,7 +135,7 @@ fn a_rigid_motion_of_the_flat_sheet_meets_no_resistance() {
 fn the_power_of_each_law_is_what_its_forces_do() {
     for (_, film) in films() {
         let mut simulation = crumpled(film, 3, 0.004);
-        // The laws' own account over one tiny step, against F.v at its start.
+        // The laws' own energy term over one tiny step, against F.v at its start.
         let expected: Vec<(&str, f64)> = ["spring_damping", "air_drag", "mass_damping"]
             .map(|name| (name, dot(&simulation.forces(Some(name)).unwrap(), &simulation.velocities())))
             .to_vec();
@@ -159,24 +159,24 @@ fn what_a_law_remembers_gives_the_power_of_its_forces_on_other_velocities() {
         // Dashpots go through one pass with the springs, or through their own.
         let specs: Vec<LawSpec> =
             every_law().into_iter().filter(|spec| with_springs || !matches!(spec, LawSpec::Springs(_))).collect();
-        let assembly = Assembly::new(sheet(4, 3, 0.01), Width::widest()).unwrap();
-        let mut laws = forces::build(&specs, &assembly).unwrap();
-        let remembered: Vec<usize> = (0..laws.len()).filter(|&row| laws[row].remember()).collect();
+        let assembly = Assembly::new(sheet(4, 3, 0.01), InstructionSet::widest()).unwrap();
+        let mut laws = laws::build(&specs, &assembly).unwrap();
+        let cached: Vec<usize> = (0..laws.len()).filter(|&row| laws[row].caches_forces()).collect();
         let nodes = assembly.masses.len();
         let mut dice = Dice(7);
-        let [rest, moved] = [1.0, 1.0].map(|size| assembly.layout.gather_vectors(&dice.vectors(nodes, size)));
-        let positions = assembly.layout.gather_vectors(&assembly.model.positions);
+        let [rest, moved] = [1.0, 1.0].map(|size| assembly.layout.internal_vectors(&dice.vectors(nodes, size)));
+        let positions = assembly.layout.internal_vectors(&assembly.model.positions);
         let at = |velocities| Instant { time: 0.0, positions: &positions, velocities };
-        let (mut all, mut powers) = (Vectors::zeros(nodes), vec![0.0; laws.len()]);
-        forces::add_all(&laws, at(&rest), &mut all, &mut powers);
-        for row in remembered {
+        let (mut all, mut powers) = (NodeVectors::zeros(nodes), vec![0.0; laws.len()]);
+        membrane_core::evaluation::damped_springs::add_all(&laws, at(&rest), &mut all, &mut powers);
+        for row in cached {
             assert!(!laws[row].is_conservative());
-            let reworked = laws[row].rework(at(&moved));
-            let mut own = Vectors::zeros(nodes);
+            let recomputed = laws[row].power_at(at(&moved));
+            let mut own = NodeVectors::zeros(nodes);
             laws[row].add_forces(at(&rest), &mut own);
             let expected = own.dot(&moved);
             let scale = own.abs().dot(&moved.abs());
-            assert!((reworked - expected).abs() <= 1e-12 * scale, "{}: {reworked} {expected}", laws[row].name());
+            assert!((recomputed - expected).abs() <= 1e-12 * scale, "{}: {recomputed} {expected}", laws[row].name());
             tested += 1;
         }
     }
@@ -190,24 +190,24 @@ fn stiffness_and_damping_products_are_the_slopes_of_the_forces() {
     let way = Dice(11).vectors(model.positions.len(), 1.0);
     for (name, film) in films() {
         let laws = [film, LawSpec::SpringDamping(0.02.into())];
-        let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
-        let built = forces::build(&laws, &assembly).unwrap();
+        let assembly = Assembly::new(model.clone(), InstructionSet::widest()).unwrap();
+        let built = laws::build(&laws, &assembly).unwrap();
         // Stretched a little, so that nothing buckles within the step of the difference.
         let start: Vec<_> = model.positions.iter().map(|p| [1.001 * p[0], 1.001 * p[1], 0.0]).collect();
-        let at_rest = assembly.layout.gather_vectors(&vec![[0.0; 3]; start.len()]);
+        let at_rest = assembly.layout.internal_vectors(&vec![[0.0; 3]; start.len()]);
         let flat: Vec<_> = way.iter().map(|w| [w[0], w[1], 0.0]).collect();
-        let (x, p) = (assembly.layout.gather_vectors(&start), assembly.layout.gather_vectors(&flat));
+        let (x, p) = (assembly.layout.internal_vectors(&start), assembly.layout.internal_vectors(&flat));
         for (law, is_stiffness) in [(0, true), (1, false)] {
             let force = |s: f64| {
                 let (positions, velocities) =
                     if is_stiffness { (&x + &p * s, at_rest.clone()) } else { (x.clone(), &p * s) };
-                let mut out = Vectors::zeros(start.len());
+                let mut out = NodeVectors::zeros(start.len());
                 built[law].add_forces(Instant { time: 0.0, positions: &positions, velocities: &velocities }, &mut out);
                 out
             };
             let step = 1e-7;
             let slope = (force(-step) - force(step)) / (2.0 * step);
-            let mut product = Vectors::zeros(start.len());
+            let mut product = NodeVectors::zeros(start.len());
             let at = Instant { time: 0.0, positions: &x, velocities: &at_rest };
             if is_stiffness {
                 built[law].add_stiffness_product(at, &p, &mut product);
@@ -262,7 +262,7 @@ fn the_turning_frame_gives_the_motion_of_the_fixed_one() {
     model.positions.iter_mut().for_each(|p| *p = [1.001 * p[0] + 0.05, 1.001 * p[1], 0.2 * p[0]]);
     model.velocities = Dice(5).vectors(model.positions.len(), 0.1);
     let laws = [common::springs(), common::creases(2.0), common::gravity()];
-    let run = |model: &membrane_core::model::Model, laws: &[LawSpec]| {
+    let run = |model: &membrane_core::model::input::Model, laws: &[LawSpec]| {
         let mut simulation = Simulation::new(model.clone(), laws, "rk4", Some(1e-7), Settings::default()).unwrap();
         simulation.step(2000).unwrap();
         simulation
@@ -279,7 +279,7 @@ fn the_turning_frame_gives_the_motion_of_the_fixed_one() {
         (0..3).for_each(|axis| assert!((seen[axis] - q[axis]).abs() < 1e-12, "{seen:?} {q:?}"));
     }
     for simulation in [&fixed, &turning] {
-        let error = simulation.ledger().error(&simulation.accounts());
+        let error = simulation.ledger().error(&simulation.energy_terms());
         assert!(error.abs() < 1e-3, "energy balance {error:e}");
     }
 }

@@ -4,14 +4,14 @@
 mod common;
 
 use common::sail;
-use membrane_core::forces::{LawSpec, Spin};
-use membrane_core::model::{Cord, Model};
+use membrane_core::laws::{LawSpec, Spin};
+use membrane_core::model::input::{Cord, Model};
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::width::Width;
 
 /// Three masses on a taut chain between two held nodes that swing in all directions in a frame that turns ever faster;
 /// friction and weight are slow beside the cords.
-fn swinging(name: &str, short_steps: u32, dt: f64) -> Simulation {
+fn swinging(name: &str, substeps: u32, dt: f64) -> Simulation {
     let model = Model {
         positions: (0..5).map(|i| [2.0 * f64::from(i), 0.0, 0.0]).collect(),
         velocities: common::Dice(7).vectors(5, 0.5),
@@ -25,12 +25,12 @@ fn swinging(name: &str, short_steps: u32, dt: f64) -> Simulation {
     let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
     let laws =
         [LawSpec::SpringDamping(0.1.into()), spin, LawSpec::MassDamping(0.05), LawSpec::Gravity([0.3, -0.2, 0.4])];
-    let settings = Settings { short_steps, watch_interval: u64::MAX, ..Settings::default() };
+    let settings = Settings { substeps, watch_interval: u64::MAX, ..Settings::default() };
     Simulation::new(model, &laws, name, Some(dt), settings).unwrap()
 }
 
-fn sail_in(short_steps: u32, dt: Option<f64>) -> Simulation {
-    let settings = Settings { short_steps, ..Settings::default() };
+fn sail_in(substeps: u32, dt: Option<f64>) -> Simulation {
+    let settings = Settings { substeps, ..Settings::default() };
     Simulation::new(sail::sail(1), &sail::laws(), "leapfrog", dt, settings).unwrap()
 }
 
@@ -76,7 +76,7 @@ fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
             apart(&found.positions(), &exact.positions()),
             apart(&found.velocities(), &exact.velocities()),
             (work(&found, 2) - work(&exact, 2)).abs(),
-            found.ledger().surplus(&found.accounts()).abs(),
+            found.ledger().residual(&found.energy_terms()).abs(),
         ]
     });
     for (k, what) in ["position", "velocity", "work of friction", "energy"].iter().enumerate() {
@@ -88,15 +88,15 @@ fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
 
 #[test]
 fn a_sail_is_balanced_as_by_leapfrog_with_a_quarter_of_the_slow_evaluations() {
-    let run = |short_steps: u32, steps: u64, dt: f64| {
-        let mut simulation = sail_in(short_steps, Some(dt));
+    let run = |substeps: u32, steps: u64, dt: f64| {
+        let mut simulation = sail_in(substeps, Some(dt));
         simulation.step(steps).unwrap();
         simulation
     };
     let (short, long) = (run(1, 400, 1e-6), run(4, 100, 4e-6));
     assert_eq!(short.evaluation_count(), long.evaluation_count());
     assert!((short.time() - long.time()).abs() < 1e-12);
-    let [a, b] = [&short, &long].map(|simulation| simulation.ledger().error(&simulation.accounts()));
+    let [a, b] = [&short, &long].map(|simulation| simulation.ledger().error(&simulation.energy_terms()));
     assert!((a - b).abs() < 0.05 * a.abs() + 1e-6, "{a:e} {b:e}");
     let drag = short.laws().iter().position(|law| law.name() == "air_drag").unwrap();
     let work = |simulation: &Simulation| simulation.ledger().work[drag];
@@ -112,8 +112,8 @@ fn a_sail_goes_on_with_the_same_bits_at_every_width() {
     second.resume(&first.progress()).unwrap();
     second.step(33).unwrap();
     assert_eq!(whole.progress(), second.progress());
-    for width in Width::ALL {
-        let settings = Settings { short_steps: 4, width, ..Settings::default() };
+    for width in InstructionSet::ALL {
+        let settings = Settings { substeps: 4, width, ..Settings::default() };
         let mut other = Simulation::new(sail::sail(1), &sail::laws(), "leapfrog", Some(4e-6), settings).unwrap();
         other.step(50).unwrap();
         assert_eq!(whole.progress(), other.progress(), "{width:?}");

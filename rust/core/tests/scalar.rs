@@ -5,10 +5,11 @@ mod common;
 mod oracle;
 
 use common::{Dice, sail, sheet};
-use membrane_core::model::{Assembly, Model};
+use membrane_core::arrays::blocks::TILE;
+use membrane_core::assembly::Assembly;
+use membrane_core::model::input::Model;
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::state::TILE;
-use membrane_core::width::Width;
 use oracle::steps::{METHODS, Stepper};
 use oracle::{Motion, Oracle};
 
@@ -57,7 +58,7 @@ fn unstructured() -> Model {
     model
 }
 
-fn agree(model: Model, width: Width) {
+fn agree(model: Model, width: InstructionSet) {
     let laws = sail::laws();
     let settings = Settings { width, ..Settings::default() };
     let simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-7), settings).unwrap();
@@ -89,14 +90,14 @@ fn agree(model: Model, width: Width) {
     });
 }
 
-fn widths() -> impl Iterator<Item = Width> {
-    Width::ALL.into_iter().filter(|width| width.is_available())
+fn widths() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::ALL.into_iter().filter(|width| width.is_available())
 }
 
 #[test]
 fn on_the_sail_of_model_1() {
     let sail = sail::sail(1);
-    let assembly = Assembly::new(sail.clone(), Width::Baseline).unwrap();
+    let assembly = Assembly::new(sail.clone(), InstructionSet::Baseline).unwrap();
     let springs = assembly.mesh.edges.len() + sail.cords.len();
     let counts = [sail.positions.len(), springs, sail.creases.len(), sail.triangles.len()];
     assert_eq!(counts, [1912, 5368, 756, 3456]);
@@ -124,7 +125,7 @@ fn steps_of_plain_loops_are_those_of_the_core() {
 
 fn agree_in_steps(model: Model) {
     let (laws, dt, steps) = (sail::laws(), 1e-6 / model.positions.len() as f64 * 1912.0, 20);
-    let assembly = Assembly::new(model.clone(), Width::widest()).unwrap();
+    let assembly = Assembly::new(model.clone(), InstructionSet::widest()).unwrap();
     for method in METHODS {
         let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), Settings::default()).unwrap();
         simulation.step(steps).unwrap();

@@ -4,11 +4,11 @@
 mod common;
 
 use common::{Dice, every_law, sheet};
+use membrane_core::arrays::blocks::TILE;
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
-use membrane_core::state::TILE;
-use membrane_core::width::Width;
 
-fn crumpled(width: Width) -> Simulation {
+fn crumpled(width: InstructionSet) -> Simulation {
     sheet_in_motion((19, 13), "rk4", Settings { width, ..Settings::default() })
 }
 
@@ -24,9 +24,9 @@ fn sheet_in_motion((columns, rows): (usize, usize), method: &str, settings: Sett
 
 #[test]
 fn a_trajectory_has_the_same_bits_at_every_width() {
-    let mut baseline = crumpled(Width::Baseline);
+    let mut baseline = crumpled(InstructionSet::Baseline);
     baseline.step(500).unwrap();
-    for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+    for width in InstructionSet::ALL.into_iter().filter(|width| width.is_available()) {
         let mut simulation = crumpled(width);
         simulation.step(500).unwrap();
         assert_eq!(simulation.progress(), baseline.progress(), "{}", width.name());
@@ -35,16 +35,16 @@ fn a_trajectory_has_the_same_bits_at_every_width() {
 
 #[test]
 fn so_has_one_of_more_nodes_than_a_tile() {
-    for (method, short_steps) in [("rk4", 1), ("leapfrog", 1), ("leapfrog", 2)] {
-        let run = |width: Width| {
-            let settings = Settings { width, short_steps, ..Settings::default() };
+    for (method, substeps) in [("rk4", 1), ("leapfrog", 1), ("leapfrog", 2)] {
+        let run = |width: InstructionSet| {
+            let settings = Settings { width, substeps, ..Settings::default() };
             let mut simulation = sheet_in_motion((69, 59), method, settings);
             assert!(simulation.positions().len() > TILE);
             simulation.step(10).unwrap();
             simulation.progress()
         };
-        let baseline = run(Width::Baseline);
-        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+        let baseline = run(InstructionSet::Baseline);
+        for width in InstructionSet::ALL.into_iter().filter(|width| width.is_available()) {
             assert_eq!(run(width), baseline, "{method}, {}", width.name());
         }
     }
@@ -53,16 +53,16 @@ fn so_has_one_of_more_nodes_than_a_tile() {
 #[test]
 fn methods_agree_on_the_work_of_each_law_however_many_the_tiles() {
     for size in [(19, 13), (69, 59)] {
-        let run = |method: &str, short_steps: u32, steps: u64| {
-            let settings = Settings { short_steps, energy_tolerance: 1.0, ..Settings::default() };
+        let run = |method: &str, substeps: u32, steps: u64| {
+            let settings = Settings { substeps, energy_tolerance: 1.0, ..Settings::default() };
             let mut simulation = sheet_in_motion(size, method, settings);
-            simulation.set_dt(2e-8 * f64::from(short_steps)).unwrap();
+            simulation.set_dt(2e-8 * f64::from(substeps)).unwrap();
             simulation.step(steps).unwrap();
             simulation
         };
         let known = run("rk4", 1, 20);
-        for (method, short_steps) in [("leapfrog", 1), ("leapfrog", 2)] {
-            let found = run(method, short_steps, 20 / u64::from(short_steps));
+        for (method, substeps) in [("leapfrog", 1), ("leapfrog", 2)] {
+            let found = run(method, substeps, 20 / u64::from(substeps));
             for (law, (found, known)) in known.laws().iter().zip(found.ledger().work.iter().zip(&known.ledger().work)) {
                 let name = law.name();
                 assert!((found - known).abs() <= 1e-2 * known.abs(), "{size:?}, {method}, {name}: {found:e} {known:e}");
@@ -74,9 +74,14 @@ fn methods_agree_on_the_work_of_each_law_however_many_the_tiles() {
 
 #[test]
 fn a_sheet_in_rows_falls_into_runs() {
-    for law in crumpled(Width::Baseline).laws() {
+    for law in crumpled(InstructionSet::Baseline).laws() {
         let least = if law.name() == "tethers" || law.name() == "bridges" { 0.0 } else { 0.9 };
-        assert!(law.share_in_runs().is_none_or(|share| share >= least), "{}: {:?}", law.name(), law.share_in_runs());
+        assert!(
+            law.contiguous_share().is_none_or(|share| share >= least),
+            "{}: {:?}",
+            law.name(),
+            law.contiguous_share()
+        );
     }
 }
 

@@ -75,7 +75,7 @@ fn a_scene_keeps_little_memory() {
 fn the_sail_falls_into_runs() {
     for (fineness, least) in [(1, 0.97), (4, 0.99)] {
         for law in simulation(fineness, "rk4", Settings::default()).laws() {
-            let share = law.share_in_runs().unwrap_or(1.0);
+            let share = law.contiguous_share().unwrap_or(1.0);
             assert!(share >= least || law.name() == "tethers", "{}: {share}", law.name());
         }
     }

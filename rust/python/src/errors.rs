@@ -1,6 +1,6 @@
 //! Errors of the core as Python exceptions: the package's own, each also of the nearest built-in kind.
 
-use membrane_core::Error;
+use membrane_core::error::Error;
 use pyo3::PyErr;
 
 mod python {

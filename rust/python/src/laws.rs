@@ -1,6 +1,6 @@
 //! A law and its parameters, as they cross over from Python.
 
-use membrane_core::forces::{
+use membrane_core::laws::{
     AirDragParameters, AirMotion, CreaseParameters, DampingParameters, LawSpec, Spin, SpoolContactParameters,
     SpringParameters, TriangleParameters,
 };

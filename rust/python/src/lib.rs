@@ -7,7 +7,7 @@ mod mesh;
 mod progress;
 mod simulation;
 
-use membrane_core::aligned::Aligned;
+use membrane_core::simd::aligned::Aligned;
 use pyo3::prelude::*;
 
 #[global_allocator]

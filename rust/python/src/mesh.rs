@@ -1,6 +1,6 @@
 //! What the core works out from triangles alone, for the package's `Mesh`.
 
-use membrane_core::mesh::{Mesh, check_indices, unique_edges};
+use membrane_core::model::mesh::{Mesh, check_indices, unique_edges};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The state of a run as a Python dictionary, and back: what is saved and restored.
 
+use membrane_core::evaluation::ledger::{EnergyTerms, Ledger};
 use membrane_core::integrators::Controller;
-use membrane_core::ledger::{Accounts, Ledger};
 use membrane_core::simulation::{AdaptiveProgress, Progress};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -23,7 +23,7 @@ pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_,
     saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
     saved.set_item("swing", progress.ledger.swing)?;
     saved.set_item("start_shift", progress.ledger.start_shift)?;
-    let (kept, numbers) = progress.memory;
+    let (kept, numbers) = progress.history;
     saved.set_item("memory_count", kept.len())?;
     if !kept.is_empty() {
         saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
@@ -42,12 +42,12 @@ pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_,
 pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
     const WHAT: &str = "saved state";
     let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
-    let start = Accounts {
+    let start = EnergyTerms {
         kinetic: get(saved, WHAT, "start_kinetic")?,
         stored: numbers("start_stored", &array("start_stored")?)?,
     };
     let count: usize = get(saved, WHAT, "memory_count")?;
-    let mut memory = (Vec::new(), Vec::new());
+    let mut history = (Vec::new(), Vec::new());
     if count > 0 {
         let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
         let nodes = kept.len().checked_div(count).unwrap_or_default();
@@ -55,7 +55,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
             return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
         }
         let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
-        memory = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
+        history = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
     }
     let adaptive = if saved.contains("adaptive_numbers")? {
         let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
@@ -81,7 +81,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
             swing: get(saved, WHAT, "swing")?,
             start_shift: get(saved, WHAT, "start_shift")?,
         },
-        memory,
+        history,
         adaptive,
     })
 }

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use membrane_core::Error;
-use membrane_core::forces::Readings;
-use membrane_core::integrators::{Effort, Tolerance, by_name, names};
-use membrane_core::model::{Cord, Film, Model, NegativeSprings};
+use membrane_core::error::Error;
+use membrane_core::integrators::{Statistics, Tolerance, by_name, names};
+use membrane_core::laws::Readings;
+use membrane_core::model::input::{Cord, Film, Model, NegativeSprings};
+use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation as Core};
 use membrane_core::stability::axis_limits;
-use membrane_core::width::Width;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -35,7 +35,7 @@ type Facts = (&'static str, u32, u32, u32, bool, bool, f64, f64);
 #[pyfunction]
 pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
     let facts = |name| {
-        let mut method = checked(by_name(name, 1, 0, Width::Baseline))?;
+        let mut method = checked(by_name(name, 1, 0, InstructionSet::Baseline))?;
         let [imaginary, real] = axis_limits(method.as_ref());
         let is_embedded = method.embedded().is_some();
         let (per_step, at_start) = (method.evaluations_per_step(), method.evaluations_at_start());
@@ -163,9 +163,9 @@ impl Simulation {
         };
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
         let width = match width {
-            None => Width::widest(),
-            Some(name) => Width::ALL.into_iter().find(|width| width.name() == name).ok_or_else(|| {
-                let known = Width::ALL.map(Width::name).join(", ");
+            None => InstructionSet::widest(),
+            Some(name) => InstructionSet::ALL.into_iter().find(|width| width.name() == name).ok_or_else(|| {
+                let known = InstructionSet::ALL.map(InstructionSet::name).join(", ");
                 wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
             })?,
         };
@@ -178,7 +178,7 @@ impl Simulation {
             loss_tolerance,
             tolerance,
             spectral_radius,
-            short_steps,
+            substeps: short_steps,
             width,
         };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
@@ -221,7 +221,7 @@ impl Simulation {
     /// (Newton iterations, factorisations, steps taken in halves) of an implicit method; zeros of others.
     #[getter]
     fn effort(&self) -> (u64, u64, u64) {
-        let Effort { iterations, factorisations, fallbacks } = self.core.integrator().effort();
+        let Statistics { iterations, factorisations, fallbacks } = self.core.integrator().statistics();
         (iterations, factorisations, fallbacks)
     }
 
@@ -243,7 +243,7 @@ impl Simulation {
 
     /// [(law, share of its elements that kernels reach in straight runs)].
     fn shares_in_runs(&self) -> ByLaw {
-        self.core.laws().iter().filter_map(|law| Some((law.name(), law.share_in_runs()?))).collect()
+        self.core.laws().iter().filter_map(|law| Some((law.name(), law.contiguous_share()?))).collect()
     }
 
     #[getter]
@@ -279,20 +279,21 @@ impl Simulation {
 
     /// (kinetic, [(law, potential energy)]) in joules, for the laws that have one.
     fn energies(&self) -> (f64, ByLaw) {
-        let accounts = self.core.accounts();
-        let conservative = self.core.laws().iter().zip(accounts.stored).filter(|(law, _)| law.is_conservative());
-        (accounts.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
+        let energy_terms = self.core.energy_terms();
+        let conservative = self.core.laws().iter().zip(energy_terms.stored).filter(|(law, _)| law.is_conservative());
+        (energy_terms.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
     }
 
-    /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, surplus, error).
+    /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, residual, error).
     fn ledger(&self) -> (f64, f64, ByLaw, ByLaw, f64, f64, f64) {
-        let (ledger, now, laws) = (self.core.ledger(), self.core.accounts(), self.core.laws());
+        let (ledger, now, laws) = (self.core.ledger(), self.core.energy_terms(), self.core.laws());
         let stored = laws.iter().zip(&now.stored).filter(|(law, _)| law.is_conservative());
         let stored = stored.map(|(law, energy)| (law.name(), *energy)).collect();
         let work = laws.iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
         let work = work.map(|(law, work)| (law.name(), *work)).collect();
-        let (turned_over, surplus, error) = (ledger.turned_over(&now), ledger.surplus(&now), ledger.error(&now));
-        (now.kinetic, now.stored.iter().sum(), stored, work, turned_over, surplus, error)
+        let (reference_energy, residual, error) =
+            (ledger.reference_energy(&now), ledger.residual(&now), ledger.error(&now));
+        (now.kinetic, now.stored.iter().sum(), stored, work, reference_energy, residual, error)
     }
 
     /// (strain, buckled) of the springs of one law, or None without it.
@@ -323,7 +324,7 @@ impl Simulation {
     /// (largest stable step [s], largest frequency [rad/s], law, node, both in words).
     fn limit(&self, py: Python<'_>) -> PyResult<(f64, f64, &'static str, usize, String)> {
         let limit = checked(py.detach(|| self.core.limit()))?;
-        Ok((limit.dt, limit.largest_frequency, limit.law, self.core.outward(limit.node), self.core.part(&limit)))
+        Ok((limit.dt, limit.largest_frequency, limit.law, self.core.to_external(limit.node), self.core.part(&limit)))
     }
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.

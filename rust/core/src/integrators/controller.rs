@@ -3,7 +3,7 @@
 //!
 //!     dt_next = dt min(5, max(1/10, 0.9 err^-(1/5 - 3/4 beta) err_last^beta)),   beta = 0.04
 //!
-//! and no growth right after a rejected step.
+//! and no amplification right after a rejected step.
 
 const BETA: f64 = 0.04;
 const EXPONENT: f64 = 0.2 - 0.75 * BETA;
@@ -60,7 +60,7 @@ mod tests {
         assert!(controller.judge(0.0) && controller.dt == GROWTH);
         assert!(!controller.judge(1e9) && controller.dt == GROWTH * SHRINKAGE);
         let before = controller.dt;
-        assert!(controller.judge(1e-9) && controller.dt == before, "no growth after a rejected try");
+        assert!(controller.judge(1e-9) && controller.dt == before, "no amplification after a rejected try");
         assert!(!controller.judge(f64::NAN) && !controller.judge(f64::INFINITY));
         assert_eq!(controller.rejected_count, 3);
         let (before, _) = (controller.dt, controller.judge(1.0));

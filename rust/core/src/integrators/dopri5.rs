@@ -12,9 +12,9 @@
 
 use nalgebra::Complex;
 
-use super::{Embedded, Integrator, Memory, Start, System, Tolerance, growth_of};
-use crate::state::{Instant, State, Vectors, columns};
-use crate::width::{Sweep, Width};
+use super::{Embedded, History, Integrator, Start, System, Tolerance, amplification_of};
+use crate::arrays::state::{Instant, NodeVectors, State, columns};
+use crate::simd::dispatch::{InstructionSet, Sweep};
 
 const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
 /// Row k: what stage k + 1 takes of the stages before it. The last row holds the weights of order 5.
@@ -43,19 +43,19 @@ const BETWEEN: [f64; 7] = [
 /// The method and its stages.
 pub(super) struct Dopri5 {
     /// Velocity and acceleration at each stage, and each law's power.
-    velocities: [Vectors; 7],
-    accelerations: [Vectors; 7],
+    velocities: [NodeVectors; 7],
+    accelerations: [NodeVectors; 7],
     powers: [Vec<f64>; 7],
     /// The stage's position; at last the end of the step. Its velocity is that of the last stage.
-    position: Vectors,
-    error: [Vectors; 2],
+    position: NodeVectors,
+    error: [NodeVectors; 2],
     /// Whether the last stage is the derivative at the state's own instant.
     is_fresh: bool,
     is_started: bool,
     time: f64,
     dt: f64,
     within: Option<Within>,
-    width: Width,
+    width: InstructionSet,
 }
 
 /// What the continuous extension needs beside both ends' states and derivatives.
@@ -63,22 +63,22 @@ struct Within {
     time: f64,
     dt: f64,
     start: State,
-    acceleration: Vectors,
+    acceleration: NodeVectors,
     /// E for position and velocity.
-    bend: [Vectors; 2],
+    bend: [NodeVectors; 2],
     /// For each law: work and power at the start, E.
     laws: Vec<[f64; 3]>,
 }
 
 impl Dopri5 {
-    pub(super) fn new(nodes: usize, laws: usize, width: Width) -> Self {
-        let zeros = || std::array::from_fn(|_| Vectors::zeros(nodes));
+    pub(super) fn new(nodes: usize, laws: usize, width: InstructionSet) -> Self {
+        let zeros = || std::array::from_fn(|_| NodeVectors::zeros(nodes));
         Self {
             velocities: zeros(),
             accelerations: zeros(),
             powers: std::array::from_fn(|_| vec![0.0; laws]),
-            position: Vectors::zeros(nodes),
-            error: std::array::from_fn(|_| Vectors::zeros(nodes)),
+            position: NodeVectors::zeros(nodes),
+            error: std::array::from_fn(|_| NodeVectors::zeros(nodes)),
             is_fresh: false,
             is_started: false,
             time: 0.0,
@@ -121,7 +121,14 @@ impl Dopri5 {
 }
 
 /// out = start + dt sum of weights and terms.
-fn sum(width: Width, start: Option<&Vectors>, dt: f64, weights: &[f64], terms: &[Vectors], out: &mut Vectors) {
+fn sum(
+    width: InstructionSet,
+    start: Option<&NodeVectors>,
+    dt: f64,
+    weights: &[f64],
+    terms: &[NodeVectors],
+    out: &mut NodeVectors,
+) {
     let used: Vec<(f64, &[f64])> = weights
         .iter()
         .zip(terms)
@@ -198,7 +205,7 @@ impl Embedded for Dopri5 {
         let [of_position, of_velocity] = &mut self.error;
         sum(self.width, None, dt, &ERROR, &self.velocities, of_position);
         sum(self.width, None, dt, &ERROR, &self.accelerations, of_velocity);
-        let worst = |error: &Vectors, value: &Vectors, floor: f64| {
+        let worst = |error: &NodeVectors, value: &NodeVectors, floor: f64| {
             self.width.run(Worst { error: columns(error), value: columns(value), floor })
         };
         let shares = [
@@ -210,7 +217,7 @@ impl Embedded for Dopri5 {
 
     fn accept(&mut self, state: &mut State, work: &mut [f64]) {
         let bend = [&self.velocities, &self.accelerations].map(|terms| {
-            let mut bend = Vectors::zeros(self.position.nrows());
+            let mut bend = NodeVectors::zeros(self.position.nrows());
             sum(self.width, None, self.dt, &BETWEEN, terms, &mut bend);
             bend
         });
@@ -239,8 +246,8 @@ impl Embedded for Dopri5 {
             let c = d - dt * k7 - b;
             y0 + theta * (d + (1.0 - theta) * (b + theta * (c + (1.0 - theta) * e)))
         };
-        let all = |y0: &Vectors, y1: &Vectors, k1: &Vectors, k7: &Vectors, e: &Vectors| {
-            Vectors::from_fn(y0.nrows(), |i, axis| {
+        let all = |y0: &NodeVectors, y1: &NodeVectors, k1: &NodeVectors, k7: &NodeVectors, e: &NodeVectors| {
+            NodeVectors::from_fn(y0.nrows(), |i, axis| {
                 let at = (i, axis);
                 blend(y0[at], y1[at], k1[at], k7[at], e[at])
             })
@@ -272,12 +279,12 @@ impl Integrator for Dopri5 {
         1
     }
 
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         let one = Complex::new(1.0, 0.0);
         let r = |z: Complex<f64>| {
             one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0 * (one + z / 5.0 * (one + z / 5.0)))))
         };
-        growth_of(r, omega, damping, dt)
+        amplification_of(r, omega, damping, dt)
     }
 
     fn is_started(&self) -> bool {
@@ -295,23 +302,23 @@ impl Integrator for Dopri5 {
         self.finish(state, work);
     }
 
-    fn memory(&self) -> Memory {
+    fn history(&self) -> History {
         if !self.is_started {
-            return Memory::default();
+            return History::default();
         }
-        let mut memory = Memory { vectors: vec![self.accelerations[6].clone()], numbers: self.powers[6].clone() };
+        let mut history = History { vectors: vec![self.accelerations[6].clone()], numbers: self.powers[6].clone() };
         if let Some(within) = &self.within {
             let [bend_x, bend_v] = &within.bend;
             let kept = [&within.start.positions, &within.start.velocities, &within.acceleration, bend_x, bend_v];
-            memory.vectors.extend(kept.map(Clone::clone));
-            memory.numbers.extend([within.time, within.dt]);
-            memory.numbers.extend(within.laws.iter().flatten());
+            history.vectors.extend(kept.map(Clone::clone));
+            history.numbers.extend([within.time, within.dt]);
+            history.numbers.extend(within.laws.iter().flatten());
         }
-        memory
+        history
     }
 
-    fn recall(&mut self, memory: Memory) -> bool {
-        let Memory { mut vectors, numbers } = memory;
+    fn restore_history(&mut self, history: History) -> bool {
+        let History { mut vectors, numbers } = history;
         self.within = None;
         (self.is_started, self.is_fresh) = (!vectors.is_empty(), true);
         if !self.is_started {

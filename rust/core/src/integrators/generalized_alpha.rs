@@ -24,9 +24,9 @@
 
 use nalgebra::Matrix3;
 
-use super::{Effort, Integrator, Memory, Stall, System};
-use crate::state::{Instant, State, Vectors};
-use crate::tangent::Weights;
+use super::{History, Integrator, Stall, Statistics, System};
+use crate::arrays::state::{Instant, NodeVectors, State};
+use crate::linear::tangent::Weights;
 
 /// Corrections per attempt, and how often one is halved.
 const ITERATIONS: u32 = 25;
@@ -49,20 +49,20 @@ pub(super) struct GeneralizedAlpha {
     beta: f64,
     gamma: f64,
     /// a, and each law's power, where the forces were last evaluated: `lag` before the end of the last step [s].
-    acceleration: Vectors,
+    acceleration: NodeVectors,
     powers: Vec<f64>,
     lag: f64,
     is_started: bool,
-    effort: Effort,
+    statistics: Statistics,
     stall: Option<Stall>,
     /// a', x', v' and then x_f, v_f.
-    next: Vectors,
-    trial: Vectors,
-    place: Vectors,
-    velocity: Vectors,
+    next: NodeVectors,
+    trial: NodeVectors,
+    place: NodeVectors,
+    velocity: NodeVectors,
     /// The correction to be made, and the next one.
-    correction: Vectors,
-    residual: Vectors,
+    correction: NodeVectors,
+    residual: NodeVectors,
     new_powers: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ struct Leap<'a> {
 
 impl GeneralizedAlpha {
     pub(super) fn new(nodes: usize, laws: usize) -> Self {
-        let zeros = || Vectors::zeros(nodes);
+        let zeros = || NodeVectors::zeros(nodes);
         let mut method = Self {
             alpha_m: 0.0,
             alpha_f: 0.0,
@@ -85,7 +85,7 @@ impl GeneralizedAlpha {
             powers: vec![0.0; laws],
             lag: 0.0,
             is_started: false,
-            effort: Effort::default(),
+            statistics: Statistics::default(),
             stall: None,
             next: zeros(),
             trial: zeros(),
@@ -148,7 +148,7 @@ impl GeneralizedAlpha {
         let at = Instant { time, positions: &self.place, velocities: &self.velocity };
         let weights = self.weights(leap.h);
         for shift in 0..=SHIFTS {
-            self.effort.factorisations += 1;
+            self.statistics.factorisations += 1;
             let heavier = if shift == 0 { 1.0 } else { 1.0 + 4.0_f64.powi(shift - 1) };
             if system.factorise(at, Weights { mass: heavier * weights.mass, ..weights }) {
                 return true;
@@ -172,7 +172,7 @@ impl GeneralizedAlpha {
         system.solve(&mut self.residual);
         self.correction.copy_from(&self.residual);
         for _ in 0..ITERATIONS {
-            self.effort.iterations += 1;
+            self.statistics.iterations += 1;
             let before = self.correction.norm();
             let mut share = 1.0;
             let mut ratio;
@@ -257,7 +257,7 @@ impl GeneralizedAlpha {
 }
 
 /// The node with the largest vector, and its length.
-fn largest(vectors: &Vectors) -> (usize, f64) {
+fn largest(vectors: &NodeVectors) -> (usize, f64) {
     let mut most = (0, 0.0);
     for (node, vector) in vectors.row_iter().enumerate() {
         let square = vector.norm_squared();
@@ -290,11 +290,11 @@ impl Integrator for GeneralizedAlpha {
         true
     }
 
-    fn dissipate(&mut self, spectral_radius: f64) {
+    fn set_spectral_radius(&mut self, spectral_radius: f64) {
         self.set_spectral_radius(spectral_radius);
     }
 
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         // One step of (x, dt v, dt^2 a).
         let (z, c) = ((omega * dt).powi(2), damping * dt);
         let (implicit, late, slow) = (1.0 - self.alpha_f, 1.0 - self.gamma, 0.5 - self.beta);
@@ -339,7 +339,7 @@ impl Integrator for GeneralizedAlpha {
                 }
                 Err(_) => {
                     part /= 2;
-                    self.effort.fallbacks += 1;
+                    self.statistics.fallbacks += 1;
                 }
             }
         }
@@ -349,24 +349,24 @@ impl Integrator for GeneralizedAlpha {
         self.stall
     }
 
-    fn effort(&self) -> Effort {
-        self.effort
+    fn statistics(&self) -> Statistics {
+        self.statistics
     }
 
-    fn memory(&self) -> Memory {
+    fn history(&self) -> History {
         if !self.is_started {
-            return Memory::default();
+            return History::default();
         }
-        let Effort { iterations, factorisations, fallbacks } = self.effort;
+        let Statistics { iterations, factorisations, fallbacks } = self.statistics;
         let mut numbers = self.powers.clone();
         numbers.push(self.lag);
         numbers.extend([iterations, factorisations, fallbacks].map(|count| count as f64));
-        Memory { vectors: vec![self.acceleration.clone()], numbers }
+        History { vectors: vec![self.acceleration.clone()], numbers }
     }
 
     /// Counts go on from the larger: a run that is set back has spent what it spent.
-    fn recall(&mut self, memory: Memory) -> bool {
-        let Memory { vectors, numbers } = memory;
+    fn restore_history(&mut self, history: History) -> bool {
+        let History { vectors, numbers } = history;
         self.stall = None;
         self.is_started = !vectors.is_empty();
         if !self.is_started {
@@ -379,7 +379,7 @@ impl Integrator for GeneralizedAlpha {
         self.acceleration.copy_from(&vectors[0]);
         self.powers.copy_from_slice(&numbers[..laws]);
         self.lag = numbers[laws];
-        let Effort { iterations, factorisations, fallbacks } = &mut self.effort;
+        let Statistics { iterations, factorisations, fallbacks } = &mut self.statistics;
         for (count, saved) in [iterations, factorisations, fallbacks].into_iter().zip(&numbers[laws + 1..]) {
             *count = (*count).max(*saved as u64);
         }

@@ -30,30 +30,31 @@
 use nalgebra::Matrix3;
 
 use super::multirate::Multirate;
-use super::{Integrator, Memory, System};
-use crate::lanes::Vector;
-use crate::rowwise::{Formula, each};
-use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, rows_of, stretches, tiles};
-use crate::width::Width;
+use super::{History, Integrator, System};
+use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
+use crate::arrays::state::{Instant, NodeVectors, State, columns, rows, rows_mut};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, each};
 
 /// The method and what it keeps.
 pub(super) struct Leapfrog {
     /// a_n, and each law's power with it.
-    acceleration: Vectors,
+    acceleration: NodeVectors,
     powers: Vec<f64>,
     is_started: bool,
     /// a_n+1 of one stretch of nodes.
-    stretch: Vectors,
-    width: Width,
+    stretch: NodeVectors,
+    width: InstructionSet,
 }
 
 impl Leapfrog {
-    pub(super) fn new(nodes: usize, laws: usize, width: Width) -> Self {
+    pub(super) fn new(nodes: usize, laws: usize, width: InstructionSet) -> Self {
         Self {
-            acceleration: Vectors::zeros(nodes),
+            acceleration: NodeVectors::zeros(nodes),
             powers: vec![0.0; laws],
             is_started: false,
-            stretch: Vectors::zeros(STRETCH.min(nodes)),
+            stretch: NodeVectors::zeros(ROW_BLOCK.min(nodes)),
             width,
         }
     }
@@ -66,34 +67,34 @@ pub(super) struct Drift {
 
 impl Formula<1, 2> for Drift {
     #[inline(always)]
-    fn row<V: Vector>(&self, [a]: [V; 1], [x, v]: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [a]: [V; 1], [x, v]: [V; 2]) -> [V; 2] {
         let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
         let kicked = v + half * a;
         [x + dt * kicked, kicked + half * a]
     }
 }
 
-/// The velocity from its prediction, without gyration: v = p + dt/2 (a' - a). Then a' stands in place of a.
+/// The velocity from its prediction, without coriolis_rate: v = p + dt/2 (a' - a). Then a' stands in place of a.
 struct Correct {
     half: f64,
 }
 
 impl Formula<1, 2> for Correct {
     #[inline(always)]
-    fn row<V: Vector>(&self, [new]: [V; 1], [a, p]: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [new]: [V; 1], [a, p]: [V; 2]) -> [V; 2] {
         [new, p + V::all(self.half) * (new - a)]
     }
 }
 
-/// The same with gyration, in x and y.
-struct Gyrate {
+/// The same with coriolis_rate, in x and y.
+struct Boris {
     half: f64,
     rate: f64,
 }
 
-impl Formula<2, 4> for Gyrate {
+impl Formula<2, 4> for Boris {
     #[inline(always)]
-    fn row<V: Vector>(&self, [new_x, new_y]: [V; 2], [ax, ay, px, py]: [V; 4]) -> [V; 4] {
+    fn row<V: SimdF64>(&self, [new_x, new_y]: [V; 2], [ax, ay, px, py]: [V; 4]) -> [V; 4] {
         let h = self.rate * self.half;
         let (half, rate, scale, h) = (V::all(self.half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
         let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
@@ -103,7 +104,7 @@ impl Formula<2, 4> for Gyrate {
 }
 
 /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
-pub(super) fn growth(omega: f64, damping: f64, dt: f64) -> f64 {
+pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
     // One step of (x, dt v, dt^2 a).
     let (z, c) = ((omega * dt).powi(2), damping * dt);
     let step = Matrix3::new(
@@ -121,16 +122,16 @@ pub(super) fn growth(omega: f64, damping: f64, dt: f64) -> f64 {
 }
 
 /// Accelerations at the first instant, and each law's power with them.
-pub(super) fn begin(system: &mut dyn System, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
+pub(super) fn begin(system: &mut dyn System, at: Instant<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
     let count = accelerations.nrows();
     for tile in tiles(count) {
-        system.gather(tile, at, powers);
-        for range in stretches(rows_of(tile, count)) {
-            system.finish(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
-            system.rework_rows(range.clone(), rows(at.velocities, range), powers);
+        system.accumulate_forces(tile, at, powers);
+        for range in row_blocks(rows_of(tile, count)) {
+            system.accelerations(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
+            system.row_power_at(range.clone(), rows(at.velocities, range), powers);
         }
     }
-    system.rework(at, powers);
+    system.power_at(at, powers);
 }
 
 /// The end of a step: the state stands at `time`, its velocities as predicted.
@@ -139,22 +140,22 @@ pub(super) struct End<'a> {
     /// Half of the step.
     pub(super) half: f64,
     /// Those at its start; then those at its end, and each law's power with them.
-    pub(super) accelerations: &'a mut Vectors,
+    pub(super) accelerations: &'a mut NodeVectors,
     pub(super) powers: &'a mut [f64],
     /// Room for accelerations of one stretch of nodes.
-    pub(super) stretch: &'a mut Vectors,
-    pub(super) width: Width,
+    pub(super) stretch: &'a mut NodeVectors,
+    pub(super) width: InstructionSet,
 }
 
 impl End<'_> {
     /// Evaluates the accelerations, and corrects the velocities.
     pub(super) fn correct(self, system: &mut dyn System, state: &mut State) {
         let End { time, half, accelerations, powers, stretch, width } = self;
-        let (rate, count) = (system.gyration(time), accelerations.nrows());
+        let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
         for tile in tiles(count) {
-            system.gather(tile, instant(state, time), powers);
-            for range in stretches(rows_of(tile, count)) {
-                system.finish(range.clone(), instant(state, time), rows_mut(stretch, 0..range.len()), powers);
+            system.accumulate_forces(tile, instant(state, time), powers);
+            for range in row_blocks(rows_of(tile, count)) {
+                system.accelerations(range.clone(), instant(state, time), rows_mut(stretch, 0..range.len()), powers);
                 let [new_x, new_y, new_z] = rows(stretch, 0..range.len());
                 let [ax, ay, az] = rows_mut(accelerations, range.clone());
                 let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
@@ -162,13 +163,13 @@ impl End<'_> {
                     each(width, &Correct { half }, [new_x], [ax, vx]);
                     each(width, &Correct { half }, [new_y], [ay, vy]);
                 } else {
-                    each(width, &Gyrate { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                    each(width, &Boris { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
                 }
                 each(width, &Correct { half }, [new_z], [az, vz]);
-                system.rework_rows(range.clone(), rows(&state.velocities, range), powers);
+                system.row_power_at(range.clone(), rows(&state.velocities, range), powers);
             }
         }
-        system.rework(instant(state, time), powers);
+        system.power_at(instant(state, time), powers);
     }
 }
 
@@ -201,7 +202,7 @@ impl Integrator for Leapfrog {
         true
     }
 
-    fn in_short_steps(&self, count: u32) -> Option<Box<dyn Integrator>> {
+    fn in_substeps(&self, count: u32) -> Option<Box<dyn Integrator>> {
         Some(Box::new(Multirate::new(self.acceleration.nrows(), self.powers.len(), count, self.width)))
     }
 
@@ -209,8 +210,8 @@ impl Integrator for Leapfrog {
         Some(4.0)
     }
 
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
-        growth(omega, damping, dt)
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+        amplification(omega, damping, dt)
     }
 
     fn is_started(&self) -> bool {
@@ -241,22 +242,22 @@ impl Integrator for Leapfrog {
         -0.125 * dt * dt * squares.sum::<f64>()
     }
 
-    fn memory(&self) -> Memory {
+    fn history(&self) -> History {
         if !self.is_started {
-            return Memory::default();
+            return History::default();
         }
-        Memory { vectors: vec![self.acceleration.clone()], numbers: self.powers.clone() }
+        History { vectors: vec![self.acceleration.clone()], numbers: self.powers.clone() }
     }
 
-    fn recall(&mut self, memory: Memory) -> bool {
-        self.is_started = !memory.vectors.is_empty();
+    fn restore_history(&mut self, history: History) -> bool {
+        self.is_started = !history.vectors.is_empty();
         if !self.is_started {
-            return memory.numbers.is_empty();
+            return history.numbers.is_empty();
         }
-        let fits = memory.vectors.len() == 1 && memory.numbers.len() == self.powers.len();
+        let fits = history.vectors.len() == 1 && history.numbers.len() == self.powers.len();
         if fits {
-            self.acceleration.copy_from(&memory.vectors[0]);
-            self.powers = memory.numbers;
+            self.acceleration.copy_from(&history.vectors[0]);
+            self.powers = history.numbers;
         }
         fits
     }

@@ -13,16 +13,17 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 
+use crate::arrays::blocks::{row_blocks, rows_of, tiles};
+use crate::arrays::state::{Instant, NodeVectors, State, rows_mut};
 use crate::error::{Error, Result};
-use crate::state::{Instant, State, Vectors, rows_mut, rows_of, stretches, tiles};
-use crate::tangent::Weights;
-use crate::width::Width;
+use crate::linear::tangent::Weights;
+use crate::simd::dispatch::InstructionSet;
 
 pub use controller::Controller;
 
 /// Which laws a method takes that tells them apart by their pace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum RateGroup {
     /// Those that ask for short steps.
     Fast,
     /// The others.
@@ -32,38 +33,44 @@ pub enum Part {
 /// What is integrated: x'' = a(t, x, v).
 pub trait System {
     /// Says which laws the following evaluations take; all, where nothing is said. For methods that tell laws apart.
-    fn select(&mut self, part: Part);
+    fn select_rate_group(&mut self, group: RateGroup);
     /// Works out what nodes do to each other at this instant, as far as it concerns the rows of a tile; the first tile starts
     /// the power of each law anew. Tiles come in order.
-    fn gather(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of the tile of the last `gather`, and adds to the
+    fn accumulate_forces(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]);
+    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of the tile of the last `accumulate_forces`, and adds to the
     /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once, but
     /// what is known of it may be changed as soon as it is done: so methods can use a stretch while it is in the cache.
-    fn finish(&mut self, rows: Range<usize>, at: Instant<'_>, accelerations: [&mut [f64]; 3], powers: &mut [f64]);
+    fn accelerations(
+        &mut self,
+        rows: Range<usize>,
+        at: Instant<'_>,
+        accelerations: [&mut [f64]; 3],
+        powers: &mut [f64],
+    );
     /// Fills all accelerations \[m/s2\], and the power of each law \[W\].
-    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut Vectors, powers: &mut [f64]) {
+    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
         let count = at.positions.nrows();
         for tile in tiles(count) {
-            self.gather(tile, at, powers);
-            for rows in stretches(rows_of(tile, count)) {
-                self.finish(rows.clone(), at, rows_mut(accelerations, rows), powers);
+            self.accumulate_forces(tile, at, powers);
+            for rows in row_blocks(rows_of(tile, count)) {
+                self.accelerations(rows.clone(), at, rows_mut(accelerations, rows), powers);
             }
         }
     }
     /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
-    fn gyration(&self, time: f64) -> f64;
-    /// For methods that say `evaluates_elsewhere`: laws without a potential leave their power out of `gather` and `finish`,
-    /// and it is added here. That of laws which act on each node by itself: after each `finish`, the power of these forces on
+    fn coriolis_rate(&self, time: f64) -> f64;
+    /// For methods that say `evaluates_elsewhere`: laws without a potential leave their power out of `accumulate_forces` and `accelerations`,
+    /// and it is added here. That of laws which act on each node by itself: after each `accelerations`, the power of these forces on
     /// the `velocities` of these rows.
-    fn rework_rows(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
-    /// That of laws between nodes: after all rows, the power of the forces of the last `gather` on the velocities of `at`,
+    fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
+    /// That of laws between nodes: after all rows, the power of the forces of the last `accumulate_forces` on the velocities of `at`,
     /// whose positions are the same.
-    fn rework(&mut self, at: Instant<'_>, powers: &mut [f64]);
+    fn power_at(&mut self, at: Instant<'_>, powers: &mut [f64]);
     /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for methods that say `is_implicit`. Whether it is positive
     /// definite.
     fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool;
     /// Replaces accelerations r by the u that the matrix factorised last takes to M r; 0 for nodes that are held.
-    fn solve(&mut self, accelerations: &mut Vectors);
+    fn solve(&mut self, accelerations: &mut NodeVectors);
 }
 
 /// The spectral radius that is taken where none is given: what a step cannot resolve is gone after some dozens.
@@ -71,7 +78,7 @@ pub const SPECTRAL_RADIUS: f64 = 0.8;
 
 /// What an implicit method has spent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Effort {
+pub struct Statistics {
     /// Corrections of Newton's method.
     pub iterations: u64,
     /// Factorisations of the tangent.
@@ -93,9 +100,9 @@ pub struct Stall {
 
 /// What a method keeps from one step to the next beside the state; empty before its first step.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Memory {
+pub struct History {
     /// One vector per node each, in the core's numbering.
-    pub vectors: Vec<Vectors>,
+    pub vectors: Vec<NodeVectors>,
     /// Whatever else.
     pub numbers: Vec<f64>,
 }
@@ -129,21 +136,21 @@ pub trait Integrator: Send + Sync {
         false
     }
     /// Sets by what factor vibrations shrink that the step cannot resolve, for methods that have such a choice.
-    fn dissipate(&mut self, _spectral_radius: f64) {}
+    fn set_spectral_radius(&mut self, _spectral_radius: f64) {}
     /// The same method with `count` short steps in a step, between which slow laws rest, where it has such a form.
-    fn in_short_steps(&self, _count: u32) -> Option<Box<dyn Integrator>> {
+    fn in_substeps(&self, _count: u32) -> Option<Box<dyn Integrator>> {
         None
     }
     /// What is spent on Newton's method.
-    fn effort(&self) -> Effort {
-        Effort::default()
+    fn statistics(&self) -> Statistics {
+        Statistics::default()
     }
     /// The last step, where it could not be taken; the state is then somewhere within it.
     fn stalled(&self) -> Option<Stall> {
         None
     }
     /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64;
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64;
     /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping is below the same bound for every shape that a
     /// scene can take, 4 for leapfrog;
     /// `None` for one that multiplies each solution exp(lambda t) by a function of lambda dt.
@@ -165,12 +172,12 @@ pub trait Integrator: Send + Sync {
         0.0
     }
     /// What is kept from step to step.
-    fn memory(&self) -> Memory {
-        Memory::default()
+    fn history(&self) -> History {
+        History::default()
     }
-    /// Takes up a memory; an empty one asks for a new start. Whether it fits.
-    fn recall(&mut self, memory: Memory) -> bool {
-        memory == Memory::default()
+    /// Takes up a history; an empty one asks for a new start. Whether it fits.
+    fn restore_history(&mut self, history: History) -> bool {
+        history == History::default()
     }
     /// The method as one that knows its own error.
     fn embedded(&mut self) -> Option<&mut dyn Embedded> {
@@ -212,13 +219,18 @@ pub struct Tolerance {
 }
 
 /// The larger |R(lambda dt)| of the two solutions exp(lambda t) of x'' = -omega^2 x - damping x'.
-fn growth_of(stability_function: impl Fn(Complex<f64>) -> Complex<f64>, omega: f64, damping: f64, dt: f64) -> f64 {
+fn amplification_of(
+    stability_function: impl Fn(Complex<f64>) -> Complex<f64>,
+    omega: f64,
+    damping: f64,
+    dt: f64,
+) -> f64 {
     let root = Complex::new(0.25 * damping * damping - omega * omega, 0.0).sqrt();
     let size = |lambda: Complex<f64>| stability_function(lambda * dt).norm();
     size(root - 0.5 * damping).max(size(-root - 0.5 * damping))
 }
 
-type Maker = fn(nodes: usize, laws: usize, width: Width) -> Box<dyn Integrator>;
+type Maker = fn(nodes: usize, laws: usize, width: InstructionSet) -> Box<dyn Integrator>;
 
 /// The one list: name and maker.
 const INTEGRATORS: &[(&str, Maker)] = &[
@@ -237,7 +249,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// `UnknownName`, with the names there are.
-pub fn by_name(name: &str, nodes: usize, laws: usize, width: Width) -> Result<Box<dyn Integrator>> {
+pub fn by_name(name: &str, nodes: usize, laws: usize, width: InstructionSet) -> Result<Box<dyn Integrator>> {
     let found = INTEGRATORS.iter().find(|(known, _)| *known == name);
     let known = || names().collect::<Vec<_>>().join(", ");
     found.map(|(_, make)| make(nodes, laws, width)).ok_or_else(|| Error::UnknownName {

@@ -12,39 +12,40 @@
 //! can meet that mode in step, and feed it unless damping takes more: a step that is not given stays below.
 //! Storage: two vectors per node beside the state.
 
-use super::leapfrog::{Drift, End, Leapfrog, begin, growth, instant};
-use super::{Integrator, Memory, Part, System};
-use crate::lanes::Vector;
-use crate::rowwise::{Formula, each, on_axes};
-use crate::state::{Instant, STRETCH, State, Vectors, columns, rows, rows_mut, rows_of, stretches, tiles};
-use crate::width::Width;
+use super::leapfrog::{Drift, End, Leapfrog, amplification, begin, instant};
+use super::{History, Integrator, RateGroup, System};
+use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
+use crate::arrays::state::{Instant, NodeVectors, State, columns, rows, rows_mut};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, each, on_axes};
 
 /// The method and what it keeps.
 pub(super) struct Multirate {
     /// m.
     count: u32,
     /// f_n and s_n, and each law's power with them.
-    fast: Vectors,
-    slow: Vectors,
+    fast: NodeVectors,
+    slow: NodeVectors,
     fast_powers: Vec<f64>,
     slow_powers: Vec<f64>,
     is_started: bool,
     /// Accelerations of one stretch of nodes.
-    stretch: Vectors,
-    width: Width,
+    stretch: NodeVectors,
+    width: InstructionSet,
 }
 
 impl Multirate {
-    pub(super) fn new(nodes: usize, laws: usize, count: u32, width: Width) -> Self {
+    pub(super) fn new(nodes: usize, laws: usize, count: u32, width: InstructionSet) -> Self {
         debug_assert!(count > 1, "one short step is leapfrog");
         Self {
             count,
-            fast: Vectors::zeros(nodes),
-            slow: Vectors::zeros(nodes),
+            fast: NodeVectors::zeros(nodes),
+            slow: NodeVectors::zeros(nodes),
             fast_powers: vec![0.0; laws],
             slow_powers: vec![0.0; laws],
             is_started: false,
-            stretch: Vectors::zeros(STRETCH.min(nodes)),
+            stretch: NodeVectors::zeros(ROW_BLOCK.min(nodes)),
             width,
         }
     }
@@ -54,17 +55,17 @@ impl Multirate {
     fn evaluate_slow(&mut self, system: &mut dyn System, at: Instant<'_>) {
         let Self { fast, slow, slow_powers, stretch, width, .. } = self;
         let shift = Shift { count: f64::from(self.count) };
-        system.select(Part::Slow);
+        system.select_rate_group(RateGroup::Slow);
         let count = slow.nrows();
         for tile in tiles(count) {
-            system.gather(tile, at, slow_powers);
-            for range in stretches(rows_of(tile, count)) {
-                system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), slow_powers);
+            system.accumulate_forces(tile, at, slow_powers);
+            for range in row_blocks(rows_of(tile, count)) {
+                system.accelerations(range.clone(), at, rows_mut(stretch, 0..range.len()), slow_powers);
                 let changed = [rows_mut(fast, range.clone()), rows_mut(slow, range.clone())];
                 on_axes(*width, &shift, [rows(stretch, 0..range.len())], changed);
             }
         }
-        system.select(Part::Fast);
+        system.select_rate_group(RateGroup::Fast);
     }
 
     /// Evaluates the fast laws at the end of a short step, and corrects its velocities.
@@ -83,7 +84,7 @@ struct KickedDrift {
 
 impl Formula<2, 2> for KickedDrift {
     #[inline(always)]
-    fn row<V: Vector>(&self, [fast, slow]: [V; 2], [x, v]: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [fast, slow]: [V; 2], [x, v]: [V; 2]) -> [V; 2] {
         let half = V::all(0.5 * self.dt);
         let kicked = v + half * fast + V::all(self.before) * slow;
         [x + V::all(self.dt) * kicked, kicked + half * fast + V::all(self.after) * slow]
@@ -97,7 +98,7 @@ struct Shift {
 
 impl Formula<1, 2> for Shift {
     #[inline(always)]
-    fn row<V: Vector>(&self, [new]: [V; 1], [fast, slow]: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [new]: [V; 1], [fast, slow]: [V; 2]) -> [V; 2] {
         [fast - V::all(self.count) * (new - slow), new]
     }
 }
@@ -135,8 +136,8 @@ impl Integrator for Multirate {
         Some(4.0 * f64::from(self.count))
     }
 
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
-        growth(omega, damping, dt / f64::from(self.count)).powi(self.count as i32)
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+        amplification(omega, damping, dt / f64::from(self.count)).powi(self.count as i32)
     }
 
     fn is_started(&self) -> bool {
@@ -145,10 +146,12 @@ impl Integrator for Multirate {
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
         let at = instant(state, time);
-        let parts =
-            [(Part::Slow, &mut self.slow, &mut self.slow_powers), (Part::Fast, &mut self.fast, &mut self.fast_powers)];
+        let parts = [
+            (RateGroup::Slow, &mut self.slow, &mut self.slow_powers),
+            (RateGroup::Fast, &mut self.fast, &mut self.fast_powers),
+        ];
         for (part, accelerations, powers) in parts {
-            system.select(part);
+            system.select_rate_group(part);
             begin(system, at, accelerations, powers);
         }
         self.is_started = true;
@@ -159,7 +162,7 @@ impl Integrator for Multirate {
         let mut add_work = |weight: f64, powers: &[f64]| {
             work.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
         };
-        system.select(Part::Fast);
+        system.select_rate_group(RateGroup::Fast);
         add_work(kick, &self.slow_powers);
         for k in 1..=self.count {
             let is_last = k == self.count;
@@ -179,11 +182,11 @@ impl Integrator for Multirate {
             self.evaluate_fast(system, now, 0.5 * short, state);
             add_work(0.5 * short, &self.fast_powers);
         }
-        system.select(Part::Slow);
-        for range in stretches(0..self.slow.nrows()) {
-            system.rework_rows(range.clone(), rows(&state.velocities, range), &mut self.slow_powers);
+        system.select_rate_group(RateGroup::Slow);
+        for range in row_blocks(0..self.slow.nrows()) {
+            system.row_power_at(range.clone(), rows(&state.velocities, range), &mut self.slow_powers);
         }
-        system.rework(instant(state, time + dt), &mut self.slow_powers);
+        system.power_at(instant(state, time + dt), &mut self.slow_powers);
         add_work(kick, &self.slow_powers);
     }
 
@@ -194,26 +197,26 @@ impl Integrator for Multirate {
         -0.125 * dt * dt * squares.sum::<f64>()
     }
 
-    fn memory(&self) -> Memory {
+    fn history(&self) -> History {
         if !self.is_started {
-            return Memory::default();
+            return History::default();
         }
         let numbers = self.fast_powers.iter().chain(&self.slow_powers).copied().collect();
-        Memory { vectors: vec![self.fast.clone(), self.slow.clone()], numbers }
+        History { vectors: vec![self.fast.clone(), self.slow.clone()], numbers }
     }
 
-    fn recall(&mut self, memory: Memory) -> bool {
-        self.is_started = !memory.vectors.is_empty();
+    fn restore_history(&mut self, history: History) -> bool {
+        self.is_started = !history.vectors.is_empty();
         if !self.is_started {
-            return memory.numbers.is_empty();
+            return history.numbers.is_empty();
         }
         let laws = self.fast_powers.len();
-        let fits = memory.vectors.len() == 2 && memory.numbers.len() == 2 * laws;
+        let fits = history.vectors.len() == 2 && history.numbers.len() == 2 * laws;
         if fits {
-            self.fast.copy_from(&memory.vectors[0]);
-            self.slow.copy_from(&memory.vectors[1]);
-            self.fast_powers.copy_from_slice(&memory.numbers[..laws]);
-            self.slow_powers.copy_from_slice(&memory.numbers[laws..]);
+            self.fast.copy_from(&history.vectors[0]);
+            self.slow.copy_from(&history.vectors[1]);
+            self.fast_powers.copy_from_slice(&history.numbers[..laws]);
+            self.slow_powers.copy_from_slice(&history.numbers[laws..]);
         }
         fits
     }

@@ -19,11 +19,12 @@
 
 use nalgebra::Complex;
 
-use super::{Integrator, System, growth_of};
-use crate::lanes::Vector;
-use crate::rowwise::{Formula, on_axes};
-use crate::state::{Instant, STRETCH, State, Vectors, rows, rows_mut, rows_of, shared, stretches, tiles};
-use crate::width::Width;
+use super::{Integrator, System, amplification_of};
+use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
+use crate::arrays::state::{Instant, NodeVectors, State, rows, rows_mut, shared};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, on_axes};
 
 /// Node of each stage in the step, and its weight.
 const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
@@ -33,20 +34,20 @@ const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 pub(super) struct Rk4 {
     stage: State,
     /// The second stage's velocities.
-    second: Vectors,
+    second: NodeVectors,
     /// Accelerations of one stretch.
-    stretch: Vectors,
+    stretch: NodeVectors,
     powers: Vec<f64>,
-    width: Width,
+    width: InstructionSet,
 }
 
 impl Rk4 {
-    pub(super) fn new(nodes: usize, laws: usize, width: Width) -> Self {
-        let zeros = || Vectors::zeros(nodes);
+    pub(super) fn new(nodes: usize, laws: usize, width: InstructionSet) -> Self {
+        let zeros = || NodeVectors::zeros(nodes);
         Self {
             stage: State { positions: zeros(), velocities: zeros() },
             second: zeros(),
-            stretch: Vectors::zeros(STRETCH.min(nodes)),
+            stretch: NodeVectors::zeros(ROW_BLOCK.min(nodes)),
             powers: vec![0.0; laws],
             width,
         }
@@ -60,7 +61,7 @@ struct Second {
 
 impl Formula<3, 2> for Second {
     #[inline(always)]
-    fn row<V: Vector>(&self, [a, x0, v0]: [V; 3], _: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [a, x0, v0]: [V; 3], _: [V; 2]) -> [V; 2] {
         let h = V::all(self.h);
         [x0 + h * v0, v0 + h * a]
     }
@@ -73,7 +74,7 @@ struct Third {
 
 impl Formula<4, 2> for Third {
     #[inline(always)]
-    fn row<V: Vector>(&self, [a2, x0, v0, v2]: [V; 4], _: [V; 2]) -> [V; 2] {
+    fn row<V: SimdF64>(&self, [a2, x0, v0, v2]: [V; 4], _: [V; 2]) -> [V; 2] {
         let h = V::all(self.h);
         [x0 + h * v2, v0 + h * a2]
     }
@@ -86,7 +87,7 @@ struct Fourth {
 
 impl Formula<2, 4> for Fourth {
     #[inline(always)]
-    fn row<V: Vector>(&self, [a3, v2]: [V; 2], [_, v3, x0, v0]: [V; 4]) -> [V; 4] {
+    fn row<V: SimdF64>(&self, [a3, v2]: [V; 2], [_, v3, x0, v0]: [V; 4]) -> [V; 4] {
         let (dt, two) = (V::all(self.dt), V::all(2.0));
         let gained = dt * a3;
         let sum = (v2 - v0) + two * (v3 - v0) + gained;
@@ -102,7 +103,7 @@ struct End {
 
 impl Formula<1, 1> for End {
     #[inline(always)]
-    fn row<V: Vector>(&self, [a]: [V; 1], [v]: [V; 1]) -> [V; 1] {
+    fn row<V: SimdF64>(&self, [a]: [V; 1], [v]: [V; 1]) -> [V; 1] {
         [v + V::all(self.sixth) * a]
     }
 }
@@ -120,9 +121,9 @@ impl Integrator for Rk4 {
         4
     }
 
-    fn growth(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         let one = Complex::new(1.0, 0.0);
-        growth_of(|z| one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0))), omega, damping, dt)
+        amplification_of(|z| one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0))), omega, damping, dt)
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
@@ -131,10 +132,10 @@ impl Integrator for Rk4 {
         for k in 0..4 {
             let time = time + NODES[k] * dt;
             for tile in tiles(count) {
-                system.gather(tile, instant(if k == 0 { state } else { stage }, second, k, time), powers);
-                for range in stretches(rows_of(tile, count)) {
+                system.accumulate_forces(tile, instant(if k == 0 { state } else { stage }, second, k, time), powers);
+                for range in row_blocks(rows_of(tile, count)) {
                     let at = instant(if k == 0 { state } else { stage }, second, k, time);
-                    system.finish(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
+                    system.accelerations(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
                     let (a, v2) = (rows(stretch, 0..range.len()), rows_mut(second, range.clone()));
                     let [x0, v0] =
                         [&mut state.positions, &mut state.velocities].map(|all| rows_mut(all, range.clone()));
@@ -155,6 +156,6 @@ impl Integrator for Rk4 {
 }
 
 /// Where stage `k` is evaluated.
-fn instant<'a>(stage: &'a State, second: &'a Vectors, k: usize, time: f64) -> Instant<'a> {
+fn instant<'a>(stage: &'a State, second: &'a NodeVectors, k: usize, time: f64) -> Instant<'a> {
     Instant { time, positions: &stage.positions, velocities: if k == 1 { second } else { &stage.velocities } }
 }

@@ -4,10 +4,10 @@
 //! no instant at which someone looks cuts a step, and results do not depend on who looks when.
 
 use super::{AdaptiveProgress, Simulation};
+use crate::arrays::state::State;
 use crate::error::{Error, Result};
 use crate::integrators::{Controller, Embedded, Start};
-use crate::model::positive;
-use crate::state::State;
+use crate::model::checks::positive;
 
 /// The first step where nothing is stiff \[s\]; it grows fivefold per step from there.
 const FIRST_STEP: f64 = 1e-6;
@@ -85,10 +85,10 @@ impl Simulation {
             }
         }
         let what = format!("no step is small enough for the tolerance of {:e}", self.settings.tolerance.relative);
-        let now = self.accounts();
+        let now = self.energy_terms();
         let place = "the last step tried was below rounding".to_owned();
         let mut fault = self.told(what, place, self.most_changed(&now), &now);
-        fault.cure += "; or allow a larger error per step";
+        fault.remedy += "; or allow a larger error per step";
         Err(self.set_back(fault))
     }
 

@@ -6,13 +6,13 @@
 //! that failed, and the law that fed it.
 
 use super::{Settings, Simulation};
-use crate::columns::total;
-use crate::ledger::Accounts;
-use crate::state::{Instant, State};
+use crate::arrays::columns::total;
+use crate::arrays::state::{Instant, State};
+use crate::evaluation::ledger::EnergyTerms;
 
-/// Share of the largest account that rounding may make.
+/// Share of the largest energy term that rounding may make.
 const ROUNDING: f64 = 1e-9;
-/// Share of the largest account that the books may be off by, whatever was turned over: a disc that merely spins turns
+/// Share of the largest energy term that the books may be off by, whatever was turned over: a disc that merely spins turns
 /// nothing over, but its dashpots' work is booked as of the order of (Omega dt)^2 of its energy in each turn.
 const FLOOR: f64 = 1e-5;
 
@@ -27,23 +27,23 @@ pub(super) struct Fault {
     pub(super) what: String,
     pub(super) place: String,
     pub(super) law: String,
-    pub(super) cure: String,
+    pub(super) remedy: String,
     /// False for books that do not balance, which may be the step's coarseness alone.
     pub(super) is_certain: bool,
 }
 
 impl Simulation {
     /// What is wrong now.
-    pub(super) fn fault(&self, now: &Accounts) -> Option<Fault> {
+    pub(super) fn fault(&self, now: &EnergyTerms) -> Option<Fault> {
         self.certain_fault(now).or_else(|| self.out_of_balance(now))
     }
 
     /// What is wrong for certain: no number, beyond a bound, or energy from nowhere.
-    pub(super) fn certain_fault(&self, now: &Accounts) -> Option<Fault> {
+    pub(super) fn certain_fault(&self, now: &EnergyTerms) -> Option<Fault> {
         self.not_finite(now).or_else(|| self.beyond_bound(now)).or_else(|| self.created(now))
     }
 
-    fn not_finite(&self, now: &Accounts) -> Option<Fault> {
+    fn not_finite(&self, now: &EnergyTerms) -> Option<Fault> {
         let State { positions, velocities } = &self.state;
         if (total(positions.as_slice()) + total(velocities.as_slice())).is_finite() {
             return None;
@@ -53,18 +53,18 @@ impl Simulation {
         Some(self.told(what, self.node(row), self.most_changed(now), now))
     }
 
-    fn beyond_bound(&self, now: &Accounts) -> Option<Fault> {
+    fn beyond_bound(&self, now: &EnergyTerms) -> Option<Fault> {
         let (k, excess) = self
             .mechanics
             .laws
             .iter()
             .enumerate()
             .find_map(|(k, law)| law.first_excess(self.instant()).map(|excess| (k, excess)))?;
-        let [i, j] = excess.nodes.map(|node| self.layout.outward(node as usize));
+        let [i, j] = excess.nodes.map(|node| self.layout.to_external(node as usize));
         Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
-    /// Energy that rounding may make [J]: a share of the largest account, and, for a scene at rest whose accounts
+    /// Energy that rounding may make [J]: a share of the largest energy term, and, for a scene at rest whose energy_terms
     /// are rounding themselves, that of nodes which vibrate by some last digits of their coordinates.
     fn rounding(&self, largest: f64) -> f64 {
         let digit = DIGITS * f64::EPSILON * self.state.positions.amax();
@@ -74,9 +74,9 @@ impl Simulation {
     }
 
     /// Whether an adaptive run has turned over no more than the errors that its user allowed in each step.
-    fn is_within_tolerance(&self, turned_over: f64) -> bool {
+    fn is_within_tolerance(&self, reference_energy: f64) -> bool {
         let allowed = self.kinetic_at(ERRORS * self.settings.tolerance.relative * self.settings.tolerance.speed);
-        self.adaptive.is_some() && turned_over <= self.step_count as f64 * allowed
+        self.adaptive.is_some() && reference_energy <= self.step_count as f64 * allowed
     }
 
     /// Kinetic energy where every node has this speed [J].
@@ -84,27 +84,30 @@ impl Simulation {
         0.5 * self.mechanics.masses.iter().sum::<f64>() * speed * speed
     }
 
-    /// Surplus of energy, the energy turned over, and the largest account [J].
+    /// Surplus of energy, the energy turned over, and the largest energy term [J].
     ///
     /// A method that keeps energy keeps it but for a swing, which stays below what is turned over as long as the step is
     /// below its limit, and grows beyond it above. What it conserves instead has no such swing: what both show counts.
-    fn balance(&self, now: &Accounts) -> (f64, f64, f64) {
-        let (surplus, turned_over) = (self.ledger.surplus(now), self.ledger.turned_over(now));
+    fn balance(&self, now: &EnergyTerms) -> (f64, f64, f64) {
+        let (residual, reference_energy) = (self.ledger.residual(now), self.ledger.reference_energy(now));
         let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        if !self.integrator.keeps_energy() || surplus.abs() > turned_over + self.rounding(largest) || surplus.is_nan() {
-            return (surplus, turned_over, largest);
+        if !self.integrator.keeps_energy()
+            || residual.abs() > reference_energy + self.rounding(largest)
+            || residual.is_nan()
+        {
+            return (residual, reference_energy, largest);
         }
-        let kept = surplus + self.energy_shift(self.dt) - self.ledger.start_shift;
-        let both = if surplus > 0.0 { surplus.min(kept).max(0.0) } else { surplus.max(kept).min(0.0) };
-        (both, turned_over, largest)
+        let kept = residual + self.energy_shift(self.dt) - self.ledger.start_shift;
+        let both = if residual > 0.0 { residual.min(kept).max(0.0) } else { residual.max(kept).min(0.0) };
+        (both, reference_energy, largest)
     }
 
     /// Energy from nowhere: more than there was at the start and has come in.
-    fn created(&self, now: &Accounts) -> Option<Fault> {
-        let (surplus, turned_over, largest) = self.balance(now);
+    fn created(&self, now: &EnergyTerms) -> Option<Fault> {
+        let (residual, reference_energy, largest) = self.balance(now);
         let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
-        let created = surplus + taken;
-        if self.is_within_tolerance(turned_over) {
+        let created = residual + taken;
+        if self.is_within_tolerance(reference_energy) {
             return None;
         }
         let Settings { energy_tolerance, loss_tolerance, .. } = self.settings;
@@ -112,12 +115,12 @@ impl Simulation {
         // far the books may be off, either way.
         let allowed =
             if self.integrator.is_implicit() { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
-        if !surplus.is_nan() && created <= allowed * turned_over + self.rounding(largest) {
+        if !residual.is_nan() && created <= allowed * reference_energy + self.rounding(largest) {
             return None;
         }
         let what = format!(
             "{created:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
-            100.0 * created / turned_over
+            100.0 * created / reference_energy
         );
         if self.integrator.is_implicit() {
             return Some(self.hardly_resolved(what, self.most_changed(now), "so the method misjudges it"));
@@ -127,27 +130,27 @@ impl Simulation {
 
     /// Books that do not balance, because the method eats the vibrations that its step hardly resolves, or because work
     /// of damping that it hardly resolves is booked wrongly.
-    fn out_of_balance(&self, now: &Accounts) -> Option<Fault> {
-        let (surplus, turned_over, largest) = self.balance(now);
-        if self.is_within_tolerance(turned_over) {
+    fn out_of_balance(&self, now: &EnergyTerms) -> Option<Fault> {
+        let (residual, reference_energy, largest) = self.balance(now);
+        if self.is_within_tolerance(reference_energy) {
             return None;
         }
-        let percent = |energy: f64| 100.0 * energy.abs() / turned_over;
-        let loose = self.settings.loss_tolerance * turned_over + FLOOR * largest + self.rounding(largest);
-        if surplus > loose {
+        let percent = |energy: f64| 100.0 * energy.abs() / reference_energy;
+        let loose = self.settings.loss_tolerance * reference_energy + FLOOR * largest + self.rounding(largest);
+        if residual > loose {
             let work = &self.ledger.work;
             let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
             let what = format!(
-                "{surplus:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
-                percent(surplus)
+                "{residual:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
+                percent(residual)
             );
             return Some(self.hardly_resolved(what, law, "an honest balance needs it to be"));
         }
-        if surplus < -loose {
+        if residual < -loose {
             let what = format!(
                 "{:.3e} J are gone that no law took, {:.3} % of the energy turned over so far",
-                -surplus,
-                percent(surplus)
+                -residual,
+                percent(residual)
             );
             let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
             return Some(self.hardly_resolved(what, law, "so the method damps it"));
@@ -163,7 +166,7 @@ impl Simulation {
         } else {
             String::new()
         };
-        let cure = self.step_above_limit(law).unwrap_or_else(|| {
+        let remedy = self.step_above_limit(law).unwrap_or_else(|| {
             format!(
                 "its step of {:.3e} s{share} hardly resolves what is fastest here, {so}: use a smaller dt, or allow a larger energy_loss",
                 self.dt(),
@@ -173,7 +176,7 @@ impl Simulation {
             what,
             place: self.fastest(),
             law: own.to_owned(),
-            cure: format!("{}: {cure}", self.integrator.name()),
+            remedy: format!("{}: {remedy}", self.integrator.name()),
             is_certain: false,
         }
     }
@@ -188,24 +191,24 @@ impl Simulation {
         )
     }
 
-    pub(super) fn told(&self, what: String, place: String, law: Option<usize>, now: &Accounts) -> Fault {
-        let cure = self.cure(law, now);
+    pub(super) fn told(&self, what: String, place: String, law: Option<usize>, now: &EnergyTerms) -> Fault {
+        let remedy = self.remedy(law, now);
         Fault {
             what,
             place,
             law: law.map_or("no law", |k| self.mechanics.laws[k].name()).to_owned(),
-            cure,
+            remedy,
             is_certain: true,
         }
     }
 
     fn node(&self, row: usize) -> String {
-        format!("node {}", self.layout.outward(row))
+        format!("node {}", self.layout.to_external(row))
     }
 
     /// The law whose energy or work changed most since the last good check; since the start, where that is not finite.
-    pub(super) fn most_changed(&self, now: &Accounts) -> Option<usize> {
-        let (good_work, good) = (&self.good.work, &self.good.accounts);
+    pub(super) fn most_changed(&self, now: &EnergyTerms) -> Option<usize> {
+        let (good_work, good) = (&self.good.work, &self.good.energy_terms);
         let recent: Vec<f64> = (0..good_work.len())
             .map(|k| (now.stored[k] - good.stored[k]).abs() + (self.ledger.work[k] - good_work[k]).abs())
             .collect();
@@ -217,29 +220,31 @@ impl Simulation {
     }
 
     /// The law that has given most energy to the others since the start.
-    fn source(&self, now: &Accounts) -> Option<usize> {
+    fn source(&self, now: &EnergyTerms) -> Option<usize> {
         (0..now.stored.len())
             .filter(|&k| self.given(k, now).is_finite() && self.given(k, now) > 0.0)
             .max_by(|&a, &b| self.given(a, now).total_cmp(&self.given(b, now)))
     }
 
     /// What a law has given to the others since the start [J].
-    fn given(&self, law: usize, now: &Accounts) -> f64 {
+    fn given(&self, law: usize, now: &EnergyTerms) -> f64 {
         self.ledger.start.stored[law] - now.stored[law] + self.ledger.work[law]
     }
 
-    fn cure(&self, law: Option<usize>, now: &Accounts) -> String {
+    fn remedy(&self, law: Option<usize>, now: &EnergyTerms) -> String {
         if let Some(words) = self.step_above_limit(law) {
             return words;
         }
         let laws = &self.mechanics.laws;
-        let own = law.map_or("check the scene", |k| laws[k].cure());
+        let own = law.map_or("check the scene", |k| laws[k].remedy());
         let source = self.source(now);
         if self.ledger.start.kinetic - now.kinetic > source.map_or(0.0, |k| self.given(k, now)) {
             return format!("the energy came from the velocities at the start: start slower; or {own}");
         }
         match source.filter(|source| Some(*source) != law) {
-            Some(source) => format!("the energy came from {}: {}; or {own}", laws[source].name(), laws[source].cure()),
+            Some(source) => {
+                format!("the energy came from {}: {}; or {own}", laws[source].name(), laws[source].remedy())
+            }
             None => own.to_owned(),
         }
     }
@@ -249,16 +254,19 @@ impl Simulation {
         let (laws, start) = (&self.mechanics.laws, &self.start_limit);
         let cure_of = |name: &str| {
             let found = laws.iter().find(|law| law.name() == name).or(law.map(|k| &laws[k]));
-            found.map_or("", |law| law.cure())
+            found.map_or("", |law| law.remedy())
         };
         if self.dt > start.dt {
-            let cure = cure_of(start.law);
+            let remedy = cure_of(start.law);
             return Some(format!(
                 "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; or {}",
                 self.dt,
                 start.dt,
                 self.part(start),
-                cure.strip_prefix("use a smaller dt, ").or(cure.strip_prefix("use a smaller dt or ")).unwrap_or(cure)
+                remedy
+                    .strip_prefix("use a smaller dt, ")
+                    .or(remedy.strip_prefix("use a smaller dt or "))
+                    .unwrap_or(remedy)
             ));
         }
         let now = [Some(&self.good.state), self.suspect.as_ref()].into_iter().flatten().find_map(|state| {

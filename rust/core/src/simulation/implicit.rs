@@ -17,10 +17,10 @@ impl Simulation {
         let largest = self.largest_force(self.instant(), stall.node..stall.node + 1);
         let what =
             format!("Newton's method finds no step from t = {:.6e} s, not even one of {:.3e} s", stall.time, stall.dt);
-        let place = format!("node {} is corrected most", self.layout.outward(stall.node));
-        let now = self.accounts();
+        let place = format!("node {} is corrected most", self.layout.to_external(stall.node));
+        let now = self.energy_terms();
         let mut fault = self.told(what, place, largest.map(|(law, ..)| law), &now);
-        fault.cure += "; or use an explicit integrator";
+        fault.remedy += "; or use an explicit integrator";
         Err(self.set_back(fault))
     }
 }

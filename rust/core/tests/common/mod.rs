@@ -3,11 +3,11 @@
 
 pub mod sail;
 
-use membrane_core::forces::{
+use membrane_core::laws::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
     TriangleParameters,
 };
-use membrane_core::model::{Cord, Film, Model};
+use membrane_core::model::input::{Cord, Film, Model};
 
 /// A small deterministic generator of numbers in -1 .. 1.
 pub struct Dice(pub u64);

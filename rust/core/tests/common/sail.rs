@@ -2,10 +2,10 @@
 //! layout "ruled", node for node, but leaning a little in place of stowed; tethers and laws as in the built-in scene.
 
 use super::{Dice, FILM};
-use membrane_core::forces::{
+use membrane_core::laws::{
     AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
 };
-use membrane_core::model::{Cord, Model};
+use membrane_core::model::input::{Cord, Model};
 use std::f64::consts::TAU;
 
 /// Half the inner and half the outer width [m].

@@ -1,9 +1,9 @@
-//! Creases whose wings meet.
+//! Creases whose facets meet.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use membrane_core::forces::CreaseParameters;
-use membrane_core::model::Assembly;
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::CreaseParameters;
 
 use super::{Motion, Oracle, add, cross, dot, scale, sub};
 
@@ -21,13 +21,13 @@ impl Parameters {
 }
 
 pub struct Crease {
-    /// The ends of the crease, and the apexes of its wings.
+    /// The ends of the crease, and the apexes of its facets.
     pub nodes: [u32; 4],
     /// +1 valley, -1 mountain.
     pub sign: f64,
     /// kappa [N m/rad].
     pub stiffness: f64,
-    /// 4 (c A0)^2 of each wing [m4].
+    /// 4 (c A0)^2 of each facet [m4].
     pub softening: [f64; 2],
 }
 
@@ -53,7 +53,7 @@ pub fn all(parameters: &CreaseParameters, assembly: &Assembly) -> Vec<Crease> {
 }
 
 impl Oracle {
-    /// -dU/dx of U = w_C w_D u(theta), w = q/(q + s), q the square of a wing's normal.
+    /// -dU/dx of U = w_C w_D u(theta), w = q/(q + s), q the square of a facet's normal.
     pub(super) fn fold(&self, motion: &mut Motion) -> f64 {
         let Motion { positions, forces, .. } = motion;
         let Parameters { contact_penalty, natural_angle } = self.crease_parameters;
@@ -78,21 +78,21 @@ impl Oracle {
                 moment += contact;
             }
             let squares = normals.map(|normal| dot(normal, normal));
-            let shares = [0, 1].map(|wing| 1.0 / (squares[wing] + crease.softening[wing]));
-            let weights = [0, 1].map(|wing| squares[wing] * shares[wing]);
-            for (wing, apex, opposite) in [(0, c, e), (1, d, e)] {
-                // The moment turns the wing about the crease; the ends of the crease take what balances it.
-                let turn = crease.sign * moment * length * weights[1 - wing] * shares[wing];
-                let at_apex = scale(turn, normals[wing]);
+            let shares = [0, 1].map(|facet| 1.0 / (squares[facet] + crease.softening[facet]));
+            let weights = [0, 1].map(|facet| squares[facet] * shares[facet]);
+            for (facet, apex, opposite) in [(0, c, e), (1, d, e)] {
+                // The moment turns the facet about the crease; the ends of the crease take what balances it.
+                let turn = crease.sign * moment * length * weights[1 - facet] * shares[facet];
+                let at_apex = scale(turn, normals[facet]);
                 let along = dot(apex, e) / length_square;
-                add(&mut forces[nodes[2 + wing]], 1.0, at_apex);
+                add(&mut forces[nodes[2 + facet]], 1.0, at_apex);
                 add(&mut forces[nodes[0]], along - 1.0, at_apex);
                 add(&mut forces[nodes[1]], -along, at_apex);
-                // The weight changes with the wing's area, whose gradient by a corner is normal x opposite side.
-                let side = if wing == 0 { 1.0 } else { -1.0 };
-                let fade = -2.0 * side * energy * weights[1 - wing] * crease.softening[wing] * shares[wing].powi(2);
-                let push = scale(fade, normals[wing]);
-                add(&mut forces[nodes[2 + wing]], 1.0, cross(push, opposite));
+                // The weight changes with the facet's area, whose gradient by a corner is normal x opposite side.
+                let side = if facet == 0 { 1.0 } else { -1.0 };
+                let fade = -2.0 * side * energy * weights[1 - facet] * crease.softening[facet] * shares[facet].powi(2);
+                let push = scale(fade, normals[facet]);
+                add(&mut forces[nodes[2 + facet]], 1.0, cross(push, opposite));
                 add(&mut forces[nodes[1]], 1.0, cross(apex, push));
                 add(&mut forces[nodes[0]], 1.0, cross(push, sub(apex, opposite)));
             }

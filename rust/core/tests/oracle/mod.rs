@@ -10,33 +10,33 @@ mod drag;
 mod springs;
 pub mod steps;
 
-use membrane_core::forces::LawSpec;
-use membrane_core::model::Assembly;
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::LawSpec;
 
-pub type Vector = [f64; 3];
+pub type SimdF64 = [f64; 3];
 
 #[inline]
-pub fn sub(a: Vector, b: Vector) -> Vector {
+pub fn sub(a: SimdF64, b: SimdF64) -> SimdF64 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline]
-pub fn scale(s: f64, a: Vector) -> Vector {
+pub fn scale(s: f64, a: SimdF64) -> SimdF64 {
     [s * a[0], s * a[1], s * a[2]]
 }
 
 #[inline]
-pub fn dot(a: Vector, b: Vector) -> f64 {
+pub fn dot(a: SimdF64, b: SimdF64) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline]
-pub fn cross(a: Vector, b: Vector) -> Vector {
+pub fn cross(a: SimdF64, b: SimdF64) -> SimdF64 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
-pub fn add(to: &mut Vector, s: f64, a: Vector) {
+pub fn add(to: &mut SimdF64, s: f64, a: SimdF64) {
     for axis in 0..3 {
         to[axis] += s * a[axis];
     }
@@ -44,9 +44,9 @@ pub fn add(to: &mut Vector, s: f64, a: Vector) {
 
 /// Where nodes are, how they move, and what acts on them.
 pub struct Motion {
-    pub positions: Vec<Vector>,
-    pub velocities: Vec<Vector>,
-    pub forces: Vec<Vector>,
+    pub positions: Vec<SimdF64>,
+    pub velocities: Vec<SimdF64>,
+    pub forces: Vec<SimdF64>,
 }
 
 impl Motion {
@@ -75,10 +75,10 @@ pub struct Oracle {
 }
 
 /// The parts of an evaluation, by the names of the laws that each stands for.
-pub type Part = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
+pub type RateGroup = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
 
 impl Oracle {
-    pub const PARTS: [Part; 5] = [
+    pub const PARTS: [RateGroup; 5] = [
         ("springs, tethers and dashpots", &["springs", "tethers", "spring_damping"], Self::pull),
         ("creases", &["creases"], Self::fold),
         ("drag", &["air_drag"], Self::resist),
@@ -89,7 +89,7 @@ impl Oracle {
     /// The same scene as the kernels'; its air is at rest.
     pub fn new(laws: &[LawSpec], assembly: &Assembly) -> Self {
         let model = &assembly.model;
-        let masses = assembly.layout.scatter(&assembly.masses);
+        let masses = assembly.layout.external_values(&assembly.masses);
         let mut oracle = Self {
             springs: Vec::new(),
             creases: Vec::new(),

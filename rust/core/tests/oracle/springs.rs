@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use membrane_core::forces::SpringParameters;
-use membrane_core::model::Assembly;
+use membrane_core::assembly::Assembly;
+use membrane_core::laws::SpringParameters;
 
 use super::{Motion, Oracle, add, dot, sub};
 

@@ -1,0 +1,128 @@
+//! A model in the core's numbering: connectivity, masses, springs' constants; what laws are built from.
+
+use crate::error::{Error, Result};
+use crate::layout::Renumbering;
+use crate::model::checks::positive;
+use crate::model::input::{Model, NegativeSprings};
+use crate::model::mesh::{Hinge, Mesh, check_finite, check_indices};
+use crate::simd::dispatch::InstructionSet;
+
+/// A model with its connectivity, masses and numbering worked out: what laws are built from.
+#[derive(Debug, Clone)]
+pub struct Assembly {
+    /// The model as given.
+    pub model: Model,
+    /// The mesh's connectivity.
+    pub mesh: Mesh,
+    /// Spring constant of each edge of the mesh, after the rule for negative ones \[N/m\].
+    pub edge_stiffness: Vec<f64>,
+    /// The creases' hinges, in the caller's numbering.
+    pub hinges: Vec<Hinge>,
+    /// The numbering inside.
+    pub layout: Renumbering,
+    /// Mass of each node, in the core's numbering \[kg\].
+    pub masses: Vec<f64>,
+    /// 1/mass, or 0 where a node is held, in the core's numbering \[1/kg\].
+    pub inverse_masses: Vec<f64>,
+    /// The instructions that kernels run with.
+    pub width: InstructionSet,
+}
+
+impl Assembly {
+    /// Checks the model and works out what laws need.
+    ///
+    /// # Errors
+    /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
+    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`.
+    pub fn new(model: Model, width: InstructionSet) -> Result<Self> {
+        let n = model.positions.len();
+        same_length("velocities", model.velocities.len(), n, "node")?;
+        same_length("extra_masses", model.extra_masses.len(), n, "node")?;
+        same_length("fold_signs", model.fold_signs.len(), model.creases.len(), "crease")?;
+        if model.reference.len() > n {
+            return Err(Error::LengthMismatch {
+                what: "positions",
+                found: n,
+                expected: model.reference.len(),
+                per: "node of the mesh",
+            });
+        }
+        check_finite("the position", &model.positions)?;
+        check_finite("the velocity", &model.velocities)?;
+        check_indices("fixed node", &wrap(&model.fixed), n)?;
+        check_indices("contact node", &wrap(&model.contact_nodes), n)?;
+        check_indices("bridge", &model.bridges, n)?;
+        let ends: Vec<[u32; 2]> = model.cords.iter().map(|cord| cord.nodes).collect();
+        check_indices("cord", &ends, n)?;
+        for cord in &model.cords {
+            positive("stiffness of a cord [N/m]", cord.stiffness)?;
+            positive("rest length of a cord [m]", cord.rest_length)?;
+            positive("strain limit of a cord", cord.strain_limit)?;
+        }
+        if !model.bridges.is_empty() {
+            positive("stiffness of the bridges [N/m]", model.bridge_stiffness)?;
+        }
+
+        let mesh = Mesh::new(model.reference.clone(), model.triangles.clone())?;
+        let mut masses = model.extra_masses.clone();
+        let mut edge_stiffness = Vec::new();
+        if let (Some(film), false) = (model.film, mesh.triangles.is_empty()) {
+            film.check()?;
+            for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(film.density * film.thickness)?) {
+                *mass += share;
+            }
+            edge_stiffness = vec![0.0; mesh.edges.len()];
+            if model.negative_springs != NegativeSprings::Unused {
+                edge_stiffness = mesh.spring_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+                treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
+            }
+        }
+        let hinges = mesh.hinges(&model.creases)?;
+        let links = [&mesh.edges[..], &ends, &model.bridges].concat();
+        let layout = Renumbering::new(n, mesh.reference.len(), &mesh.edges, &links);
+
+        let mut held = vec![false; n];
+        for &node in &model.fixed {
+            held[node as usize] = true;
+        }
+        for (node, (&mass, &held)) in masses.iter().zip(&held).enumerate() {
+            if !(mass.is_finite() && (mass > 0.0 || (held && mass == 0.0))) {
+                return Err(Error::MasslessNode { node, mass });
+            }
+        }
+        let inverse: Vec<f64> =
+            masses.iter().zip(&held).map(|(&mass, &held)| if held { 0.0 } else { 1.0 / mass }).collect();
+        let (masses, inverse_masses) = (layout.internal_values(&masses), layout.internal_values(&inverse));
+        Ok(Self { model, mesh, edge_stiffness, hinges, layout, masses, inverse_masses, width })
+    }
+
+    /// Mass of a square of film of side `length` \[kg\].
+    pub fn square_of_film(&self, length: Option<f64>) -> Option<f64> {
+        length.zip(self.model.film).map(|(length, film)| film.density * film.thickness * length * length)
+    }
+}
+
+fn treat_negative(stiffness: &mut [f64], edges: &[[u32; 2]], rule: NegativeSprings) -> Result<()> {
+    let count = stiffness.iter().filter(|&&k| k < 0.0).count();
+    match rule {
+        NegativeSprings::Keep | NegativeSprings::Unused => Ok(()),
+        NegativeSprings::Clip => {
+            stiffness.iter_mut().for_each(|k| *k = k.max(0.0));
+            Ok(())
+        }
+        NegativeSprings::Refuse if count == 0 => Ok(()),
+        NegativeSprings::Refuse => {
+            let worst = (0..edges.len()).min_by(|&a, &b| stiffness[a].total_cmp(&stiffness[b])).unwrap_or(0);
+            let edge = edges[worst].map(|node| node as usize);
+            Err(Error::NegativeSprings { count, spring_count: edges.len(), worst: stiffness[worst], edge })
+        }
+    }
+}
+
+fn wrap(nodes: &[u32]) -> Vec<[u32; 1]> {
+    nodes.iter().map(|&node| [node]).collect()
+}
+
+fn same_length(what: &'static str, found: usize, expected: usize, per: &'static str) -> Result<()> {
+    if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
+}

@@ -1,0 +1,131 @@
+//! Triangles that were flat: deformation gradient, Green's strain, plane stress, and the pull of a stress on the nodes.
+//! What the elasticity of a film of triangles and its damping share.
+
+use crate::assembly::Assembly;
+use crate::error::Result;
+use crate::layout::Elements;
+use crate::model::mesh;
+use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, negate, scale, sub, sum};
+
+/// Flat triangles, eight to a batch, and how strain follows from where their nodes are.
+pub(crate) struct Flat {
+    pub(crate) elements: Elements<3>,
+    /// The gradient's columns are f1 = p u, f2 = q u + r v, with u and v the sides from the first node [1/m].
+    pub(super) p: Vec<F64x8>,
+    pub(super) q: Vec<F64x8>,
+    pub(super) r: Vec<F64x8>,
+    /// E_Y h A0 [J]; 0 in lanes without a triangle.
+    pub(crate) stiffness: Vec<F64x8>,
+    pub(crate) nu: f64,
+}
+
+/// A flat triangle in its own frame, taken from its lowest node: turned by a third of a turn, it is the same triangle.
+pub(crate) struct Corners {
+    /// The caller's numbers.
+    pub(crate) nodes: [u32; 3],
+    /// The first node at the origin, the second on axis 1 [m].
+    pub(crate) points: [[f64; 2]; 3],
+    /// Edges opposite to the corners.
+    pub(crate) edges: [u32; 3],
+}
+
+impl Corners {
+    pub(crate) fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
+        assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
+            let inside = assembly.layout.to_internal(nodes);
+            let lowest = (0..3).min_by_key(|&k| inside[k]).unwrap_or(0);
+            let [nodes, edges] = [nodes, edges].map(|mut corners| {
+                corners.rotate_left(lowest);
+                corners
+            });
+            let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+            let (u, v) = (mesh::sub(b, a), mesh::sub(c, a));
+            let (side, normal) = (mesh::dot(u, u).sqrt(), mesh::cross(u, v));
+            let apex = [mesh::dot(u, v) / side, mesh::dot(normal, normal).sqrt() / side];
+            Self { nodes, points: [[0.0; 2], [side, 0.0], apex], edges }
+        })
+    }
+
+    /// t t of the unit vector t along the side opposite to each corner: 11, 22, 12.
+    pub(crate) fn directions(&self) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|k| {
+            let [[x, y], [to_x, to_y]] = [self.points[(k + 1) % 3], self.points[(k + 2) % 3]];
+            let (dx, dy) = (to_x - x, to_y - y);
+            let square = dx * dx + dy * dy;
+            [dx * dx / square, dy * dy / square, dx * dy / square]
+        })
+    }
+}
+
+/// A symmetric 2 x 2 tensor: 11, 22, 12.
+pub(crate) type Tensor<V = F64x8> = [V; 3];
+
+impl Flat {
+    /// The triangles of the mesh.
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`.
+    pub(crate) fn new(assembly: &Assembly) -> Result<Self> {
+        let corners: Vec<Corners> = Corners::all(assembly).collect();
+        let inside: Vec<[u32; 3]> = corners.iter().map(|corners| assembly.layout.to_internal(corners.nodes)).collect();
+        let elements = Elements::new(&inside, assembly.masses.len());
+        let (stretch, nu) =
+            assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
+        let mut rows = Vec::with_capacity(corners.len());
+        for (triangle, corners) in corners.iter().enumerate() {
+            let area = assembly.mesh.area(triangle)?;
+            let [_, [side, _], [along, height]] = corners.points;
+            rows.push([1.0 / side, -along / (side * height), 1.0 / height, stretch * area]);
+        }
+        Ok(Self {
+            p: elements.pack(1.0, |row| rows[row][0]),
+            q: elements.pack(0.0, |row| rows[row][1]),
+            r: elements.pack(1.0, |row| rows[row][2]),
+            stiffness: elements.pack(0.0, |row| rows[row][3]),
+            nu,
+            elements,
+        })
+    }
+
+    /// The columns of the gradient of a vector at the nodes.
+    #[inline(always)]
+    pub(crate) fn gradient<V: SimdF64>(&self, batch: usize, [a, b, c]: [Vec3<V>; 3]) -> [Vec3<V>; 2] {
+        let (u, v) = (sub(b, a), sub(c, a));
+        let (p, q, r) = (V::load(&self.p[batch]), V::load(&self.q[batch]), V::load(&self.r[batch]));
+        [scale(p, u), sum(scale(q, u), scale(r, v))]
+    }
+
+    /// What stress s, times E_Y h A0, pulls the nodes by: the negative derivative of the strain energy.
+    #[inline(always)]
+    pub(crate) fn pull<V: SimdF64>(&self, batch: usize, [f1, f2]: [Vec3<V>; 2], s: Tensor<V>) -> [Vec3<V>; 3] {
+        let k = V::load(&self.stiffness[batch]);
+        let (p, q, r) = (V::load(&self.p[batch]), V::load(&self.q[batch]), V::load(&self.r[batch]));
+        let [s11, s22, s12] = [k * s[0], k * s[1], k * s[2]];
+        let along_1 = sum(scale(s11, f1), scale(s12, f2));
+        let along_2 = sum(scale(s12, f1), scale(s22, f2));
+        let at_b = sum(scale(p, along_1), scale(q, along_2));
+        let at_c = scale(r, along_2);
+        [sum(at_b, at_c), negate(at_b), negate(at_c)]
+    }
+
+    /// The stress of a film that does not wrinkle, over E_Y.
+    #[inline(always)]
+    pub(crate) fn stress<V: SimdF64>(&self, e: Tensor<V>) -> Tensor<V> {
+        let shear = 1.0 / (1.0 + self.nu);
+        let (nu, factor) = (V::all(self.nu), V::all(shear / (1.0 - self.nu)));
+        [factor * (e[0] + nu * e[1]), factor * (e[1] + nu * e[0]), V::all(shear) * e[2]]
+    }
+}
+
+/// Green's strain of a gradient.
+#[inline(always)]
+pub(crate) fn strain<V: SimdF64>([f1, f2]: [Vec3<V>; 2]) -> Tensor<V> {
+    let (half, one) = (V::all(0.5), V::all(1.0));
+    [half * (dot(f1, f1) - one), half * (dot(f2, f2) - one), half * dot(f1, f2)]
+}
+
+/// The change of Green's strain as the gradient changes by `rate`.
+#[inline(always)]
+pub(crate) fn strain_rate<V: SimdF64>([f1, f2]: [Vec3<V>; 2], [g1, g2]: [Vec3<V>; 2]) -> Tensor<V> {
+    [dot(f1, g1), dot(f2, g2), V::all(0.5) * (dot(f1, g2) + dot(f2, g1))]
+}

@@ -1,0 +1,109 @@
+//! Bridges: stiff links of zero length that hold two nodes of neighbouring petals together.
+//!
+//!     U = k/2 |x_j - x_i|^2   [J],      F_i = k (x_j - x_i)   [N]
+//!
+//! Linear, and without the direction that a spring of no length would lack.
+
+use super::Law;
+use crate::arrays::blocks::tiles;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::jacobian::{Block, JacobianBlocks, of_link};
+use crate::arrays::state::{Instant, NodeVectors};
+use crate::assembly::Assembly;
+use crate::layout::Elements;
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+
+/// The law: all links, of one stiffness, eight to a batch.
+pub(super) struct Bridges {
+    elements: Elements<2>,
+    /// k [N/m].
+    stiffness: Vec<F64x8>,
+    width: InstructionSet,
+}
+
+impl Bridges {
+    pub(super) fn new(assembly: &Assembly) -> Self {
+        let pairs = assembly.layout.pairs_to_internal(assembly.model.bridges.iter().copied());
+        let elements = Elements::new(&pairs, assembly.masses.len());
+        let stiffness = elements.pack(0.0, |_| assembly.model.bridge_stiffness);
+        Self { elements, stiffness, width: assembly.width }
+    }
+
+    fn pull(&self, tile: usize, positions: &NodeVectors, out: &mut NodeVectors, sign: f64) -> f64 {
+        let (positions, out) = (Columns::of(positions), ColumnsMut::of(out));
+        self.width.run_batches(Pull { bridges: self, tile, positions, out, sign })
+    }
+}
+
+/// Adds sign k (x_j - x_i) to the first end of each link, and its opposite to the second.
+struct Pull<'a> {
+    bridges: &'a Bridges,
+    tile: usize,
+    positions: Columns<'a>,
+    out: ColumnsMut<'a>,
+    sign: f64,
+}
+
+impl BatchKernel for Pull<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let stiffness = pass.of(&self.bridges.stiffness);
+        for batch in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, batch);
+            let pull = scale(V::all(self.sign) * V::load(&stiffness[batch]), sub(b, a));
+            pass.add(&mut self.out, batch, [pull, negate(pull)]);
+        }
+        V::zero()
+    }
+}
+
+impl Law for Bridges {
+    fn name(&self) -> &'static str {
+        "bridges"
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        self.pull(tile, at.positions, forces, 1.0)
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let x = Columns::of(at.positions);
+        let energies = (0..self.elements.batch_count()).map(|batch| {
+            let [a, b] = self.elements.read_any(x, batch);
+            let d = sub(b, a);
+            (self.stiffness[batch] * dot(d, d)).sum()
+        });
+        0.5 * energies.sum::<f64>()
+    }
+
+    fn add_stiffness_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        for tile in tiles(p.nrows()) {
+            self.pull(tile, p, out, -1.0);
+        }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, _at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        for (batch, lane, nodes) in self.elements.each() {
+            let slope = Block::identity() * self.stiffness[batch].0[lane];
+            of_link(nodes, &slope, |i, j, block| jacobian.by_position(i, j, block));
+        }
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.elements.contiguous_share())
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt or softer bridges"
+    }
+}

@@ -1,0 +1,356 @@
+//! Crease stiffness, and contact of the two facets of a crease.
+//!
+//! Facets ABC and ABD share the crease AB. With L = |AB| and H the mean facet height of the reference mesh (or a length
+//! that the user sets), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
+//!
+//!     kappa = beta E J L / H   [N m/rad]
+//!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 min(theta, 0)^2   [J]
+//!     U     = w_C w_D u,   w = A^2 / (A^2 + (c A0)^2)
+//!
+//! and every force is -dU/dx, so that no energy is made and no rigid motion is resisted. A is a facet's current and A0
+//! its reference area: without the weights w the force on an apex, u'/height, is singular as a facet collapses, and a
+//! run gains energy there. Written with |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity at all.
+//!
+//! theta comes from atan2 of the facets' normals, sign included. Its cut lies at -pi/2 (or 3 pi/2), as far from shut
+//! as from flat. Which way a crease folds (valley +1, mountain -1) is the fold pattern's, never the geometry's.
+//! Source: Okuizumi et al. (2012), eqs. (3) and (4), whose forces these are where w = 1; the weights are ours.
+
+mod tangent;
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::{Law, Readings};
+use crate::arrays::blocks::tiles;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::jacobian::JacobianBlocks;
+use crate::arrays::state::{Instant, NodeVectors};
+use crate::assembly::Assembly;
+use crate::error::Result;
+use crate::layout::{CHUNK, Elements};
+use crate::model::checks::{finite, non_negative, positive};
+use crate::model::mesh;
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, negate, scale, sub, sum};
+
+/// Parameters of the creases.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CreaseParameters {
+    /// beta, the crease stiffness parameter.
+    pub stiffness: f64,
+    /// gamma, the contact penalty factor.
+    pub contact_penalty: f64,
+    /// theta0, the natural crease angle \[rad\].
+    pub natural_angle: f64,
+    /// H; `None`: the mean height of the two facets of each crease \[m\].
+    pub length_scale: Option<f64>,
+    /// c: the share of its reference area at which a facet counts as half collapsed.
+    pub collapse: f64,
+}
+
+/// The law: all creases, eight to a batch. The nodes of an element are A, B, C, D.
+pub(super) struct Creases {
+    elements: Elements<4>,
+    parameters: Vec<Parameters>,
+    contact_penalty: f64,
+    natural_angle: f64,
+    /// Whether c is zero, so that the force is singular as a facet collapses.
+    is_singular: bool,
+    width: InstructionSet,
+}
+
+/// What the moments of a batch of eight depend on.
+#[derive(Debug, Clone, Copy)]
+struct Parameters {
+    /// +1 valley, -1 mountain.
+    sign: F64x8,
+    /// kappa [N m/rad].
+    stiffness: F64x8,
+    /// 4 (c A0)^2 of facet C and of facet D [m4].
+    softening: [F64x8; 2],
+}
+
+/// The creases of a batch with their facets where they are now.
+struct Facets<V = F64x8> {
+    /// B - A, C - A, D - A [m].
+    e: Vec3<V>,
+    c: Vec3<V>,
+    d: Vec3<V>,
+    /// Twice the vector areas of the facets [m2].
+    normal_c: Vec3<V>,
+    normal_d: Vec3<V>,
+    /// |AB| [m] and its square.
+    length: V,
+    length_square: V,
+}
+
+/// What makes the forces of a batch out of its facets: factors of the normals of facet C and of facet D.
+#[derive(Clone, Copy)]
+struct Pulls<V> {
+    /// Across the facets.
+    turn: [V; 2],
+    /// In their planes.
+    push: [V; 2],
+    /// The share of `turn` that acts at B.
+    at_b: [V; 2],
+}
+
+impl<V: SimdF64> Facets<V> {
+    #[inline(always)]
+    fn new([a, b, c, d]: [Vec3<V>; 4]) -> Self {
+        let (e, c, d) = (sub(b, a), sub(c, a), sub(d, a));
+        let length_square = dot(e, e).max(V::all(f64::MIN_POSITIVE));
+        let length = length_square.sqrt();
+        Self { e, c, d, normal_c: cross(e, c), normal_d: cross(d, e), length, length_square }
+    }
+
+    /// The crease angle [rad]. The sine times both normals' lengths is |AB| n_D . c, since n_D x n_C = e (n_D . c).
+    #[inline(always)]
+    fn angle(&self, sign: V) -> V {
+        let sine = sign * self.length * dot(self.normal_d, self.c);
+        let cosine = -dot(self.normal_c, self.normal_d);
+        let angle = V::atan2(sine, cosine);
+        angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
+    }
+
+    /// The shares of vectors at C and at D that act at B, the rest at A, so that no torque is left of them.
+    #[inline(always)]
+    fn shares_at_b(&self) -> [V; 2] {
+        let inverse = V::all(-1.0) / self.length_square;
+        [dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse]
+    }
+
+    /// What turns the facets, and what pushes their nodes in their planes, for u [J] and du/dtheta [N m] as the crease is now.
+    #[inline(always)]
+    fn pulls(&self, parameters: &Parameters, energy: V, moment: V) -> Pulls<V> {
+        let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
+        let (square_c, square_d) = (dot(self.normal_c, self.normal_c), dot(self.normal_d, self.normal_d));
+        // 1/(q + s) of each facet, with q the square of its normal, by one division: w = q/(q + s).
+        let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
+        let both = V::all(1.0) / (root_c * root_d);
+        let (share_c, share_d) = (root_d * both, root_c * both);
+        let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
+        // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
+        // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
+        let turn = V::load(&parameters.sign) * moment * self.length;
+        // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the facet).
+        let push = V::all(-2.0) * energy;
+        Pulls {
+            turn: [turn * weight_d * share_c, turn * weight_c * share_d],
+            push: [push * weight_d * soft_c * share_c * share_c, push * weight_c * soft_d * share_d * share_d],
+            at_b: self.shares_at_b(),
+        }
+    }
+
+    /// The forces on A, B, C and D.
+    #[inline(always)]
+    fn forces(&self, pulls: &Pulls<V>) -> [Vec3<V>; 4] {
+        let (turn_c, turn_d) = (scale(pulls.turn[0], self.normal_c), scale(pulls.turn[1], self.normal_d));
+        let (push_c, push_d) = (scale(pulls.push[0], self.normal_c), scale(pulls.push[1], self.normal_d));
+        let at_c = sum(turn_c, cross(push_c, self.e));
+        let at_d = sum(turn_d, cross(self.e, push_d));
+        let turn_b = sum(scale(pulls.at_b[0], turn_c), scale(pulls.at_b[1], turn_d));
+        let at_b = sum(turn_b, sum(cross(self.c, push_c), cross(push_d, self.d)));
+        [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
+    }
+}
+
+impl Creases {
+    pub(super) fn new(parameters: CreaseParameters, assembly: &Assembly) -> Result<Self> {
+        let CreaseParameters { stiffness, contact_penalty, natural_angle, length_scale, collapse } = parameters;
+        non_negative("stiffness of the creases", stiffness)?;
+        non_negative("contact penalty of the creases", contact_penalty)?;
+        finite("natural angle of the creases [rad]", natural_angle)?;
+        non_negative("collapse of the creases", collapse)?;
+        length_scale.map_or(Ok(()), |length| positive("length scale of the creases [m]", length))?;
+        let bending = assembly.model.film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0);
+        // L and the areas of facet C and of facet D in the reference.
+        let sizes: Vec<(f64, [f64; 2])> = assembly
+            .hinges
+            .iter()
+            .map(|hinge| {
+                let [a, b, c, d] = hinge.nodes.map(|node| assembly.mesh.reference[node as usize]);
+                let e = mesh::sub(b, a);
+                let areas = [c, d].map(|apex| {
+                    let normal = mesh::cross(e, mesh::sub(apex, a));
+                    0.5 * mesh::dot(normal, normal).sqrt()
+                });
+                (mesh::dot(e, e).sqrt(), areas)
+            })
+            .collect();
+        // Taken from its lower node: turned by half a turn, a crease is the same crease.
+        let nodes = assembly.hinges.iter().map(|hinge| {
+            let [a, b, c, d] = assembly.layout.to_internal(hinge.nodes);
+            if a < b { [a, b, c, d] } else { [b, a, d, c] }
+        });
+        let nodes: Vec<[u32; 4]> = nodes.collect();
+        let elements = Elements::new(&nodes, assembly.masses.len());
+        let is_turned =
+            |row: usize| usize::from(nodes[row][0] != assembly.layout.to_internal(assembly.hinges[row].nodes)[0]);
+        let softening =
+            |facet: usize| elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ is_turned(row)]).powi(2));
+        let sign = elements.pack(1.0, |row| assembly.model.fold_signs[row]);
+        let stiffness = elements.pack(0.0, |row| {
+            let (length, areas) = sizes[row];
+            let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
+            stiffness * bending * length / height
+        });
+        let softening = [softening(0), softening(1)];
+        let of_batch = |batch: usize| Parameters {
+            sign: sign[batch],
+            stiffness: stiffness[batch],
+            softening: [softening[0][batch], softening[1][batch]],
+        };
+        Ok(Self {
+            parameters: (0..elements.batch_count()).map(of_batch).collect(),
+            elements,
+            contact_penalty,
+            natural_angle,
+            is_singular: collapse == 0.0,
+            width: assembly.width,
+        })
+    }
+
+    /// The facets of a batch and its angles [rad].
+    fn facets(&self, x: Columns<'_>, batch: usize) -> (Facets, F64x8) {
+        let facets = Facets::new(self.elements.read_any(x, batch));
+        let angle = facets.angle(self.parameters[batch].sign);
+        (facets, angle)
+    }
+
+    /// u [J] and du/dtheta [N m] of creases of this stiffness.
+    #[inline(always)]
+    fn potential<V: SimdF64>(&self, kappa: V, angle: V) -> (V, V) {
+        let opening = angle - V::all(self.natural_angle);
+        let inside = angle.min(V::zero());
+        let overlap = V::all(self.contact_penalty - 1.0) * inside;
+        (V::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
+    }
+}
+
+/// Adds -dU/dx to the forces. A chunk at a time: from one batch's positions to its forces is a long chain of operations that
+/// wait for each other, and a processor sees little more than one batch ahead. What needs angles, roots and divisions first,
+/// then the vectors: two shorter chains, of several batches at once.
+struct Open<'a> {
+    creases: &'a Creases,
+    tile: usize,
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
+}
+
+impl BatchKernel for Open<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.creases.parameters);
+        let none = [V::zero(); 2];
+        let mut pulls = [Pulls { turn: none, push: none, at_b: none }; CHUNK];
+        for chunk in pass.chunks_of_batches() {
+            for (batch, pulls) in chunk.clone().zip(&mut pulls) {
+                let parameters = &parameters[batch];
+                let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
+                let angle = facets.angle(V::load(&parameters.sign));
+                let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
+                *pulls = facets.pulls(parameters, energy, moment);
+            }
+            for (batch, pulls) in chunk.zip(&pulls) {
+                let forces = Facets::new(pass.read::<V, 3>(self.positions, batch)).forces(pulls);
+                pass.add(&mut self.forces, batch, forces);
+            }
+        }
+        V::zero()
+    }
+}
+
+/// Gives U.
+struct Store<'a> {
+    creases: &'a Creases,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl BatchKernel for Store<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.creases.parameters);
+        let mut energy = V::zero();
+        for batch in 0..pass.len() {
+            let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[batch];
+            let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
+            let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
+            let weight = square_c / (square_c + V::load(soft_c)) * square_d / (square_d + V::load(soft_d));
+            energy += weight * self.creases.potential(V::load(stiffness), facets.angle(V::load(sign))).0;
+        }
+        energy
+    }
+}
+
+impl Law for Creases {
+    fn name(&self) -> &'static str {
+        "creases"
+    }
+
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.width.run_batches(Open { creases: self, tile, positions, forces })
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let positions = Columns::of(at.positions);
+        tiles(positions.rows()).map(|tile| self.width.run_batches(Store { creases: self, tile, positions })).sum()
+    }
+
+    /// kappa max(1, gamma) g g^T, with g the gradient of the angle, each facet's part times its weight: the stiffness in contact.
+    fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        let (x, p) = (Columns::of(at.positions), Columns::of(p));
+        let mut out = ColumnsMut::of(out);
+        for batch in 0..self.elements.batch_count() {
+            let facets = self.facets(x, batch).0;
+            let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
+            let at_c = scale(facets.length / (square_c + self.parameters[batch].softening[0]), facets.normal_c);
+            let at_d = scale(facets.length / (square_d + self.parameters[batch].softening[1]), facets.normal_d);
+            let [of_c, of_d] = facets.shares_at_b();
+            let at_b = sum(scale(of_c, at_c), scale(of_d, at_d));
+            let at_a = negate(sum(at_b, sum(at_c, at_d)));
+            let [a, b, c, d] = self.elements.read_any(p, batch);
+            let turn = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
+            let moment = self.parameters[batch].stiffness * F64x8::all(self.contact_penalty.max(1.0)) * turn;
+            let product = [scale(moment, at_a), scale(moment, at_b), scale(moment, at_c), scale(moment, at_d)];
+            self.elements.add_any(&mut out, batch, product);
+        }
+    }
+
+    fn readings(&self, at: Instant<'_>) -> Readings {
+        let x = Columns::of(at.positions);
+        let angles = (0..self.elements.batch_count()).map(|batch| self.facets(x, batch).1);
+        Readings::Creases { angle: self.elements.unpack(angles) }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        self.jacobian(at, jacobian);
+    }
+
+    fn lanes(&self) -> Option<[usize; 2]> {
+        Some(self.elements.lanes())
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.elements.contiguous_share())
+    }
+
+    fn remedy(&self) -> &'static str {
+        if self.is_singular {
+            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a smaller dt"
+        } else {
+            "use a smaller dt, a smaller crease stiffness or contact penalty"
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! The jacobian of a dashpot's pull c (d . w) d / d^2, with d from end to end and w the difference of velocities:
+//!
+//!     dF/dw = c d d^T / d^2
+//!     dF/dd = c [d w^T + (d . w) (1 - 2 d d^T / d^2)] / d^2
+
+use super::SpringDamping;
+use crate::arrays::jacobian::{Block, JacobianBlocks, at, of_link};
+use crate::arrays::state::Instant;
+
+impl SpringDamping {
+    pub(super) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        if let Some(film) = &self.film {
+            film.jacobian(instant, jacobian);
+        }
+        let dashpots = self.networks.iter().flat_map(|net| net.elements.each().map(move |place| (net, place)));
+        for (net, (batch, lane, nodes)) in dashpots {
+            let [i, j] = nodes;
+            let d = at(instant.positions, j) - at(instant.positions, i);
+            let w = at(instant.velocities, j) - at(instant.velocities, i);
+            let square = d.norm_squared().max(f64::MIN_POSITIVE);
+            let factor = net.coefficient[batch].0[lane] / square;
+            let (outer, closing) = (d * d.transpose(), d.dot(&w));
+            of_link(nodes, &(outer * factor), |i, j, block| jacobian.by_velocity(i, j, block));
+            let turned = Block::identity() * closing - outer * (2.0 * closing / square);
+            of_link(nodes, &((d * w.transpose() + turned) * factor), |i, j, block| jacobian.by_position(i, j, block));
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What is worked out of springs beside their forces: energy, bounds, and the stiffest linearisation.
+
+use super::Springs;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::simd::dispatch::BatchKernel;
+use crate::simd::lanes::{SimdF64, dot, negate, scale, sub, sum};
+
+/// Gives the energy stored in springs.
+pub(super) struct Store<'a> {
+    pub(super) springs: &'a Springs,
+    pub(super) tile: usize,
+    pub(super) positions: Columns<'a>,
+}
+
+impl BatchKernel for Store<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.springs.parameters);
+        let mut energy = V::zero();
+        for batch in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, batch);
+            let (d, parameters) = (sub(b, a), &parameters[batch]);
+            let l = dot(d, d).sqrt();
+            let held = l.max(V::load(&parameters.critical_length));
+            let stretch = held - V::load(&parameters.rest_length);
+            energy += V::load(&parameters.stiffness) * stretch * (V::all(0.5) * stretch + (l - held));
+        }
+        energy
+    }
+}
+
+/// Counts the springs beyond their bound.
+pub(super) struct Exceed<'a> {
+    pub(super) springs: &'a Springs,
+    pub(super) tile: usize,
+    pub(super) positions: Columns<'a>,
+}
+
+impl BatchKernel for Exceed<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
+        let mut count = V::zero();
+        for batch in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, batch);
+            let d = sub(b, a);
+            let bound = V::load(&parameters[batch].rest_length) * (V::all(1.0) + V::load(&limits[batch]));
+            count += bound.below(dot(d, d).sqrt(), V::all(1.0), V::zero());
+        }
+        count
+    }
+}
+
+/// Adds K p, with K of every spring taut.
+pub(super) struct Stiffen<'a> {
+    pub(super) springs: &'a Springs,
+    pub(super) tile: usize,
+    pub(super) positions: Columns<'a>,
+    pub(super) p: Columns<'a>,
+    pub(super) out: ColumnsMut<'a>,
+}
+
+impl BatchKernel for Stiffen<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(&self.springs.parameters);
+        let least = V::all(f64::MIN_POSITIVE);
+        for batch in 0..pass.len() {
+            let [a, b] = pass.read::<V, 3>(self.positions, batch);
+            let [u, v] = pass.read::<V, 3>(self.p, batch);
+            let (d, moved) = (sub(b, a), sub(v, u));
+            let l = dot(d, d).sqrt();
+            let k = V::load(&parameters[batch].stiffness);
+            let stretch = dot(d, moved) / (l * l).max(least);
+            let stretched = (l - V::load(&parameters[batch].rest_length)).max(V::zero()) / l.max(least);
+            let across = k * stretched;
+            let pull = sum(scale((k - across) * stretch, d), scale(across, moved));
+            pass.add(&mut self.out, batch, [negate(pull), pull]);
+        }
+        V::zero()
+    }
+}

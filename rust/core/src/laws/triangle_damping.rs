@@ -1,0 +1,93 @@
+//! Structural damping of a film of triangles: Kelvin and Voigt's, a stress that goes with the rate of strain.
+//!
+//!     S_v = eta C : dE/dt   [Pa],     eta = 2 zeta sqrt(m / k),   k = 2 E_Y h A0 / L^2   [s]
+//!
+//! with C the film's stiffness, m the mean mass of the three nodes, or that of a square of film of side l0 (rho h l0^2, which
+//! makes eta the same on every mesh), L^2 the mean square side. It is what the dashpots along
+//! springs are for springs, c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs are the
+//! film, the two have the same forces near rest. There is no dashpot that could turn negative on an obtuse triangle, and
+//! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
+
+mod tangent;
+
+use super::DampingParameters;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::state::NodeVectors;
+use crate::assembly::Assembly;
+use crate::elements::triangle::{Flat, strain_rate};
+use crate::error::Result;
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::{F64x8, SimdF64};
+
+/// Damping of all triangles, eight to a batch.
+pub(super) struct TriangleDamping {
+    flat: Flat,
+    /// eta [s].
+    time: Vec<F64x8>,
+    width: InstructionSet,
+}
+
+impl TriangleDamping {
+    pub(super) fn new(parameters: DampingParameters, assembly: &Assembly) -> Result<Self> {
+        let flat = Flat::new(assembly)?;
+        let square = assembly.square_of_film(parameters.length);
+        let modulus = assembly.model.film.map_or(1.0, |film| film.youngs_modulus * film.thickness);
+        let mut times = Vec::with_capacity(assembly.mesh.triangles.len());
+        for (triangle, &nodes) in assembly.mesh.triangles.iter().enumerate() {
+            let squares: f64 = assembly.mesh.side_lengths(triangle).iter().map(|side| side * side).sum::<f64>() / 3.0;
+            let stiffness = 2.0 * modulus * assembly.mesh.area(triangle)? / squares;
+            let masses = assembly.layout.to_internal(nodes).map(|node| assembly.masses[node as usize]);
+            let mass = square.unwrap_or(masses.iter().sum::<f64>() / 3.0);
+            times.push(2.0 * parameters.ratio * (mass / stiffness).sqrt());
+        }
+        Ok(Self { time: flat.elements.pack(0.0, |row| times[row]), flat, width: assembly.width })
+    }
+
+    pub(super) fn contiguous_share(&self) -> f64 {
+        self.flat.elements.contiguous_share()
+    }
+
+    /// Adds -sign C v of the triangles of a tile to `out`, and gives the power of -C v on v.
+    pub(super) fn resist(
+        &self,
+        tile: usize,
+        x: &NodeVectors,
+        v: &NodeVectors,
+        out: &mut NodeVectors,
+        sign: f64,
+    ) -> f64 {
+        let (positions, velocities, out) = (Columns::of(x), Columns::of(v), ColumnsMut::of(out));
+        self.width.run_batches(Resist { damping: self, tile, positions, velocities, out, sign })
+    }
+}
+
+struct Resist<'a> {
+    damping: &'a TriangleDamping,
+    tile: usize,
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    out: ColumnsMut<'a>,
+    sign: f64,
+}
+
+impl BatchKernel for Resist<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let TriangleDamping { flat, time, .. } = self.damping;
+        let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let sign = V::all(self.sign);
+        let mut power = V::zero();
+        for place in 0..pass.len() {
+            let batch = pass.place(place);
+            let f = flat.gradient(batch, pass.read::<V, 3>(self.positions, place));
+            let rate = strain_rate(f, flat.gradient(batch, pass.read::<V, 3>(self.velocities, place)));
+            let (eta, s) = (V::load(&time[batch]), flat.stress(rate));
+            let stress = [eta * s[0], eta * s[1], eta * s[2]];
+            let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
+            power -= V::load(&flat.stiffness[batch]) * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12);
+            let pull = flat.pull(batch, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
+            pass.add(&mut self.out, place, pull);
+        }
+        power
+    }
+}

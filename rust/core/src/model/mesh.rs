@@ -1,0 +1,222 @@
+//! Triangles to unique edges, crease hinges and lumped masses.
+
+use crate::error::{Error, Result};
+
+/// A triangulated reference shape and what follows from its connectivity.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    /// Stress-free node positions \[m\].
+    pub reference: Vec<[f64; 3]>,
+    /// Node triples.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unique node pairs, lower index first, sorted.
+    pub edges: Vec<[u32; 2]>,
+    /// For each triangle its three edges; edge k is opposite corner k.
+    pub triangle_edges: Vec<[u32; 3]>,
+}
+
+/// Two triangles that share an edge. Wing C lies to the left of A -> B seen from the side the normals point to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hinge {
+    /// The nodes A, B of the shared edge and the apexes C, D of the facets.
+    pub nodes: [u32; 4],
+    /// Index of the shared edge in `Mesh::edges`.
+    pub edge: u32,
+}
+
+/// Unique sorted edges of `triangles`, and the three edges of each triangle (edge k opposite corner k).
+pub fn unique_edges(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
+    let mut sides: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
+    for (row, &[a, b, c]) in triangles.iter().enumerate() {
+        for (k, (i, j)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
+            let key = (u64::from(i.min(j)) << 32) | u64::from(i.max(j));
+            sides.push((key, (3 * row + k) as u32));
+        }
+    }
+    sides.sort_unstable();
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(sides.len() / 2);
+    let mut triangle_edges = vec![[0; 3]; triangles.len()];
+    let mut last = None;
+    for (key, side) in sides {
+        if last != Some(key) {
+            edges.push([(key >> 32) as u32, key as u32]);
+            last = Some(key);
+        }
+        triangle_edges[side as usize / 3][side as usize % 3] = edges.len() as u32 - 1;
+    }
+    (edges, triangle_edges)
+}
+
+impl Mesh {
+    /// Builds the connectivity.
+    ///
+    /// # Errors
+    /// `IndexOutOfRange` for a triangle that names a node that is not there; `NotFinite` for a coordinate.
+    pub fn new(reference: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        check_indices("triangle", &triangles, reference.len())?;
+        check_finite("the reference position", &reference)?;
+        let (edges, triangle_edges) = unique_edges(&triangles);
+        Ok(Self { reference, triangles, edges, triangle_edges })
+    }
+
+    /// Lengths of the three sides, side k opposite corner k \[m\].
+    pub fn side_lengths(&self, triangle: usize) -> [f64; 3] {
+        let [a, b, c] = self.triangles[triangle].map(|i| self.reference[i as usize]);
+        [sub(c, b), sub(a, c), sub(b, a)].map(|d| dot(d, d).sqrt())
+    }
+
+    /// Reference area of a triangle \[m2\].
+    ///
+    /// # Errors
+    /// `DegenerateTriangle` below 1e-12 of the longest side squared.
+    pub fn area(&self, triangle: usize) -> Result<f64> {
+        let nodes = self.triangles[triangle];
+        let [a, b, c] = nodes.map(|i| self.reference[i as usize]);
+        let normal = cross(sub(b, a), sub(c, a));
+        let area = 0.5 * dot(normal, normal).sqrt();
+        let side = self.side_lengths(triangle).into_iter().fold(0.0, f64::max);
+        if !area.is_finite() || area <= 1e-12 * side * side {
+            return Err(Error::DegenerateTriangle { triangle, nodes, area, side });
+        }
+        Ok(area)
+    }
+
+    /// Mass of each node: a third of every triangle around it, rho h S / 3 \[kg\].
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`.
+    pub fn lumped_masses(&self, areal_density: f64) -> Result<Vec<f64>> {
+        let mut masses = vec![0.0; self.reference.len()];
+        for (row, nodes) in self.triangles.iter().enumerate() {
+            let share = areal_density * self.area(row)? / 3.0;
+            for &node in nodes {
+                masses[node as usize] += share;
+            }
+        }
+        Ok(masses)
+    }
+
+    /// The hinges of `creases` (node pairs in any order).
+    ///
+    /// # Errors
+    /// `NotAHinge` where a pair is no edge, or has not exactly two triangles of the same winding.
+    pub fn hinges(&self, creases: &[[u32; 2]]) -> Result<Vec<Hinge>> {
+        check_indices("crease", creases, self.reference.len())?;
+        if creases.is_empty() {
+            return Ok(Vec::new());
+        }
+        // Apexes on the left [0] and on the right [1] of each edge, taken from its lower to its higher node.
+        const NONE: u32 = u32::MAX;
+        const TWICE: u32 = u32::MAX - 1;
+        let mut apexes = vec![[NONE; 2]; self.edges.len()];
+        for (nodes, edges) in self.triangles.iter().zip(&self.triangle_edges) {
+            for k in 0..3 {
+                let side = usize::from(nodes[(k + 1) % 3] > nodes[(k + 2) % 3]);
+                let slot = &mut apexes[edges[k] as usize][side];
+                *slot = if *slot == NONE { nodes[k] } else { TWICE };
+            }
+        }
+        let mut hinges = Vec::with_capacity(creases.len());
+        for (crease, &[a, b]) in creases.iter().enumerate() {
+            let fail = |reason| Error::NotAHinge { crease, nodes: [a as usize, b as usize], reason };
+            let pair = [a.min(b), a.max(b)];
+            let edge = self.edges.binary_search(&pair).map_err(|_| fail("is no edge of the mesh"))?;
+            let [c, d] = apexes[edge];
+            if c == TWICE || d == TWICE {
+                return Err(fail("has triangles of opposite winding, or more than two"));
+            }
+            if c == NONE || d == NONE {
+                return Err(fail("lies on the boundary"));
+            }
+            hinges.push(Hinge { nodes: [pair[0], pair[1], c, d], edge: edge as u32 });
+        }
+        Ok(hinges)
+    }
+}
+
+/// a - b
+pub fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// a . b
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a x b
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Checks that every index of `rows` is below `node_count`.
+///
+/// # Errors
+/// `IndexOutOfRange`.
+pub fn check_indices<const N: usize>(what: &'static str, rows: &[[u32; N]], node_count: usize) -> Result<()> {
+    for (row, nodes) in rows.iter().enumerate() {
+        if let Some(&node) = nodes.iter().find(|&&node| node as usize >= node_count) {
+            return Err(Error::IndexOutOfRange { what, row, node: node as usize, node_count });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that every coordinate is finite.
+///
+/// # Errors
+/// `NotFinite`.
+pub fn check_finite(what: &'static str, points: &[[f64; 3]]) -> Result<()> {
+    for (node, point) in points.iter().enumerate() {
+        if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what, node, value });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Mesh {
+        let reference = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        Mesh::new(reference, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
+
+    #[test]
+    fn edges_are_unique_sorted_and_known_to_their_triangles() {
+        let mesh = square();
+        assert_eq!(mesh.edges, [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]);
+        assert_eq!(mesh.triangle_edges, [[3, 1, 0], [4, 2, 1]]);
+    }
+
+    #[test]
+    fn the_left_wing_follows_the_winding() {
+        let hinge = square().hinges(&[[2, 0]]).unwrap()[0];
+        assert_eq!(hinge, Hinge { nodes: [0, 2, 3, 1], edge: 1 });
+    }
+
+    #[test]
+    fn what_is_no_hinge_is_refused_by_name() {
+        let mesh = square();
+        for (crease, word) in [([0, 1], "boundary"), ([1, 3], "no edge")] {
+            assert!(mesh.hinges(&[crease]).unwrap_err().to_string().contains(word));
+        }
+        let twisted = Mesh::new(mesh.reference.clone(), vec![[0, 1, 2], [0, 3, 2]]).unwrap();
+        assert!(twisted.hinges(&[[0, 2]]).unwrap_err().to_string().contains("winding"));
+    }
+
+    #[test]
+    fn masses_sum_to_the_film() {
+        let masses = square().lumped_masses(3.0).unwrap();
+        assert_eq!(masses, [1.0, 0.5, 1.0, 0.5]);
+    }
+
+    #[test]
+    fn a_flat_triangle_is_refused_by_number() {
+        let reference = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        let mesh = Mesh::new(reference, vec![[0, 1, 2]]).unwrap();
+        assert!(matches!(mesh.lumped_masses(1.0), Err(Error::DegenerateTriangle { triangle: 0, .. })));
+    }
+}

@@ -1,0 +1,6 @@
+//! What is simulated, as the caller gives it, and the checks of each value.
+
+pub mod checks;
+pub mod input;
+pub mod mesh;
+mod spring_constants;

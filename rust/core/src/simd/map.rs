@@ -1,0 +1,164 @@
+//! One formula on the numbers of each row, taken from several arrays and written to several, eight rows at a time.
+//!
+//! The compiler gives up vectors where a plain loop has more than some arrays of which any might overlap.
+
+use crate::simd::dispatch::{InstructionSet, Kernel};
+use crate::simd::lanes::{LANES, SimdF64};
+
+/// A formula that takes `R` numbers of a row and changes `W` others.
+pub(crate) trait Formula<const R: usize, const W: usize> {
+    /// The numbers that were to be changed, changed.
+    fn row<V: SimdF64>(&self, read: [V; R], changed: [V; W]) -> [V; W];
+
+    /// A number of the row, from what it was, that is summed over all rows.
+    #[inline(always)]
+    fn summand<V: SimdF64>(&self, _read: [V; R], _changed: [V; W]) -> V {
+        V::zero()
+    }
+}
+
+/// A formula with its arrays.
+struct Each<'a, F, const R: usize, const W: usize> {
+    formula: &'a F,
+    read: [&'a [f64]; R],
+    changed: [&'a mut [f64]; W],
+}
+
+/// A formula with three columns for each of its numbers.
+struct Axes<'a, F, const R: usize, const W: usize> {
+    formula: &'a F,
+    read: [[&'a [f64]; 3]; R],
+    changed: [[&'a mut [f64]; 3]; W],
+}
+
+/// Works a formula out on all rows, and gives the sum of its summands, in a fixed order.
+///
+/// # Panics
+/// Where arrays differ in length.
+pub(crate) fn each<F: Formula<R, W>, const R: usize, const W: usize>(
+    width: InstructionSet,
+    formula: &F,
+    read: [&[f64]; R],
+    changed: [&mut [f64]; W],
+) -> f64 {
+    width.dispatch(Each { formula, read, changed })
+}
+
+/// Works a formula out on all rows of three columns, one axis after the other.
+///
+/// # Panics
+/// Where columns differ in length.
+pub(crate) fn on_axes<F: Formula<R, W>, const R: usize, const W: usize>(
+    width: InstructionSet,
+    formula: &F,
+    read: [[&[f64]; 3]; R],
+    changed: [[&mut [f64]; 3]; W],
+) {
+    width.dispatch(Axes { formula, read, changed });
+}
+
+impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Axes<'_, F, R, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn sweep<V: SimdF64>(self) {
+        let Self { formula, read, mut changed } = self;
+        for axis in 0..3 {
+            let read = read.map(|columns| columns[axis]);
+            let changed = changed.each_mut().map(|columns| &mut *columns[axis]);
+            Each { formula, read, changed }.sweep::<V>();
+        }
+    }
+}
+
+impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R, W> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn sweep<V: SimdF64>(self) -> f64 {
+        let Self { formula, read, changed } = self;
+        let rows = if W > 0 { changed[0].len() } else { read[0].len() };
+        for k in 0..R {
+            assert!(read[k].len() == rows);
+        }
+        for k in 0..W {
+            assert!(changed[k].len() == rows);
+        }
+        let count = rows / LANES;
+        // Equal lengths, said once, so that the loop needs no check.
+        let read = read.map(|array| {
+            let (blocks, rest) = array.as_chunks::<LANES>();
+            (&blocks[..count], rest)
+        });
+        let changed = changed.map(|array| {
+            let (blocks, rest) = array.as_chunks_mut::<LANES>();
+            (&mut blocks[..count], rest)
+        });
+        let mut sum = V::zero();
+        for i in 0..count {
+            let (mut numbers, mut old) = ([V::zero(); R], [V::zero(); W]);
+            for k in 0..R {
+                numbers[k] = V::load_from(&read[k].0[i]);
+            }
+            for k in 0..W {
+                old[k] = V::load_from(&changed[k].0[i]);
+            }
+            let new = formula.row(numbers, old);
+            sum += formula.summand(numbers, old);
+            for k in 0..W {
+                changed[k].0[i] = new[k].lanes().0;
+            }
+        }
+        let rest = rows - count * LANES;
+        if rest > 0 {
+            let (mut numbers, mut old) = ([V::zero(); R], [V::zero(); W]);
+            for k in 0..R {
+                numbers[k] = filled_up(&read[k].1[..rest]);
+            }
+            for k in 0..W {
+                old[k] = filled_up(&changed[k].1[..rest]);
+            }
+            let new = formula.row(numbers, old);
+            sum += formula.summand(numbers, old);
+            for k in 0..W {
+                changed[k].1.copy_from_slice(&new[k].lanes().0[..rest]);
+            }
+        }
+        sum.lanes().sum()
+    }
+}
+
+/// Fewer than eight numbers, and zeros.
+#[inline(always)]
+fn filled_up<V: SimdF64>(rest: &[f64]) -> V {
+    let mut numbers = [0.0; LANES];
+    numbers[..rest.len()].copy_from_slice(rest);
+    V::load_from(&numbers)
+}
+
+/// Adds one array to another.
+pub(crate) struct Add;
+
+impl Formula<1, 1> for Add {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [from]: [V; 1], [to]: [V; 1]) -> [V; 1] {
+        [to + from]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_changed_at_every_width_and_length() {
+        for count in [0, 1, 7, 8, 9, 31] {
+            let from: Vec<f64> = (0..count).map(|i| 0.1 * f64::from(i)).collect();
+            for width in InstructionSet::ALL {
+                let mut to: Vec<f64> = from.iter().map(|x| 3.0 * x).collect();
+                each(width, &Add, [&from], [&mut to]);
+                assert!(to.iter().zip(&from).all(|(to, x)| *to == 3.0 * x + x), "{width:?} {to:?}");
+            }
+        }
+    }
+}

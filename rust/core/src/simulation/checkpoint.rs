@@ -1,0 +1,95 @@
+//! What is saved of a run, and how it goes on from there.
+
+use super::Simulation;
+use crate::error::{Error, Result};
+use crate::evaluation::ledger::Ledger;
+use crate::integrators::{Controller, History};
+
+/// Everything that changes while a simulation runs: saving and restoring it continues with the same bits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress {
+    /// Steps taken since `origin`.
+    pub step_count: u64,
+    /// Evaluations of the forces.
+    pub evaluation_count: u64,
+    /// The time from which steps are counted \[s\]: t = origin + step_count dt, never a running sum.
+    pub origin: f64,
+    /// Positions and velocities, in the caller's numbering.
+    pub positions: Vec<[f64; 3]>,
+    /// See `positions`.
+    pub velocities: Vec<[f64; 3]>,
+    /// The ledger.
+    pub ledger: Ledger,
+    /// What the method keeps from step to step: vectors per node, and numbers.
+    pub history: (Vec<Vec<[f64; 3]>>, Vec<f64>),
+    /// Where steps are chosen by their error; positions, velocities and work are then those at the end of the last step.
+    pub adaptive: Option<AdaptiveProgress>,
+}
+
+/// What an adaptive run has beside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdaptiveProgress {
+    /// The end of the last step \[s\].
+    pub front: f64,
+    /// The instant that is shown, within that step \[s\].
+    pub shown: f64,
+    /// The step to come.
+    pub controller: Controller,
+}
+
+impl Simulation {
+    /// The progress, to be saved.
+    pub fn progress(&self) -> Progress {
+        let history = self.integrator.history();
+        let vectors = history.vectors.iter().map(|vectors| self.layout.external_vectors(vectors)).collect();
+        let (state, work) = self.front();
+        Progress {
+            step_count: self.step_count,
+            evaluation_count: self.evaluation_count(),
+            origin: self.origin,
+            positions: self.layout.external_vectors(&state.positions),
+            velocities: self.layout.external_vectors(&state.velocities),
+            ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
+            history: (vectors, history.numbers),
+            adaptive: self.adaptive_progress(),
+        }
+    }
+
+    /// Continues from a saved progress of the same model, laws, method and step.
+    ///
+    /// # Errors
+    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then the motion, the books and the method go on as they were.
+    pub fn resume(&mut self, progress: &Progress) -> Result<()> {
+        let before = self.progress();
+        let resumed = self.take_up(progress);
+        if resumed.is_err() {
+            self.take_up(&before)?;
+        }
+        resumed
+    }
+
+    fn take_up(&mut self, progress: &Progress) -> Result<()> {
+        let nodes = self.mechanics.masses.len();
+        let length = |what, found: usize, expected: usize, per| {
+            if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
+        };
+        length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
+        length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
+        for rows in &progress.history.0 {
+            length("the saved history of the method", rows.len(), nodes, "node")?;
+        }
+        (self.origin, self.step_count) = (progress.origin, progress.step_count);
+        self.set_motion(&progress.positions, &progress.velocities)?;
+        self.mechanics.evaluation_count = progress.evaluation_count;
+        self.ledger = progress.ledger.clone();
+        let vectors = progress.history.0.iter().map(|rows| self.layout.internal_vectors(rows)).collect();
+        if !self.integrator.restore_history(History { vectors, numbers: progress.history.1.clone() }) {
+            let (found, expected) = (progress.history.1.len(), self.laws().len());
+            return Err(Error::LengthMismatch { what: "the saved history of the method", found, expected, per: "law" });
+        }
+        self.resume_adaptive(progress.adaptive.as_ref())?;
+        self.keep(self.energy_terms());
+        self.show_saved(progress.adaptive.as_ref());
+        Ok(())
+    }
+}

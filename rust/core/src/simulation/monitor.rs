@@ -1,0 +1,110 @@
+//! The watch: when it looks, how it finds the first fault, and the way back to the last good state. What is wrong and
+//! why is said in `diagnosis`.
+
+use std::ops::Range;
+
+use super::Simulation;
+use super::diagnosis::Fault;
+use crate::arrays::state::{Instant, NodeVectors};
+use crate::error::{Error, Result};
+use crate::evaluation::ledger::EnergyTerms;
+
+impl Simulation {
+    /// Looks for values that are not finite, springs over their bound, and energy from nowhere, between two regular
+    /// checks: it leaves no trace in the ledger, so that looking on changes nothing.
+    ///
+    /// # Errors
+    /// `Unstable`; the state is then that of the last good regular check.
+    pub fn check(&mut self) -> Result<()> {
+        let now = self.energy_terms();
+        self.refuse_fault(&now)
+    }
+
+    pub(super) fn regular_check(&mut self) -> Result<()> {
+        let now = self.energy_terms();
+        self.refuse_fault(&now)?;
+        self.ledger.swing = self.ledger.reference_energy(&now);
+        self.keep(now);
+        Ok(())
+    }
+
+    fn refuse_fault(&mut self, now: &EnergyTerms) -> Result<()> {
+        let Some(mut fault) = self.fault(now) else {
+            return Ok(());
+        };
+        // Books that do not balance have no first instant; what is wrong for certain has.
+        if self.adaptive.is_none() && fault.is_certain {
+            fault = self.first_fault().unwrap_or(fault);
+        }
+        Err(self.set_back(fault))
+    }
+
+    /// Takes the steps since the last good check once more, with a check after each, and stops at the first fault. By the
+    /// regular check what went wrong has often spread; here it is still where it began.
+    fn first_fault(&mut self) -> Option<Fault> {
+        let last = self.step_count;
+        self.rewind();
+        while self.step_count < last {
+            self.start_if_needed();
+            let time = self.time();
+            let before = self.suspect.insert(self.state.clone()).clone();
+            self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+            self.step_count += 1;
+            let now = self.energy_terms();
+            if now.total().is_finite() {
+                if let Some(fault) = self.certain_fault(&now) {
+                    return Some(fault);
+                }
+            } else if let Some((k, node, size)) = self.largest_force(
+                Instant { time, positions: &before.positions, velocities: &before.velocities },
+                0..before.positions.nrows(),
+            ) {
+                let place = format!("node {}, on which that law acts with {size:.3e} N", self.layout.to_external(node));
+                return Some(self.told("a position or velocity is no longer finite".to_owned(), place, Some(k), &now));
+            }
+        }
+        None
+    }
+
+    /// The law with the largest finite force on any of `nodes` at `at`, the node it acts on, and the force [N].
+    pub(super) fn largest_force(&self, at: Instant<'_>, nodes: Range<usize>) -> Option<(usize, usize, f64)> {
+        let mut largest: Option<(usize, usize, f64)> = None;
+        for (k, law) in self.mechanics.laws.iter().enumerate() {
+            let mut forces = NodeVectors::zeros(at.positions.nrows());
+            law.add_forces(at, &mut forces);
+            for node in nodes.clone() {
+                let size = forces.row(node).norm();
+                if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
+                    largest = Some((k, node, size));
+                }
+            }
+        }
+        largest
+    }
+
+    /// Back to the last good check, with a method of fixed steps.
+    fn rewind(&mut self) {
+        let good = &self.good;
+        (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
+        self.integrator.restore_history(good.history.clone());
+    }
+
+    /// Sets the state back to that of the last good check, and says why.
+    pub(super) fn set_back(&mut self, fault: Fault) -> Error {
+        let Fault { what, place, law, remedy, .. } = fault;
+        let (time, step) = (self.time(), self.step_count);
+        self.rewind();
+        self.suspect = None;
+        let good_time = self.good.time;
+        self.set_back_adaptive(good_time);
+        Error::Unstable { time, step, good_time, what, place, law, remedy }
+    }
+
+    pub(super) fn keep(&mut self, energy_terms: EnergyTerms) {
+        (self.good.time, self.good.step_count) = (self.time(), self.step_count);
+        self.good.state.positions.copy_from(&self.state.positions);
+        self.good.state.velocities.copy_from(&self.state.velocities);
+        self.good.work.copy_from_slice(&self.ledger.work);
+        (self.good.energy_terms, self.good.history) = (energy_terms, self.integrator.history());
+    }
+}

@@ -1,0 +1,239 @@
+//! The limit of a damped scene: the quadratic eigenvalue problem (lambda^2 + lambda C + K) u = 0.
+//!
+//! K and C share no modes where masses or spring constants vary, and the root that limits the step may belong to a mode
+//! that is neither the stiffest nor the most damped: on random meshes near critical damping, taking just those two
+//! overestimates the step by up to a third. And where damping lengthens the step, as it does near the imaginary axis, a
+//! stiff mode that no dashpot reaches may limit it. So the problem is projected on a small subspace that starts with
+//! those two modes and with stiff modes that avoid damping, the largest of K - w C for some rates w, and grows by the
+//! residual of the roots that limit the step (Davidson 1975).
+
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+use super::limit::Linear;
+use super::oscillator::{Mode, largest_step};
+use crate::arrays::state::NodeVectors;
+use crate::error::{Error, Result};
+use crate::integrators::Integrator;
+use crate::linear::lanczos::{apply, largest, quotient};
+
+/// Largest size of the subspace, and the storage that it may take on a large mesh \[vectors x nodes\].
+const MOST_VECTORS: usize = 60;
+const STORAGE: usize = 24_000_000;
+/// Roots whose residuals the subspace grows by at a time.
+const FOLLOWED: usize = 2;
+/// Most steps of the QR iteration for each vector.
+const QR_STEPS: usize = 60;
+/// The rates w of the modes that avoid damping, over the largest frequency.
+const AVOIDANCES: [f64; 3] = [1.0, 10.0, 100.0];
+/// Most rounds of `worst_of_sum`.
+const MOST_SUMS: usize = 20;
+/// Relative change of the step over `CALM` rounds at which it counts as found.
+const TOLERANCE: f64 = 1e-4;
+const CALM: usize = 4;
+
+/// The projection of K and C on orthonormal vectors.
+struct Subspace<'a> {
+    system: &'a Linear<'a>,
+    basis: Vec<NodeVectors>,
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+}
+
+impl Subspace<'_> {
+    /// Adds the part of `v` that the subspace lacks; false where there is none.
+    fn add(&mut self, mut v: NodeVectors) -> bool {
+        let before = v.norm();
+        for _ in 0..2 {
+            for q in &self.basis {
+                v -= q * q.dot(&v);
+            }
+        }
+        let norm = v.norm();
+        if norm.is_nan() || norm <= 1e-8 * before || norm == 0.0 {
+            return false;
+        }
+        v /= norm;
+        let k = self.basis.len();
+        self.basis.push(v);
+        for (matrix, product) in
+            [(&mut self.stiffness, self.system.stiffness), (&mut self.damping, self.system.damping)]
+        {
+            let image = apply(product, self.system.roots, &self.basis[k]);
+            let mut grown = std::mem::replace(matrix, DMatrix::zeros(0, 0)).resize(k + 1, k + 1, 0.0);
+            for (i, q) in self.basis.iter().enumerate() {
+                let value = q.dot(&image);
+                (grown[(i, k)], grown[(k, i)]) = (value, value);
+            }
+            *matrix = grown;
+        }
+        true
+    }
+
+    /// Eigenvalues of the projected problem, those with a negative imaginary part left out \[1/s\].
+    fn eigenvalues(&self, scale: f64) -> Vec<Complex<f64>> {
+        let k = self.basis.len();
+        let mut companion = DMatrix::zeros(2 * k, 2 * k);
+        companion.view_mut((0, k), (k, k)).fill_diagonal(1.0);
+        companion.view_mut((k, 0), (k, k)).copy_from(&(&self.stiffness / -(scale * scale)));
+        companion.view_mut((k, k), (k, k)).copy_from(&(&self.damping / -scale));
+        let all: Vec<Complex<f64>> = match Schur::try_new(companion, f64::EPSILON, QR_STEPS * k) {
+            Some(schur) => schur.complex_eigenvalues().iter().copied().collect(),
+            // The iteration stalled, as it may where damping dwarfs all stiffness: each vector for itself.
+            None => (0..k).flat_map(|i| self.roots_of(i, scale)).collect(),
+        };
+        all.iter().filter(|value| value.im >= 0.0).map(|value| value * scale).collect()
+    }
+
+    /// The two roots of one vector alone, over `scale`.
+    fn roots_of(&self, i: usize, scale: f64) -> [Complex<f64>; 2] {
+        let (square, half) = (self.stiffness[(i, i)] / (scale * scale), 0.5 * self.damping[(i, i)] / scale);
+        let root = Complex::new(half * half - square, 0.0).sqrt();
+        [root - half, -root - half]
+    }
+
+    /// The projected eigenvector of a root, by inverse iteration.
+    fn eigenvector(&self, root: Complex<f64>) -> DVector<Complex<f64>> {
+        let k = self.basis.len();
+        let shifted = root * Complex::new(1.0 + 1e-10, 1e-10);
+        let matrix = DMatrix::from_fn(k, k, |i, j| {
+            let inertia = if i == j { shifted * shifted } else { Complex::new(0.0, 0.0) };
+            inertia + shifted * self.damping[(i, j)] + self.stiffness[(i, j)]
+        });
+        let lu = matrix.lu();
+        let mut y = DVector::from_fn(k, |i, _| Complex::new(1.0 / (i + 1) as f64, 0.0));
+        for _ in 0..3 {
+            match lu.solve(&y) {
+                Some(solved) if solved.norm().is_finite() && solved.norm() > 0.0 => {
+                    let norm = solved.norm();
+                    y = solved.unscale(norm);
+                }
+                _ => break,
+            }
+        }
+        y
+    }
+
+    /// Real and imaginary part of a projected vector, in full.
+    fn lift(&self, y: &DVector<Complex<f64>>) -> [NodeVectors; 2] {
+        let part = |take: fn(&Complex<f64>) -> f64| {
+            let mut sum = NodeVectors::zeros(self.basis[0].nrows());
+            self.basis.iter().zip(y.iter()).for_each(|(q, weight)| sum += q * take(weight));
+            sum
+        };
+        [part(|weight| weight.re), part(|weight| weight.im)]
+    }
+
+    /// (root^2 + root C + K) u, real and imaginary part.
+    fn residual(&self, root: Complex<f64>, [re, im]: &[NodeVectors; 2]) -> [NodeVectors; 2] {
+        let square = root * root;
+        let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.roots, part));
+        let [c_re, c_im] = [re, im].map(|part| apply(self.system.damping, self.system.roots, part));
+        [
+            re * square.re - im * square.im + &c_re * root.re - &c_im * root.im + k_re,
+            re * square.im + im * square.re + c_re * root.im + c_im * root.re + k_im,
+        ]
+    }
+}
+
+/// The oscillator that has this root, and with it its conjugate, or nothing that grows.
+fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
+    let decay = -root.re.min(0.0);
+    if root.im == 0.0 {
+        Mode { omega: turning, damping: decay }
+    } else {
+        Mode { omega: root.norm() + turning, damping: 2.0 * decay }
+    }
+}
+
+/// As `worst`, for a method whose limit is dt^2 k + w dt c = 4 with the k and c of any vector, not only of a solution:
+/// the largest eigenvalue of K + w/dt C sets it. Its vector gives the next dt, from above.
+pub(super) fn worst_of_sum(
+    integrator: &dyn Integrator,
+    system: &Linear<'_>,
+    start: [NodeVectors; 2],
+    weight: f64,
+) -> Result<(f64, NodeVectors, f64)> {
+    let Linear { stiffness, damping, roots, turning } = *system;
+    let limit_of = |shape: &NodeVectors| {
+        let (k, c) = (quotient(stiffness, roots, shape), quotient(damping, roots, shape));
+        largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + turning, damping: c.max(0.0) })
+    };
+    let [mut mode, other] = start;
+    let mut dt = limit_of(&mode);
+    let other_dt = limit_of(&other);
+    if other_dt < dt {
+        (dt, mode) = (other_dt, other);
+    }
+    for _ in 0..MOST_SUMS {
+        let sum = |p: &NodeVectors, out: &mut NodeVectors| {
+            let mut resistance = NodeVectors::zeros(p.nrows());
+            damping(p, &mut resistance);
+            stiffness(p, out);
+            *out += resistance * (weight / dt);
+        };
+        let (_, shape) = largest(&sum, roots)?;
+        let next = limit_of(&shape);
+        if next.is_nan() || next >= dt * (1.0 - 1e-6) {
+            break;
+        }
+        (dt, mode) = (next, shape);
+    }
+    Ok((dt, mode, weight / dt))
+}
+
+/// The largest stable step \[s\], the mode that sets it, and the size of its root \[1/s\].
+pub(super) fn worst(
+    integrator: &dyn Integrator,
+    system: &Linear<'_>,
+    start: [NodeVectors; 2],
+    scale: f64,
+) -> Result<(f64, NodeVectors, f64)> {
+    let empty = || DMatrix::zeros(0, 0);
+    let mut space = Subspace { system, basis: Vec::new(), stiffness: empty(), damping: empty() };
+    let most = (STORAGE / system.roots.len().max(1)).clamp(8, MOST_VECTORS);
+    for v in start {
+        space.add(v);
+    }
+    let largest_frequency = quotient(system.stiffness, system.roots, &space.basis[0]).max(0.0).sqrt();
+    for avoidance in AVOIDANCES {
+        let rest = |p: &NodeVectors, out: &mut NodeVectors| {
+            let mut resistance = NodeVectors::zeros(p.nrows());
+            (system.damping)(p, &mut resistance);
+            (system.stiffness)(p, out);
+            *out -= resistance * (avoidance * largest_frequency);
+        };
+        space.add(largest(&rest, system.roots)?.1);
+    }
+    let mut history: Vec<f64> = Vec::new();
+    loop {
+        if !space.stiffness.iter().chain(space.damping.iter()).all(|value| value.is_finite()) {
+            return Err(Error::NotFinite { what: "the stiffness", node: 0, value: f64::NAN });
+        }
+        let mut steps: Vec<(f64, Complex<f64>)> = space
+            .eigenvalues(scale)
+            .into_iter()
+            .map(|root| (largest_step(integrator, mode_of(root, system.turning)), root))
+            .collect();
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (dt, root) = steps[0];
+        let followed: Vec<_> =
+            steps.iter().take(FOLLOWED).map(|(_, root)| (*root, space.lift(&space.eigenvector(*root)))).collect();
+        let is_calm =
+            history.len() >= CALM && history[history.len() - CALM..].iter().all(|h| (h / dt - 1.0).abs() < TOLERANCE);
+        history.push(dt);
+        let mut has_grown = false;
+        if !is_calm {
+            for (root, shape) in &followed {
+                for part in space.residual(*root, shape) {
+                    has_grown |= space.basis.len() < most && space.add(part);
+                }
+            }
+        }
+        if !has_grown {
+            let [re, im] = &followed[0].1;
+            let mode = if re.norm() >= im.norm() { re } else { im };
+            let norm = mode.norm();
+            return Ok((dt, mode / norm.max(f64::MIN_POSITIVE), root.norm()));
+        }
+    }
+}
