@@ -85,7 +85,7 @@ def hashes(sim: Simulation) -> dict[str, str]:
 def simulation(scene: Scene, method: str, width: str) -> Simulation:
     """A simulation at a width of vector instructions."""
     plain = _core.Simulation
-    _core.Simulation = partial(plain, width=width)  # type: ignore[assignment,misc]
+    _core.Simulation = partial(plain, instructions=width)  # type: ignore[assignment,misc]
     try:
         return Simulation(replace(scene, run=replace(scene.run, **METHODS[method])), method.partition("-")[0])
     finally:

@@ -274,7 +274,7 @@ class Motion:
     def state(self) -> dict[str, Any]:
         """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
 
-        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "memory_vectors" (k N, 3), what the method keeps
+        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method keeps
         from step to step, if it keeps anything.
         """
         return self._core.progress()

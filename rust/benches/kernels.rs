@@ -1,7 +1,7 @@
 //! Times of one evaluation of each law, of all laws, and of a step, on model 1's sail and on finer ones: by plain scalar
 //! loops (`tests/oracle`), and by the kernels for each set of vector instructions that the machine has.
 //!
-//! `benchmarks/kernels.py` makes tables of what criterion finds: a batch for each mesh, named by what is timed and by the
+//! `benchmarks/kernels.py` makes tables of what criterion finds: a group for each mesh, named by what is timed and by the
 //! number of nodes. Where a filter leaves out a mesh, that mesh is not built.
 #![allow(missing_docs, clippy::unwrap_used)]
 
@@ -36,39 +36,39 @@ const STEP: f64 = 4e-6;
 /// Steps before a motion begins anew, so that all samples do the same work.
 const MOST_STEPS: u64 = 1000;
 
-/// A batch of the benchmark; on the largest mesh only some evaluations fit into a sample.
-fn batch<'a>(criterion: &'a mut Criterion, what: &str, fineness: usize) -> BenchmarkGroup<'a, WallTime> {
+/// A group of the benchmark; on the largest mesh only some evaluations fit into a sample.
+fn group<'a>(criterion: &'a mut Criterion, what: &str, fineness: usize) -> BenchmarkGroup<'a, WallTime> {
     let nodes = sail::node_count(fineness) + sail::TETHER_NODES;
-    let mut batch = criterion.benchmark_group(format!("{what}-{nodes}"));
+    let mut group = criterion.benchmark_group(format!("{what}-{nodes}"));
     let milliseconds = if nodes > 100_000 { 300 } else { 500 };
-    batch.sampling_mode(SamplingMode::Flat).sample_size(10);
-    batch.warm_up_time(Duration::from_millis(milliseconds / 3));
-    batch.measurement_time(Duration::from_millis(milliseconds));
-    batch
+    group.sampling_mode(SamplingMode::Flat).sample_size(10);
+    group.warm_up_time(Duration::from_millis(milliseconds / 3));
+    group.measurement_time(Duration::from_millis(milliseconds));
+    group
 }
 
 fn evaluations(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) {
-    let mut batch = batch(criterion, "evaluation", fineness);
+    let mut group = group(criterion, "evaluation", fineness);
     let mut new_scene = || Scene::new(model.get_or_insert_with(|| sail::sail(fineness)).clone());
     let (mut scene, mut loops) = (None, None);
     for part in 0..PARTS {
-        batch.bench_function(BenchmarkId::new(label(part), "scalar"), |bencher| {
+        group.bench_function(BenchmarkId::new(label(part), "scalar"), |bencher| {
             let loops = loops.get_or_insert_with(|| scene.get_or_insert_with(&mut new_scene).loops());
             bencher.iter(|| loops.evaluate(part));
         });
     }
     drop(loops);
-    for width in widths() {
+    for instructions in widths() {
         let mut kernels = None;
         for part in 0..PARTS {
-            batch.bench_function(BenchmarkId::new(label(part), width.name()), |bencher| {
+            group.bench_function(BenchmarkId::new(label(part), instructions.name()), |bencher| {
                 let scene = scene.get_or_insert_with(&mut new_scene);
-                let kernels = kernels.get_or_insert_with(|| scene.kernels(width));
+                let kernels = kernels.get_or_insert_with(|| scene.kernels(instructions));
                 bencher.iter(|| kernels.evaluate(part, scene.at()));
             });
         }
     }
-    batch.finish();
+    group.finish();
 }
 
 /// What takes steps from a start, again and again.
@@ -101,51 +101,55 @@ impl Steps for (Simulation, Progress) {
 }
 
 fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) {
-    let mut batch = batch(criterion, "step", fineness);
+    let mut group = group(criterion, "step", fineness);
     let mut model = || model.get_or_insert_with(|| sail::sail(fineness)).clone();
     let dt = STEP / fineness as f64;
     // Near enough, and not looked at: nothing watches.
     let limit = Limit { dt, largest_frequency: 2.0 / dt, law: "springs", node: 0 };
-    for (method, width) in METHODS
+    for (method, instructions) in METHODS
         .into_iter()
-        .flat_map(|method| [None].into_iter().chain(widths().map(Some)).map(move |width| (method, width)))
+        .flat_map(|method| [None].into_iter().chain(widths().map(Some)).map(move |instructions| (method, instructions)))
     {
         let mut contender: Option<Box<dyn Steps>> = None;
-        batch.bench_function(BenchmarkId::new(method, width.map_or("scalar", InstructionSet::name)), |bencher| {
-            let contender = contender.get_or_insert_with(|| match width {
-                None => {
-                    let scene = Scene::new(model());
-                    let stepper = Stepper::new(scene.loops().oracle, &scene.assembly);
-                    Box::new(Plain(stepper, Motion::of(&scene.assembly), method, dt))
-                }
-                Some(width) => {
-                    let settings =
-                        Settings { watch_interval: u64::MAX, energy_tolerance: 1e9, width, ..Settings::default() };
-                    let laws = sail::laws();
-                    let simulation =
-                        Simulation::with_limit(model(), &laws, method, Some(dt), settings, Some(limit.clone()));
-                    let simulation = simulation.unwrap();
-                    let start = simulation.progress();
-                    Box::new((simulation, start))
-                }
-            });
-            bencher.iter_custom(|count| {
-                let (mut left, mut spent) = (count, Duration::ZERO);
-                while left > 0 {
-                    contender.begin();
-                    // Leapfrog's first step evaluates twice.
-                    contender.step(1);
-                    let chunk = left.min(MOST_STEPS);
-                    let began = Instant::now();
-                    contender.step(chunk);
-                    spent += began.elapsed();
-                    left -= chunk;
-                }
-                spent
-            });
-        });
+        group.bench_function(
+            BenchmarkId::new(method, instructions.map_or("scalar", InstructionSet::name)),
+            |bencher| {
+                let contender = contender.get_or_insert_with(|| match instructions {
+                    None => {
+                        let scene = Scene::new(model());
+                        let stepper = Stepper::new(scene.loops().oracle, &scene.assembly);
+                        Box::new(Plain(stepper, Motion::of(&scene.assembly), method, dt))
+                    }
+                    Some(instructions) => {
+                        let settings = Settings {
+                            watch_interval: u64::MAX,
+                            energy_tolerance: 1e9,
+                            instructions,
+                            ..Settings::default()
+                        };
+                        let simulation = sail::simulation(model(), method, Some(dt), settings, Some(limit.clone()));
+                        let start = simulation.progress();
+                        Box::new((simulation, start))
+                    }
+                });
+                bencher.iter_custom(|count| {
+                    let (mut left, mut spent) = (count, Duration::ZERO);
+                    while left > 0 {
+                        contender.begin();
+                        // Leapfrog's first step evaluates twice.
+                        contender.step(1);
+                        let chunk = left.min(MOST_STEPS);
+                        let began = Instant::now();
+                        contender.step(chunk);
+                        spent += began.elapsed();
+                        left -= chunk;
+                    }
+                    spent
+                });
+            },
+        );
     }
-    batch.finish();
+    group.finish();
 }
 
 fn all(criterion: &mut Criterion) {

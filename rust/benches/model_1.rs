@@ -35,7 +35,7 @@ const ROUNDS: usize = 150;
 /// Times of each part of an evaluation [us]: the scalar loops, then each width.
 fn measure(scene: &mut Scene, fineness: usize, rounds: usize) -> Vec<Vec<f64>> {
     let mut loops = scene.loops();
-    let mut kernels: Vec<_> = widths().map(|width| scene.kernels(width)).collect();
+    let mut kernels: Vec<_> = widths().map(|instructions| scene.kernels(instructions)).collect();
     let columns = 1 + kernels.len();
     let evaluations = (EVALUATIONS / fineness).max(1);
     let mut times = vec![vec![Vec::new(); columns]; PARTS];
@@ -44,7 +44,7 @@ fn measure(scene: &mut Scene, fineness: usize, rounds: usize) -> Vec<Vec<f64>> {
             for (column, times) in times.iter_mut().enumerate() {
                 let mut evaluate = || match column.checked_sub(1) {
                     None => loops.evaluate(part),
-                    Some(width) => kernels[width].evaluate(part, scene.at()),
+                    Some(instructions) => kernels[instructions].evaluate(part, scene.at()),
                 };
                 evaluate();
                 let began = Instant::now();
@@ -74,8 +74,9 @@ fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
 
 /// What the machine does with eight numbers, what an evaluation asks of it, and what that takes at least.
 fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
-    let paces: Vec<(InstructionSet, Pace)> = widths().map(|width| (width, Pace::of(width))).collect();
-    let names: Vec<&str> = paces.iter().map(|(width, _)| width.name()).collect();
+    let paces: Vec<(InstructionSet, Pace)> =
+        widths().map(|instructions| (instructions, Pace::of(instructions))).collect();
+    let names: Vec<&str> = paces.iter().map(|(instructions, _)| instructions.name()).collect();
     println!("| an operation on eight numbers [ns] | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
     for row in 0..Pace::ROWS {
         let cells: Vec<String> = paces.iter().map(|(_, pace)| format!("{:.2}", pace.rows()[row].1)).collect();
@@ -107,7 +108,7 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
     println!("|---|---|---:|---:|---:|---|---:|");
     for part in 0..PARTS {
         let [elements, lanes] = counted.lanes(part);
-        for (column, (width, pace)) in paces.iter().enumerate() {
+        for (column, (instructions, pace)) in paces.iter().enumerate() {
             let (bound, unit) = pace.bound(&counts[part]);
             if bound == 0.0 {
                 continue;
@@ -117,7 +118,7 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
             println!(
                 "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {fillers:.1} |",
                 label(part),
-                width.name(),
+                instructions.name(),
                 measured / bound
             );
         }

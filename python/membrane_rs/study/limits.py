@@ -93,7 +93,7 @@ def _growth(scene: Scene, integrator: str | None, dt: float, seed: int, steps: i
     # Positions, velocities, and what the method keeps from step to step: after one step there is something.
     sim.step(1)
     saved = sim.state() | {"positions": start, "velocities": np.zeros_like(start)}
-    parts = [name for name in ("positions", "velocities", "memory_vectors") if name in saved]
+    parts = [name for name in ("positions", "velocities", "history_vectors") if name in saved]
 
     def stepped(disturbance: Sequence[Floats]) -> list[Floats]:
         moved = {name: saved[name] + part for name, part in zip(parts, disturbance, strict=True)}

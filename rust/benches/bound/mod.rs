@@ -40,17 +40,19 @@ impl Pace {
     pub const ROWS: usize = 9;
 
     /// Measures it.
-    pub fn of(width: InstructionSet) -> Self {
+    pub fn of(instructions: InstructionSet) -> Self {
         Self {
-            addition: chained::<Addition>(width),
-            multiplication: chained::<Multiplication>(width),
-            pair: 2.0 * chained::<Both>(width),
-            division: chained::<Division>(width),
-            root: chained::<Root>(width),
-            extreme: chained::<Extreme>(width),
-            choice: chained::<Choice>(width),
-            load: [loads::<2>(width), loads::<3>(width), loads::<4>(width)].into_iter().fold(f64::INFINITY, f64::min),
-            store: fastest(PLACES, || width.dispatch(Stores)),
+            addition: chained::<Addition>(instructions),
+            multiplication: chained::<Multiplication>(instructions),
+            pair: 2.0 * chained::<Both>(instructions),
+            division: chained::<Division>(instructions),
+            root: chained::<Root>(instructions),
+            extreme: chained::<Extreme>(instructions),
+            choice: chained::<Choice>(instructions),
+            load: [loads::<2>(instructions), loads::<3>(instructions), loads::<4>(instructions)]
+                .into_iter()
+                .fold(f64::INFINITY, f64::min),
+            store: fastest(PLACES, || instructions.dispatch(Stores)),
         }
     }
 
@@ -128,14 +130,14 @@ operation!(Extreme, |_k, x, next, _c| x.max(next));
 operation!(Choice, |_k, x, next, c| c.below(x, next, x));
 
 /// Time of an operation [ns], with as many chains as are best: few wait for each other, many do not fit the registers.
-fn chained<O: Operation>(width: InstructionSet) -> f64 {
-    let few = chains::<O, 2>(width).min(chains::<O, 3>(width)).min(chains::<O, 4>(width));
-    let more = chains::<O, 6>(width).min(chains::<O, 8>(width));
-    few.min(more).min(chains::<O, 12>(width)).min(chains::<O, 16>(width))
+fn chained<O: Operation>(instructions: InstructionSet) -> f64 {
+    let few = chains::<O, 2>(instructions).min(chains::<O, 3>(instructions)).min(chains::<O, 4>(instructions));
+    let more = chains::<O, 6>(instructions).min(chains::<O, 8>(instructions));
+    few.min(more).min(chains::<O, 12>(instructions)).min(chains::<O, 16>(instructions))
 }
 
-fn chains<O: Operation, const COUNT: usize>(width: InstructionSet) -> f64 {
-    fastest(COUNT, || width.dispatch(Chains::<O, COUNT>(PhantomData)))
+fn chains<O: Operation, const COUNT: usize>(instructions: InstructionSet) -> f64 {
+    fastest(COUNT, || instructions.dispatch(Chains::<O, COUNT>(PhantomData)))
 }
 
 struct Chains<O, const COUNT: usize>(PhantomData<O>);
@@ -163,8 +165,8 @@ impl<O: Operation, const COUNT: usize> Kernel for Chains<O, COUNT> {
 /// Reads, each of them added or multiplied to one of `COUNT` sums and as many products.
 struct Loads<const COUNT: usize>;
 
-fn loads<const COUNT: usize>(width: InstructionSet) -> f64 {
-    fastest(PLACES, || width.dispatch(Loads::<COUNT>))
+fn loads<const COUNT: usize>(instructions: InstructionSet) -> f64 {
+    fastest(PLACES, || instructions.dispatch(Loads::<COUNT>))
 }
 
 impl<const COUNT: usize> Kernel for Loads<COUNT> {

@@ -2,11 +2,12 @@
 #![allow(dead_code, clippy::unwrap_used, unreachable_pub)]
 
 use std::hint::black_box;
-use std::ops::Range;
 
-use membrane_core::arrays::state::{Instant, NodeVectors};
+use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{self, Law};
+use membrane_core::evaluation::plan::Plan;
+use membrane_core::laws::{self, Instant, Law};
+use membrane_core::model::frame::Spin;
 use membrane_core::model::input::Model;
 use membrane_core::simd::dispatch::InstructionSet;
 
@@ -23,35 +24,35 @@ pub fn label(part: usize) -> &'static str {
 
 /// The widths that this machine has.
 pub fn widths() -> impl Iterator<Item = InstructionSet> {
-    InstructionSet::ALL.into_iter().filter(|width| width.is_available())
+    InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available())
 }
 
 /// The sail at one fineness, arranged once for all widths.
 pub struct Scene {
     pub assembly: Assembly,
-    positions: NodeVectors,
-    velocities: NodeVectors,
+    state: State,
+    spin: Spin,
 }
 
 impl Scene {
     pub fn new(model: Model) -> Self {
         let assembly = Assembly::new(model, InstructionSet::Baseline).unwrap();
-        let positions = assembly.layout.internal_vectors(&assembly.model.positions);
-        let velocities = assembly.layout.internal_vectors(&assembly.model.velocities);
-        Self { assembly, positions, velocities }
+        let positions = assembly.numbering.internal_vectors(&assembly.model.positions);
+        let velocities = assembly.numbering.internal_vectors(&assembly.model.velocities);
+        Self { assembly, state: State { positions, velocities }, spin: laws::spin_of(&sail::laws()) }
     }
 
     pub fn loops(&self) -> Loops {
         Loops { oracle: Oracle::new(&sail::laws(), &self.assembly), motion: Motion::of(&self.assembly) }
     }
 
-    pub fn kernels(&mut self, width: InstructionSet) -> Kernels {
-        self.assembly.width = width;
+    pub fn kernels(&mut self, instructions: InstructionSet) -> Kernels {
+        self.assembly.instructions = instructions;
         Kernels::new(&self.assembly)
     }
 
     pub fn at(&self) -> Instant<'_> {
-        Instant { time: 0.0, positions: &self.positions, velocities: &self.velocities }
+        Instant::new(self.state.at(0.0), self.spin)
     }
 }
 
@@ -71,40 +72,43 @@ impl Loops {
     }
 }
 
-/// The kernels at one width.
+/// The kernels of each part with one set of vector instructions.
 pub struct Kernels {
-    /// Those of each part side by side.
-    laws: Vec<Box<dyn Law>>,
-    parts: Vec<Range<usize>>,
+    parts: Vec<Part>,
     forces: NodeVectors,
+}
+
+/// The laws of a part, and their passes.
+struct Part {
+    laws: Vec<Box<dyn Law>>,
+    plan: Plan,
     powers: Vec<f64>,
 }
 
 impl Kernels {
     fn new(assembly: &Assembly) -> Self {
-        let part_of =
-            |law: &dyn Law| Oracle::PARTS.iter().position(|(_, names, _)| names.contains(&law.name())).unwrap();
-        let mut laws = laws::build(&sail::laws(), assembly).unwrap();
-        laws.sort_by_key(|law| part_of(law.as_ref()));
-        let first = |part: usize| laws.partition_point(|law| part_of(law.as_ref()) < part);
-        let mut parts: Vec<Range<usize>> = (0..PARTS - 1).map(|part| first(part)..first(part + 1)).collect();
-        parts.push(0..laws.len());
-        Self { parts, forces: NodeVectors::zeros(assembly.masses.len()), powers: vec![0.0; laws.len()], laws }
+        let parts = (0..PARTS).map(|part| {
+            let mut laws = laws::build(&sail::laws(), assembly).unwrap();
+            if let Some((_, names, _)) = Oracle::PARTS.get(part) {
+                laws.retain(|law| names.contains(&law.name()));
+            }
+            Part { plan: Plan::new(&mut laws), powers: vec![0.0; laws.len()], laws }
+        });
+        Self { parts: parts.collect(), forces: NodeVectors::zeros(assembly.masses.len()) }
     }
 
     /// The elements of a part, and the lanes that they take up; none for a part that goes node by node.
     pub fn lanes(&self, part: usize) -> [usize; 2] {
-        let laws = self.laws[self.parts[part].clone()].iter();
-        laws.filter_map(|law| law.lanes()).fold([0, 0], |sum, [elements, lanes]| [sum[0] + elements, sum[1] + lanes])
+        let inspected = self.parts[part].laws.iter().filter_map(|law| law.inspection());
+        inspected.map(|law| law.lanes()).fold([0, 0], |sum, [elements, lanes]| [sum[0] + elements, sum[1] + lanes])
     }
 
     /// Adds the forces of a part to what was there: all laws add, so that the time does not depend on it.
     pub fn evaluate(&mut self, part: usize, at: Instant<'_>) {
-        let range = self.parts[part].clone();
         if part == PARTS - 1 {
             self.forces.as_mut_slice().fill(0.0);
         }
-        let powers = &mut self.powers[range.clone()];
-        membrane_core::evaluation::damped_springs::add_all(&self.laws[range], black_box(at), &mut self.forces, powers);
+        let Part { laws, plan, powers } = &mut self.parts[part];
+        plan.add_taken(laws, |_| true, black_box(at), &mut self.forces, powers);
     }
 }

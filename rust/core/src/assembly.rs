@@ -19,13 +19,13 @@ pub struct Assembly {
     /// The creases' hinges, in the caller's numbering.
     pub hinges: Vec<Hinge>,
     /// The numbering inside.
-    pub layout: Renumbering,
+    pub numbering: Renumbering,
     /// Mass of each node, in the core's numbering \[kg\].
     pub masses: Vec<f64>,
     /// 1/mass, or 0 where a node is held, in the core's numbering \[1/kg\].
     pub inverse_masses: Vec<f64>,
     /// The instructions that kernels run with.
-    pub width: InstructionSet,
+    pub instructions: InstructionSet,
 }
 
 impl Assembly {
@@ -34,7 +34,7 @@ impl Assembly {
     /// # Errors
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
     /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`.
-    pub fn new(model: Model, width: InstructionSet) -> Result<Self> {
+    pub fn new(model: Model, instructions: InstructionSet) -> Result<Self> {
         let n = model.positions.len();
         same_length("velocities", model.velocities.len(), n, "node")?;
         same_length("extra_masses", model.extra_masses.len(), n, "node")?;
@@ -79,7 +79,7 @@ impl Assembly {
         }
         let hinges = mesh.hinges(&model.creases)?;
         let links = [&mesh.edges[..], &ends, &model.bridges].concat();
-        let layout = Renumbering::new(n, mesh.reference.len(), &mesh.edges, &links);
+        let numbering = Renumbering::new(n, mesh.reference.len(), &mesh.edges, &links);
 
         let mut held = vec![false; n];
         for &node in &model.fixed {
@@ -92,8 +92,8 @@ impl Assembly {
         }
         let inverse: Vec<f64> =
             masses.iter().zip(&held).map(|(&mass, &held)| if held { 0.0 } else { 1.0 / mass }).collect();
-        let (masses, inverse_masses) = (layout.internal_values(&masses), layout.internal_values(&inverse));
-        Ok(Self { model, mesh, edge_stiffness, hinges, layout, masses, inverse_masses, width })
+        let (masses, inverse_masses) = (numbering.internal_values(&masses), numbering.internal_values(&inverse));
+        Ok(Self { model, mesh, edge_stiffness, hinges, numbering, masses, inverse_masses, instructions })
     }
 
     /// Mass of a square of film of side `length` \[kg\].

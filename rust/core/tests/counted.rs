@@ -4,26 +4,29 @@
 mod common;
 
 use common::sail;
-use membrane_core::arrays::state::{Instant, NodeVectors};
+use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{self, Law, LawSpec};
+use membrane_core::evaluation::plan::Plan;
+use membrane_core::laws::{self, Instant, Law, LawSpec, spin_of};
 use membrane_core::simd::counted::{Counts, count};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simd::lanes::LANES;
 
 /// One evaluation of those laws of model 1 that are wanted, without tethers: its forces, and what was counted.
-fn evaluate(width: InstructionSet, wanted: fn(&LawSpec) -> bool) -> (Vec<Box<dyn Law>>, NodeVectors, Counts) {
+fn evaluate(instructions: InstructionSet, wanted: fn(&LawSpec) -> bool) -> (Vec<Box<dyn Law>>, NodeVectors, Counts) {
     let mut sail = sail::sail(1);
     sail.cords.clear();
-    let assembly = Assembly::new(sail, width).unwrap();
+    let assembly = Assembly::new(sail, instructions).unwrap();
     let chosen: Vec<LawSpec> = sail::laws().into_iter().filter(wanted).collect();
-    let laws = laws::build(&chosen, &assembly).unwrap();
-    let positions = assembly.layout.internal_vectors(&assembly.model.positions);
-    let velocities = assembly.layout.internal_vectors(&assembly.model.velocities);
-    let at = Instant { time: 0.0, positions: &positions, velocities: &velocities };
+    let mut laws = laws::build(&chosen, &assembly).unwrap();
+    let positions = assembly.numbering.internal_vectors(&assembly.model.positions);
+    let velocities = assembly.numbering.internal_vectors(&assembly.model.velocities);
+    let state = State { positions, velocities };
+    let at = Instant::new(state.at(0.0), spin_of(&chosen));
+    let plan = Plan::new(&mut laws);
     let mut forces = NodeVectors::zeros(assembly.masses.len());
     let mut powers = vec![0.0; laws.len()];
-    let counts = count(|| membrane_core::evaluation::damped_springs::add_all(&laws, at, &mut forces, &mut powers));
+    let counts = count(|| plan.add_taken(&mut laws, |_| true, at, &mut forces, &mut powers));
     (laws, forces, counts)
 }
 
@@ -37,7 +40,7 @@ fn counting_changes_no_bit() {
 }
 
 #[test]
-fn a_group_of_eight_costs_no_more_than_its_formula() {
+fn a_batch_of_eight_costs_no_more_than_its_formula() {
     // The most that a batch may cost: quotients and roots, the dearest; reads, writes; sums, products. Drag's are those of
     // its triangles and, at two triangles a node, of its nodes. The few that come once per pass stay below one in ten.
     let springs: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::Springs(_) | LawSpec::SpringDamping(_));
@@ -49,7 +52,7 @@ fn a_group_of_eight_costs_no_more_than_its_formula() {
         ("drag", drag, [0, 0, 31, 7, 23, 24]),
     ] {
         let (laws, _, counts) = evaluate(InstructionSet::Counted, wanted);
-        let lanes: usize = laws.iter().filter_map(|law| law.lanes()).map(|[_, lanes]| lanes).sum();
+        let lanes: usize = laws.iter().filter_map(|law| law.inspection()).map(|law| law.lanes()[1]).sum();
         let batches = (lanes / LANES) as f64;
         let found =
             [counts.divisions, counts.roots, counts.loads, counts.stores, counts.additions, counts.multiplications];
@@ -63,10 +66,10 @@ fn a_group_of_eight_costs_no_more_than_its_formula() {
 }
 
 #[test]
-fn fillers_are_few() {
+fn padding_lanes_are_few() {
     let laws = evaluate(InstructionSet::Baseline, |_| true).0;
     for (name, most) in [("springs", 0.02), ("creases", 0.03), ("air_drag", 0.02)] {
-        let [elements, lanes] = laws.iter().find(|law| law.name() == name).unwrap().lanes().unwrap();
+        let [elements, lanes] = laws.iter().find(|law| law.name() == name).unwrap().inspection().unwrap().lanes();
         let share = 1.0 - elements as f64 / lanes as f64;
         assert!((0.0..=most).contains(&share), "{name}: {share}");
     }

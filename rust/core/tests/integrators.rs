@@ -3,10 +3,10 @@
 
 mod common;
 
-use membrane_core::integrators::{self, Tolerance};
-use membrane_core::laws::{LawSpec, Spin, SpringParameters};
+use common::{methods, simulation_of};
+use membrane_core::integrators::{Integrator, Method, Options, Properties, Tolerance};
+use membrane_core::laws::{LawSpec, MassDampingParameters, SpringParameters};
 use membrane_core::model::input::{Cord, Model};
-use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 
 /// `masses` masses of `m` along x between two held nodes, joined by cords of stiffness `k`, stretched to twice their rest
@@ -43,29 +43,41 @@ fn amplitude(simulation: &Simulation) -> f64 {
 
 #[test]
 fn each_method_has_its_stated_order_and_cost() {
-    for name in integrators::names() {
+    for name in names() {
         let error = |steps: u64| {
             let dt = 10.0 / steps as f64;
-            let mut simulation = Simulation::new(oscillator(0.3), &[], name, Some(dt), unwatched()).unwrap();
+            let mut simulation = simulation(oscillator(0.3), &[], name, Some(dt), unwatched());
             simulation.step(steps).unwrap();
-            let method = simulation.integrator();
-            let expected = steps * u64::from(method.evaluations_per_step()) + u64::from(method.evaluations_at_start());
+            let Properties { evaluations_per_step, evaluations_at_start, .. } = simulation.integrator().properties();
+            let expected = steps * u64::from(evaluations_per_step) + u64::from(evaluations_at_start);
             assert_eq!(simulation.evaluation_count(), expected);
             (simulation.positions()[1][0] - 2.0 - 0.3 * 10.0_f64.cos()).abs()
         };
         let ratio = error(200) / error(400);
-        let order = f64::from(integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap().order());
+        let order = f64::from(by_name(name).properties().order);
         assert!((ratio.log2() - order).abs() < 0.1, "{name}: measured order {}", ratio.log2());
     }
 }
 
-fn by_name(name: &str) -> Box<dyn integrators::Integrator> {
-    integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap()
+fn names() -> impl Iterator<Item = &'static str> {
+    methods().map(|method| method.name)
+}
+
+fn method(name: &str) -> Method {
+    methods().find(|method| method.name == name).unwrap()
+}
+
+fn by_name(name: &str) -> Box<dyn Integrator> {
+    (method(name).make)(&Options::default())
+}
+
+fn simulation(model: Model, laws: &[LawSpec], name: &str, dt: Option<f64>, settings: Settings) -> Simulation {
+    simulation_of(model, laws, method(name), dt, settings, |_| Vec::new())
 }
 
 /// Methods whose step has a limit.
 fn limited() -> impl Iterator<Item = &'static str> {
-    integrators::names().filter(|name| !by_name(name).is_implicit())
+    names().filter(|name| !by_name(name).properties().is_implicit)
 }
 
 /// Steps after which a mode that holds a thousandth of the motion has grown threefold and more at 1.02 of the limit.
@@ -80,7 +92,7 @@ fn steps_to_see(simulation: &Simulation, damping: f64) -> u64 {
 fn each_method_is_stable_just_below_its_predicted_limit_and_not_just_above() {
     for name in limited() {
         for (model, what) in [(chain(1, 0.5, 1.0, 1e-6), "oscillator"), (chain(8, 7.0, 0.3, 1e-6), "chain")] {
-            let new = |dt| Simulation::new(model.clone(), &[], name, Some(dt), unwatched()).unwrap();
+            let new = |dt| simulation(model.clone(), &[], name, Some(dt), unwatched());
             let first = new(0.01);
             let predicted = first.limit().unwrap().dt;
             let steps = steps_to_see(&first, 0.0);
@@ -129,7 +141,7 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
                 // Hardly stretched: across the cords, where no dashpot acts, tension would limit dopri5 first.
                 let mut model = oscillator(offset);
                 model.cords.iter_mut().for_each(|cord| cord.rest_length = 1.9);
-                Simulation::new(model, &laws, name, Some(dt), unwatched()).unwrap()
+                simulation(model, &laws, name, Some(dt), unwatched())
             };
             let limit = new(0.05, 0.01).limit().unwrap().dt;
             let mut simulation = new(0.05, 0.02 * limit);
@@ -152,9 +164,13 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
 fn everything() -> (Model, Vec<LawSpec>) {
     let mut model = chain(3, 7.0, 1.0, 0.0);
     model.velocities = common::Dice(7).vectors(5, 0.5);
-    let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
-    let laws =
-        vec![LawSpec::SpringDamping(0.5.into()), spin, LawSpec::MassDamping(0.4), LawSpec::Gravity([0.3, -0.2, 0.4])];
+    let spin = common::spin(0.7, 0.05);
+    let laws = vec![
+        LawSpec::SpringDamping(0.5.into()),
+        spin,
+        MassDampingParameters { rate: 0.4 }.into(),
+        common::gravity([0.3, -0.2, 0.4]),
+    ];
     (model, laws)
 }
 
@@ -163,12 +179,12 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
     let (model, laws) = everything();
     let run = |name: &str, steps: u64| {
         let dt = 2.0 / steps as f64;
-        let mut simulation = Simulation::new(model.clone(), &laws, name, Some(dt), unwatched()).unwrap();
+        let mut simulation = simulation(model.clone(), &laws, name, Some(dt), unwatched());
         simulation.step(steps).unwrap();
         simulation
     };
     let exact = run("dopri5", 4000);
-    for name in integrators::names() {
+    for name in names() {
         let errors = [160, 320].map(|steps| {
             let found = run(name, steps);
             let apart = |a: Vec<[f64; 3]>, b: Vec<[f64; 3]>| {
@@ -183,7 +199,7 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
                 found.ledger().residual(&found.energy_terms()).abs(),
             ]
         });
-        let order = f64::from(integrators::by_name(name, 1, 0, InstructionSet::Baseline).unwrap().order());
+        let order = f64::from(by_name(name).properties().order);
         for (k, what) in ["position", "velocity", "work", "energy"].iter().enumerate() {
             let measured = (errors[0][k] / errors[1][k]).log2();
             let is_met = if k < 2 { (measured - order).abs() < 0.25 } else { measured > order - 0.3 };
@@ -193,15 +209,15 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
 }
 
 #[test]
-fn a_method_that_keeps_energy_keeps_it_for_a_hundred_thousand_oscillations() {
+fn a_method_that_conserves_energy_conserves_it_for_a_hundred_thousand_oscillations() {
     // One mass that whirls in all directions: several frequencies, no chaos.
     let mut model = chain(1, 7.0, 1.0, 0.0);
     model.velocities[1] = [0.3, 0.5, 0.2];
-    let laws = [LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.0 })];
+    let laws = [common::spin(0.7, 0.0)];
     let mut seen = 0;
-    for name in integrators::names() {
-        let mut simulation = Simulation::new(model.clone(), &laws, name, Some(0.01), unwatched()).unwrap();
-        if !simulation.integrator().keeps_energy() {
+    for name in names() {
+        let mut simulation = simulation(model.clone(), &laws, name, Some(0.01), unwatched());
+        if !simulation.integrator().properties().conserves_energy {
             continue;
         }
         seen += 1;
@@ -227,11 +243,11 @@ fn a_method_that_keeps_energy_keeps_it_for_a_hundred_thousand_oscillations() {
 
 #[test]
 fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
-    for name in integrators::names() {
+    for name in names() {
         let new = || {
-            let spin = LawSpec::Spin(Spin { rate: 0.05, acceleration: 0.001 });
+            let spin = common::spin(0.05, 0.001);
             let laws = [LawSpec::SpringDamping(0.02.into()), spin];
-            Simulation::new(chain(30, 7.0, 0.3, 0.3), &laws, name, Some(0.005), Settings::default()).unwrap()
+            simulation(chain(30, 7.0, 0.3, 0.3), &laws, name, Some(0.005), Settings::default())
         };
         let (mut whole, mut first, mut second) = (new(), new(), new());
         whole.step(1000).unwrap();
@@ -244,8 +260,8 @@ fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
 
 #[test]
 fn a_progress_that_does_not_fit_changes_nothing() {
-    for name in integrators::names() {
-        let new = || Simulation::new(oscillator(0.3), &[], name, Some(0.01), unwatched()).unwrap();
+    for name in names() {
+        let new = || simulation(oscillator(0.3), &[], name, Some(0.01), unwatched());
         let (mut simulation, mut later) = (new(), new());
         simulation.step(3).unwrap();
         later.step(7).unwrap();
@@ -327,10 +343,10 @@ fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_gives_up_where_none_is_s
 }
 
 #[test]
-fn a_step_too_large_is_stopped_with_time_place_law_and_cure() {
+fn a_step_too_large_is_stopped_with_time_place_law_and_remedy() {
     for name in limited() {
         let model = chain(30, 7.0, 0.3, 0.3);
-        let mut simulation = Simulation::new(model, &[], name, Some(0.5), Settings::default()).unwrap();
+        let mut simulation = simulation(model, &[], name, Some(0.5), Settings::default());
         let text = simulation.step(10_000).unwrap_err().to_string();
         for word in ["t = ", "step ", "node", "tethers", "above the stability limit"] {
             assert!(text.contains(word), "{name}: {text}");

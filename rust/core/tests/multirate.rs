@@ -4,7 +4,7 @@
 mod common;
 
 use common::sail;
-use membrane_core::laws::{LawSpec, Spin};
+use membrane_core::laws::{LawSpec, MassDampingParameters};
 use membrane_core::model::input::{Cord, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
@@ -22,9 +22,13 @@ fn swinging(name: &str, substeps: u32, dt: f64) -> Simulation {
             .collect(),
         ..Model::default()
     };
-    let spin = LawSpec::Spin(Spin { rate: 0.7, acceleration: 0.05 });
-    let laws =
-        [LawSpec::SpringDamping(0.1.into()), spin, LawSpec::MassDamping(0.05), LawSpec::Gravity([0.3, -0.2, 0.4])];
+    let spin = common::spin(0.7, 0.05);
+    let laws = [
+        LawSpec::SpringDamping(0.1.into()),
+        spin,
+        MassDampingParameters { rate: 0.05 }.into(),
+        common::gravity([0.3, -0.2, 0.4]),
+    ];
     let settings = Settings { substeps, watch_interval: u64::MAX, ..Settings::default() };
     Simulation::new(model, &laws, name, Some(dt), settings).unwrap()
 }
@@ -112,10 +116,10 @@ fn a_sail_goes_on_with_the_same_bits_at_every_width() {
     second.resume(&first.progress()).unwrap();
     second.step(33).unwrap();
     assert_eq!(whole.progress(), second.progress());
-    for width in InstructionSet::ALL {
-        let settings = Settings { substeps: 4, width, ..Settings::default() };
+    for instructions in InstructionSet::ALL {
+        let settings = Settings { substeps: 4, instructions, ..Settings::default() };
         let mut other = Simulation::new(sail::sail(1), &sail::laws(), "leapfrog", Some(4e-6), settings).unwrap();
         other.step(50).unwrap();
-        assert_eq!(whole.progress(), other.progress(), "{width:?}");
+        assert_eq!(whole.progress(), other.progress(), "{instructions:?}");
     }
 }

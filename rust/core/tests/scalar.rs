@@ -1,4 +1,4 @@
-//! The kernels against plain scalar loops: the same forces to rounding, in runs and out of them, at every width.
+//! The kernels against plain scalar loops: the same forces to rounding, contiguous or gathered, at every width.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -58,11 +58,11 @@ fn unstructured() -> Model {
     model
 }
 
-fn agree(model: Model, width: InstructionSet) {
+fn agree(model: Model, instructions: InstructionSet) {
     let laws = sail::laws();
-    let settings = Settings { width, ..Settings::default() };
-    let simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-7), settings).unwrap();
-    let assembly = Assembly::new(model, width).unwrap();
+    let settings = Settings { instructions, ..Settings::default() };
+    let mut simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-7), settings).unwrap();
+    let assembly = Assembly::new(model, instructions).unwrap();
     let oracle = Oracle::new(&laws, &assembly);
     let forces = vec![[0.0; 3]; simulation.positions().len()];
     let mut motion = Motion { positions: simulation.positions(), velocities: simulation.velocities(), forces };
@@ -72,7 +72,7 @@ fn agree(model: Model, width: InstructionSet) {
         let largest = motion.forces.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
         let differences = found.iter().flatten().zip(motion.forces.iter().flatten()).map(|(a, b)| (a - b).abs());
         let worst = differences.fold(0.0, f64::max);
-        assert!(worst <= 1e-12 * largest, "{what}, {}: {worst:e} N of {largest:e} N", width.name());
+        assert!(worst <= 1e-12 * largest, "{what}, {}: {worst:e} N of {largest:e} N", instructions.name());
         assert!(largest > 0.0 || what == "spool", "{what}");
     };
     for (part, laws, evaluate) in Oracle::PARTS {
@@ -91,7 +91,7 @@ fn agree(model: Model, width: InstructionSet) {
 }
 
 fn widths() -> impl Iterator<Item = InstructionSet> {
-    InstructionSet::ALL.into_iter().filter(|width| width.is_available())
+    InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available())
 }
 
 #[test]
@@ -101,19 +101,19 @@ fn on_the_sail_of_model_1() {
     let springs = assembly.mesh.edges.len() + sail.cords.len();
     let counts = [sail.positions.len(), springs, sail.creases.len(), sail.triangles.len()];
     assert_eq!(counts, [1912, 5368, 756, 3456]);
-    widths().for_each(|width| agree(sail.clone(), width));
+    widths().for_each(|instructions| agree(sail.clone(), instructions));
 }
 
 #[test]
 fn on_a_sail_of_several_tiles() {
     let sail = sail::sail(2);
     assert!(sail.positions.len() > 2 * TILE);
-    widths().for_each(|width| agree(sail.clone(), width));
+    widths().for_each(|instructions| agree(sail.clone(), instructions));
 }
 
 #[test]
 fn on_a_mesh_in_no_order() {
-    widths().for_each(|width| agree(unstructured(), width));
+    widths().for_each(|instructions| agree(unstructured(), instructions));
 }
 
 #[test]

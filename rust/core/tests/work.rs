@@ -1,5 +1,5 @@
 //! Work that is counted, not timed: memory that a step asks for, memory that a scene keeps, elements that kernels reach in
-//! straight runs.
+//! contiguous batches.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -72,10 +72,10 @@ fn a_scene_keeps_little_memory() {
 }
 
 #[test]
-fn the_sail_falls_into_runs() {
+fn the_sail_falls_into_contiguous_batches() {
     for (fineness, least) in [(1, 0.97), (4, 0.99)] {
         for law in simulation(fineness, "rk4", Settings::default()).laws() {
-            let share = law.contiguous_share().unwrap_or(1.0);
+            let share = law.inspection().map_or(1.0, |law| law.contiguous_share());
             assert!(share >= least || law.name() == "tethers", "{}: {share}", law.name());
         }
     }
@@ -84,9 +84,8 @@ fn the_sail_falls_into_runs() {
 #[test]
 fn a_limit_that_is_known_is_not_looked_for() {
     let new = |known: Option<Limit>| {
-        let (model, laws, settings) = (sail::sail(1), sail::laws(), Settings::default());
         let before = ASKED.get();
-        let simulation = Simulation::with_limit(model, &laws, "rk4", None, settings, known).unwrap();
+        let simulation = sail::simulation(sail::sail(1), "rk4", None, Settings::default(), known);
         (simulation, ASKED.get() - before)
     };
     let (found, asked) = new(None);

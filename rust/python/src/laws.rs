@@ -1,70 +1,43 @@
 //! A law and its parameters, as they cross over from Python.
 
-use membrane_core::laws::{
-    AirDragParameters, AirMotion, CreaseParameters, DampingParameters, LawSpec, Spin, SpoolContactParameters,
-    SpringParameters, TriangleParameters,
-};
+use membrane_core::laws::LawSpec;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use serde::Deserialize;
+use serde_json::{Map, Value};
 
-use crate::arrays::get;
-use crate::errors::wrong_value;
+use crate::errors::{wrong_type, wrong_value};
 
 /// The law of a kind, from its parameters by name.
-pub(crate) fn law_of(kind: &str, p: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
-    let owner = &format!("law {kind}");
-    Ok(match kind {
-        "springs" => LawSpec::Springs(SpringParameters {
-            buckling: get(p, owner, "buckling")?,
-            buckling_on_creases: get(p, owner, "buckling_on_creases")?,
-            buckling_length: get(p, owner, "buckling_length")?,
-            crease_length: get(p, owner, "crease_length")?,
-            strain_limit: get(p, owner, "strain_limit")?,
-        }),
-        "triangles" => LawSpec::Triangles(TriangleParameters {
-            compression: get(p, owner, "compression")?,
-            buckling: get(p, owner, "buckling")?,
-            buckling_on_creases: get(p, owner, "buckling_on_creases")?,
-            buckling_length: get(p, owner, "buckling_length")?,
-            crease_length: get(p, owner, "crease_length")?,
-            strain_limit: get(p, owner, "strain_limit")?,
-        }),
-        "spring_damping" => LawSpec::SpringDamping(DampingParameters {
-            ratio: get(p, owner, "ratio")?,
-            length: get(p, owner, "length")?,
-        }),
-        "creases" => LawSpec::Creases(CreaseParameters {
-            stiffness: get(p, owner, "stiffness")?,
-            contact_penalty: get(p, owner, "contact_penalty")?,
-            natural_angle: get(p, owner, "natural_angle")?,
-            length_scale: get(p, owner, "length_scale")?,
-            collapse: get(p, owner, "collapse")?,
-        }),
-        "air_drag" => LawSpec::AirDrag(AirDragParameters {
-            pressure: get(p, owner, "pressure")?,
-            temperature: get(p, owner, "temperature")?,
-            air: match get::<String>(p, owner, "air")?.as_str() {
-                "still" => AirMotion::Still,
-                "turning" => AirMotion::Turning,
-                other => {
-                    return Err(wrong_value(format!(
-                        "law air_drag: air = {other:?} is not known; choose still or turning"
-                    )));
-                }
-            },
-        }),
-        "spin" => LawSpec::Spin(Spin {
-            rate: std::f64::consts::TAU * get::<f64>(p, owner, "frequency")?,
-            acceleration: std::f64::consts::TAU * get::<f64>(p, owner, "acceleration")?,
-        }),
-        "gravity" => LawSpec::Gravity(get(p, owner, "acceleration")?),
-        "spool_contact" => LawSpec::SpoolContact(SpoolContactParameters {
-            radius: get(p, owner, "radius")?,
-            stiffness: get(p, owner, "stiffness")?,
-            half_height: get(p, owner, "half_height")?,
-            membrane: get(p, owner, "membrane")?,
-        }),
-        "mass_damping" => LawSpec::MassDamping(get(p, owner, "rate")?),
-        other => return Err(wrong_value(format!("there is no law named {other:?}"))),
-    })
+pub(crate) fn law_of(kind: &str, parameters: &Bound<'_, PyDict>) -> PyResult<LawSpec> {
+    let mut values = Map::new();
+    values.insert("kind".to_owned(), kind.into());
+    for (name, value) in parameters {
+        let name: String = name.extract()?;
+        let found = value_of(&value).ok_or_else(|| wrong_type(format!("law {kind}: {name} = {value} is no number")))?;
+        values.insert(name, found);
+    }
+    LawSpec::deserialize(Value::Object(values)).map_err(|error| wrong_value(format!("law {kind}: {error}")))
+}
+
+/// A parameter as plain data; `None` for what is none, or is not finite.
+fn value_of(value: &Bound<'_, PyAny>) -> Option<Value> {
+    if value.is_none() {
+        return Some(Value::Null);
+    }
+    // A flag is an integer to Python, so it is asked for first.
+    if let Ok(flag) = value.extract::<bool>() {
+        return Some(Value::Bool(flag));
+    }
+    if value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>() {
+        return serde_json::Number::from_f64(value.extract().ok()?).map(Value::Number);
+    }
+    if value.is_instance_of::<PyString>() {
+        return value.extract().ok().map(Value::String);
+    }
+    if value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>() {
+        let items = value.try_iter().ok()?.map(|item| value_of(&item.ok()?));
+        return items.collect::<Option<Vec<Value>>>().map(Value::Array);
+    }
+    None
 }

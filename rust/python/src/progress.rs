@@ -2,7 +2,7 @@
 
 use membrane_core::evaluation::ledger::{EnergyTerms, Ledger};
 use membrane_core::integrators::Controller;
-use membrane_core::simulation::{AdaptiveProgress, Progress};
+use membrane_core::simulation::{AdaptiveProgress, Progress, SavedHistory};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,8 +10,50 @@ use pyo3::types::PyDict;
 use crate::arrays::{get, numbers, rows, vectors};
 use crate::errors::wrong_value;
 
+const WHAT: &str = "saved state";
+/// What the method's history is called.
+const METHOD: &str = "history";
+
+/// What a law's history is called.
+fn of_law(law: &str) -> String {
+    format!("history_{law}")
+}
+
+fn save_history(saved: &Bound<'_, PyDict>, name: &str, (kept, numbers): SavedHistory) -> PyResult<()> {
+    let py = saved.py();
+    saved.set_item(format!("{name}_count"), kept.len())?;
+    if !kept.is_empty() {
+        saved.set_item(format!("{name}_vectors"), vectors(py, &kept.concat())?)?;
+    }
+    if !numbers.is_empty() {
+        saved.set_item(format!("{name}_numbers"), PyArray1::from_vec(py, numbers))?;
+    }
+    Ok(())
+}
+
+fn history_of(saved: &Bound<'_, PyDict>, name: &str) -> PyResult<SavedHistory> {
+    let key = |part: &str| format!("{name}_{part}");
+    let count: usize = get(saved, WHAT, &key("count"))?;
+    let mut split = Vec::new();
+    if count > 0 {
+        let vectors = key("vectors");
+        let mut kept = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
+        let nodes = kept.len().checked_div(count).unwrap_or_default();
+        if nodes * count != kept.len() {
+            return Err(wrong_value(format!("saved state: {vectors} does not have whole vectors per node")));
+        }
+        split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
+    }
+    let name = key("numbers");
+    let numbers = match saved.get_item(&name)? {
+        None if count == 0 => Vec::new(),
+        _ => numbers(&name, &get::<Bound<'_, PyAny>>(saved, WHAT, &name)?)?,
+    };
+    Ok((split, numbers))
+}
+
 /// What a run needs to continue with the same bits, by name.
-pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) -> PyResult<Bound<'py, PyDict>> {
     let saved = PyDict::new(py);
     saved.set_item("step_count", progress.step_count)?;
     saved.set_item("evaluation_count", progress.evaluation_count)?;
@@ -23,11 +65,11 @@ pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_,
     saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
     saved.set_item("swing", progress.ledger.swing)?;
     saved.set_item("start_shift", progress.ledger.start_shift)?;
-    let (kept, numbers) = progress.history;
-    saved.set_item("memory_count", kept.len())?;
-    if !kept.is_empty() {
-        saved.set_item("memory_vectors", vectors(py, &kept.concat())?)?;
-        saved.set_item("memory_numbers", PyArray1::from_vec(py, numbers))?;
+    save_history(&saved, METHOD, progress.history)?;
+    for (law, history) in laws.iter().zip(progress.law_histories) {
+        if history != SavedHistory::default() {
+            save_history(&saved, &of_law(law), history)?;
+        }
     }
     if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
         let numbers = [front, shown, controller.dt, controller.last_error];
@@ -39,24 +81,19 @@ pub(crate) fn saved_of(py: Python<'_>, progress: Progress) -> PyResult<Bound<'_,
 }
 
 /// What `saved_of` gave, read back.
-pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
-    const WHAT: &str = "saved state";
+pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<Progress> {
     let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
     let start = EnergyTerms {
         kinetic: get(saved, WHAT, "start_kinetic")?,
         stored: numbers("start_stored", &array("start_stored")?)?,
     };
-    let count: usize = get(saved, WHAT, "memory_count")?;
-    let mut history = (Vec::new(), Vec::new());
-    if count > 0 {
-        let mut kept = rows("memory_vectors", &array("memory_vectors")?)?;
-        let nodes = kept.len().checked_div(count).unwrap_or_default();
-        if nodes * count != kept.len() {
-            return Err(wrong_value("saved state: memory_vectors does not have whole vectors per node".to_owned()));
-        }
-        let split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
-        history = (split, numbers("memory_numbers", &array("memory_numbers")?)?);
-    }
+    // Earlier states call the history of the method its memory.
+    let of_method = if saved.contains("memory_count")? { "memory" } else { METHOD };
+    let history = history_of(saved, of_method)?;
+    let of_laws = laws.iter().map(|law| of_law(law)).map(|name| {
+        if saved.contains(format!("{name}_count"))? { history_of(saved, &name) } else { Ok(SavedHistory::default()) }
+    });
+    let law_histories = of_laws.collect::<PyResult<Vec<_>>>()?;
     let adaptive = if saved.contains("adaptive_numbers")? {
         let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
         let &[front, shown, dt, last_error] = numbers.as_slice() else {
@@ -82,6 +119,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>) -> PyResult<Progress> {
             start_shift: get(saved, WHAT, "start_shift")?,
         },
         history,
+        law_histories,
         adaptive,
     })
 }

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
-use membrane_core::integrators::{Statistics, Tolerance, by_name, names};
-use membrane_core::laws::Readings;
+use membrane_core::integrators::{METHODS, Method, Options, Properties, Statistics, Tolerance};
+use membrane_core::laws::{Readings, WorkClass};
 use membrane_core::model::input::{Cord, Film, Model, NegativeSprings};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation as Core};
@@ -34,14 +34,23 @@ type Facts = (&'static str, u32, u32, u32, bool, bool, f64, f64);
 /// What is known of each integrator.
 #[pyfunction]
 pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
-    let facts = |name| {
-        let mut method = checked(by_name(name, 1, 0, InstructionSet::Baseline))?;
-        let [imaginary, real] = axis_limits(method.as_ref());
-        let is_embedded = method.embedded().is_some();
-        let (per_step, at_start) = (method.evaluations_per_step(), method.evaluations_at_start());
-        Ok((name, method.order(), per_step, at_start, method.keeps_energy(), is_embedded, imaginary, real))
+    let facts = |method: &Method| {
+        let mut made = (method.make)(&Options::default());
+        let [imaginary, real] = axis_limits(made.as_ref());
+        let is_embedded = made.embedded().is_some();
+        let Properties { order, evaluations_per_step, evaluations_at_start, conserves_energy, .. } = made.properties();
+        Ok((
+            method.name,
+            order,
+            evaluations_per_step,
+            evaluations_at_start,
+            conserves_energy,
+            is_embedded,
+            imaginary,
+            real,
+        ))
     };
-    names().map(facts).collect()
+    METHODS.iter().map(facts).collect()
 }
 
 /// A scene in the core's hands. Arrays go in and come out in the caller's numbering.
@@ -85,7 +94,7 @@ impl Simulation {
     #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
         extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
         laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius,
-        short_steps, width=None))]
+        short_steps, instructions=None))]
     #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -115,7 +124,7 @@ impl Simulation {
         tolerance: (f64, f64, f64),
         spectral_radius: f64,
         short_steps: u32,
-        width: Option<&str>,
+        instructions: Option<&str>,
     ) -> PyResult<Self> {
         let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
         let [stiffness, rest_length, strain_limit] = [
@@ -162,12 +171,14 @@ impl Simulation {
             contact_nodes: indices("contact_nodes", contact_nodes)?,
         };
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
-        let width = match width {
+        let instructions = match instructions {
             None => InstructionSet::widest(),
-            Some(name) => InstructionSet::ALL.into_iter().find(|width| width.name() == name).ok_or_else(|| {
-                let known = InstructionSet::ALL.map(InstructionSet::name).join(", ");
-                wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
-            })?,
+            Some(name) => {
+                InstructionSet::ALL.into_iter().find(|instructions| instructions.name() == name).ok_or_else(|| {
+                    let known = InstructionSet::ALL.map(InstructionSet::name).join(", ");
+                    wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
+                })?
+            }
         };
         let (relative, length, speed) = tolerance;
         let tolerance = Tolerance { relative, length, speed };
@@ -179,7 +190,7 @@ impl Simulation {
             tolerance,
             spectral_radius,
             substeps: short_steps,
-            width,
+            instructions,
         };
         Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
     }
@@ -221,13 +232,14 @@ impl Simulation {
     /// (Newton iterations, factorisations, steps taken in halves) of an implicit method; zeros of others.
     #[getter]
     fn effort(&self) -> (u64, u64, u64) {
-        let Statistics { iterations, factorisations, fallbacks } = self.core.integrator().statistics();
+        let Statistics { iterations, factorisations, fallbacks } =
+            self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default();
         (iterations, factorisations, fallbacks)
     }
 
     #[getter]
     fn integrator(&self) -> &'static str {
-        self.core.integrator().name()
+        self.core.integrator().properties().name
     }
 
     #[getter]
@@ -237,13 +249,13 @@ impl Simulation {
 
     /// The vector instructions that the kernels run with.
     #[getter]
-    fn width(&self) -> &'static str {
-        self.core.width().name()
+    fn instructions(&self) -> &'static str {
+        self.core.instructions().name()
     }
 
     /// [(law, share of its elements that kernels reach in straight runs)].
     fn shares_in_runs(&self) -> ByLaw {
-        self.core.laws().iter().filter_map(|law| Some((law.name(), law.contiguous_share()?))).collect()
+        self.core.laws().iter().filter_map(|law| Some((law.name(), law.inspection()?.contiguous_share()))).collect()
     }
 
     #[getter]
@@ -273,21 +285,27 @@ impl Simulation {
     }
 
     #[pyo3(signature = (law=None))]
-    fn forces<'py>(&self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn forces<'py>(&mut self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         vectors(py, &checked(self.core.forces(law))?)
     }
 
     /// (kinetic, [(law, potential energy)]) in joules, for the laws that have one.
     fn energies(&self) -> (f64, ByLaw) {
         let energy_terms = self.core.energy_terms();
-        let conservative = self.core.laws().iter().zip(energy_terms.stored).filter(|(law, _)| law.is_conservative());
+        let conservative = self
+            .core
+            .laws()
+            .iter()
+            .zip(energy_terms.stored)
+            .filter(|(law, _)| law.properties().work_class == WorkClass::Conservative);
         (energy_terms.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
     }
 
     /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, residual, error).
     fn ledger(&self) -> (f64, f64, ByLaw, ByLaw, f64, f64, f64) {
         let (ledger, now, laws) = (self.core.ledger(), self.core.energy_terms(), self.core.laws());
-        let stored = laws.iter().zip(&now.stored).filter(|(law, _)| law.is_conservative());
+        let stored =
+            laws.iter().zip(&now.stored).filter(|(law, _)| law.properties().work_class == WorkClass::Conservative);
         let stored = stored.map(|(law, energy)| (law.name(), *energy)).collect();
         let work = laws.iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
         let work = work.map(|(law, work)| (law.name(), *work)).collect();
@@ -354,11 +372,12 @@ impl Simulation {
 
     /// What `resume` needs to continue with the same bits.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        saved_of(py, self.core.progress())
+        saved_of(py, self.core.progress(), &self.law_names())
     }
 
     /// Continues from what `progress` gave.
     fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
-        checked(self.core.resume(&progress_of(saved)?))
+        let progress = progress_of(saved, &self.law_names())?;
+        checked(self.core.resume(&progress))
     }
 }

@@ -1,7 +1,7 @@
 //! The three columns of a set of vectors, read and written eight rows at a time.
 //!
 //! Kernels read and write here without a check for every access. What makes that sound is said at each function, and
-//! checked once per batch by `layout::Elements`, the one user.
+//! checked once per batch by `layout::ElementSet`, the one user.
 
 use crate::arrays::state::NodeVectors;
 use crate::simd::lanes::{F64x8, LANES, SimdF64};

@@ -2,5 +2,6 @@
 
 pub mod blocks;
 pub mod columns;
+pub mod history;
 pub mod jacobian;
 pub mod state;

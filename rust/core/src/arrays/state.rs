@@ -16,15 +16,22 @@ pub struct State {
     pub velocities: NodeVectors,
 }
 
-/// The instant at which laws are evaluated.
+/// A point (t, x, v) at which a method asks for accelerations.
 #[derive(Debug, Clone, Copy)]
-pub struct Instant<'a> {
+pub struct PhasePoint<'a> {
     /// Time \[s\].
     pub time: f64,
     /// Positions \[m\].
     pub positions: &'a NodeVectors,
     /// Velocities relative to the turning frame \[m/s\].
     pub velocities: &'a NodeVectors,
+}
+
+impl State {
+    /// The state as a point at `time`.
+    pub fn at(&self, time: f64) -> PhasePoint<'_> {
+        PhasePoint { time, positions: &self.positions, velocities: &self.velocities }
+    }
 }
 
 /// The three columns of `vectors`.

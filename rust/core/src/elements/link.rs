@@ -1,30 +1,52 @@
-//! Links between two nodes: the sides of the mesh, the pieces of tether.
+//! Links between two nodes, the sides of the mesh and the pieces of tether: their spans, in batches of eight.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use crate::arrays::columns::Columns;
 use crate::assembly::Assembly;
-use crate::layout::Elements;
+use crate::layout::ElementSet;
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::{F64x8, SimdF64, dot, sub};
 
-/// The springs of a scene, arranged once for both laws.
+/// A set of links, and the instructions that kernels over them run with.
+pub struct Links {
+    /// The ends of each link, the lower number first: a link has no direction.
+    pub elements: ElementSet<2>,
+    pub(crate) instructions: InstructionSet,
+}
+
+impl Links {
+    fn new(pairs: impl Iterator<Item = [u32; 2]>, assembly: &Assembly) -> Arc<Self> {
+        let elements = ElementSet::new(&assembly.numbering.pairs_to_internal(pairs), assembly.masses.len());
+        Arc::new(Self { elements, instructions: assembly.instructions })
+    }
+
+    /// The length of each link, batch by batch \[m\].
+    pub(crate) fn lengths<'a>(&'a self, positions: Columns<'a>) -> impl Iterator<Item = F64x8> + 'a {
+        (0..self.elements.batch_count()).map(move |batch| {
+            let [a, b] = self.elements.read_any(positions, batch);
+            let d = sub(b, a);
+            dot(d, d).sqrt()
+        })
+    }
+}
+
+/// The links of a scene, arranged once for all laws.
 #[derive(Default)]
-pub(crate) struct SpringNetworks {
-    film: OnceCell<Arc<Elements<2>>>,
-    cords: OnceCell<Arc<Elements<2>>>,
+pub struct SpringNetworks {
+    film: OnceCell<Arc<Links>>,
+    cords: OnceCell<Arc<Links>>,
 }
 
 impl SpringNetworks {
     /// The sides of the mesh.
-    pub(crate) fn film(&self, assembly: &Assembly) -> Arc<Elements<2>> {
-        self.film.get_or_init(|| arranged(assembly.mesh.edges.iter().copied(), assembly)).clone()
+    pub(crate) fn film(&self, assembly: &Assembly) -> Arc<Links> {
+        self.film.get_or_init(|| Links::new(assembly.mesh.edges.iter().copied(), assembly)).clone()
     }
 
     /// The pieces of tether.
-    pub(crate) fn cords(&self, assembly: &Assembly) -> Arc<Elements<2>> {
-        self.cords.get_or_init(|| arranged(assembly.model.cords.iter().map(|cord| cord.nodes), assembly)).clone()
+    pub(crate) fn cords(&self, assembly: &Assembly) -> Arc<Links> {
+        self.cords.get_or_init(|| Links::new(assembly.model.cords.iter().map(|cord| cord.nodes), assembly)).clone()
     }
-}
-
-fn arranged(pairs: impl Iterator<Item = [u32; 2]>, assembly: &Assembly) -> Arc<Elements<2>> {
-    Arc::new(Elements::new(&assembly.layout.pairs_to_internal(pairs), assembly.masses.len()))
 }

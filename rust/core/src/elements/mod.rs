@@ -1,5 +1,8 @@
-//! Kinematics of elements: what their nodes' positions and velocities make of them, and what a force on an element does to its nodes.
+//! Kinematics of elements and their transposes: what motion of the nodes does to an element, and what a force on it does to the
+//! nodes. Orientation is settled here, once: each element is taken from its lowest node.
 
-pub(crate) mod link;
+pub(crate) mod facet;
+pub(crate) mod hinge;
+pub mod link;
 pub(crate) mod triangle;
 pub(crate) mod triangle_tangent;

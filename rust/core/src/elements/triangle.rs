@@ -1,15 +1,16 @@
 //! Triangles that were flat: deformation gradient, Green's strain, plane stress, and the pull of a stress on the nodes.
 //! What the elasticity of a film of triangles and its damping share.
 
+use super::facet::from_lowest;
 use crate::assembly::Assembly;
 use crate::error::Result;
-use crate::layout::Elements;
+use crate::layout::ElementSet;
 use crate::model::mesh;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, negate, scale, sub, sum};
 
 /// Flat triangles, eight to a batch, and how strain follows from where their nodes are.
-pub(crate) struct Flat {
-    pub(crate) elements: Elements<3>,
+pub(crate) struct FlatTriangles {
+    pub(crate) elements: ElementSet<3>,
     /// The gradient's columns are f1 = p u, f2 = q u + r v, with u and v the sides from the first node [1/m].
     pub(super) p: Vec<F64x8>,
     pub(super) q: Vec<F64x8>,
@@ -32,10 +33,9 @@ pub(crate) struct Corners {
 impl Corners {
     pub(crate) fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
         assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
-            let inside = assembly.layout.to_internal(nodes);
-            let lowest = (0..3).min_by_key(|&k| inside[k]).unwrap_or(0);
+            let (_, turn) = from_lowest(assembly.numbering.to_internal(nodes));
             let [nodes, edges] = [nodes, edges].map(|mut corners| {
-                corners.rotate_left(lowest);
+                corners.rotate_left(turn);
                 corners
             });
             let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
@@ -60,15 +60,16 @@ impl Corners {
 /// A symmetric 2 x 2 tensor: 11, 22, 12.
 pub(crate) type Tensor<V = F64x8> = [V; 3];
 
-impl Flat {
+impl FlatTriangles {
     /// The triangles of the mesh.
     ///
     /// # Errors
     /// `DegenerateTriangle`.
     pub(crate) fn new(assembly: &Assembly) -> Result<Self> {
         let corners: Vec<Corners> = Corners::all(assembly).collect();
-        let inside: Vec<[u32; 3]> = corners.iter().map(|corners| assembly.layout.to_internal(corners.nodes)).collect();
-        let elements = Elements::new(&inside, assembly.masses.len());
+        let inside: Vec<[u32; 3]> =
+            corners.iter().map(|corners| assembly.numbering.to_internal(corners.nodes)).collect();
+        let elements = ElementSet::new(&inside, assembly.masses.len());
         let (stretch, nu) =
             assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
         let mut rows = Vec::with_capacity(corners.len());

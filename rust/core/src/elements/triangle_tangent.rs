@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::triangle::Flat;
+use super::triangle::FlatTriangles;
 
 /// A 6 x 6 matrix over (f1, f2), and over the sides (u, v) from the first node.
 pub(crate) type Square = SMatrix<f64, 6, 6>;
@@ -19,7 +19,7 @@ pub(crate) struct One {
     pub(crate) stiffness: f64,
 }
 
-impl Flat {
+impl FlatTriangles {
     /// One triangle with `corners`, which may be positions or velocities.
     pub(crate) fn one(&self, batch: usize, lane: usize, corners: [Vector3<f64>; 3]) -> One {
         let sides = [&self.p, &self.q, &self.r].map(|values| values[batch].0[lane]);

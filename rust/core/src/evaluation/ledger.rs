@@ -1,15 +1,17 @@
-//! The energy ledger: what is stored, what moves, what laws without a potential have done, and what is missing.
+//! The energy balance: what is stored and what moves, the work of laws, and the residual.
 //!
-//!     error = (E(t) - E(0) - W(t)) / turned over(t)
+//!     error = (E(t) - E(0) - W(t)) / reference energy(t)
 //!
-//! E is the kinetic energy in the turning frame plus every law's potential energy, W the work done by dashpots, drag and
-//! whatever depends on time, integrated by the method's own stages. "Turned over" is the largest change that any one
-//! of these energy_terms has shown since the start: a strict measure, for it counts no energy twice.
+//! E is the kinetic energy in the turning frame plus every law's potential energy. W is the work of forces without a potential
+//! and of whatever depends on time, integrated by the method's own stages. The reference energy is the largest single
+//! exchange so far: the largest change that any one term (kinetic, each law's energy, each law's work) has shown since the
+//! start. It is a strict measure, for it counts no energy twice.
 
-use crate::arrays::state::{Instant, State, columns};
+use crate::arrays::state::columns;
+use crate::laws::Instant;
 use crate::laws::Law;
 
-/// EnergyTerms at one instant \[J\].
+/// The energy terms at one instant \[J\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnergyTerms {
     /// Kinetic energy in the turning frame.
@@ -19,10 +21,9 @@ pub struct EnergyTerms {
 }
 
 impl EnergyTerms {
-    /// Takes stock.
-    pub fn take(laws: &[Box<dyn Law>], masses: &[f64], time: f64, state: &State) -> Self {
-        let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        let [u, v, w] = columns(&state.velocities);
+    /// Those of an instant.
+    pub fn of(laws: &[Box<dyn Law>], masses: &[f64], at: Instant<'_>) -> Self {
+        let [u, v, w] = columns(at.velocities);
         let kinetic = (0..masses.len()).map(|i| 0.5 * masses[i] * (u[i] * u[i] + v[i] * v[i] + w[i] * w[i])).sum();
         Self { kinetic, stored: laws.iter().map(|law| law.energy(at)).collect() }
     }
@@ -36,7 +37,7 @@ impl EnergyTerms {
 /// The running ledger of one simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
-    /// EnergyTerms when the ledger was opened.
+    /// The terms when the ledger was opened.
     pub start: EnergyTerms,
     /// Work done by each law since then \[J\].
     pub work: Vec<f64>,
@@ -53,7 +54,7 @@ impl Ledger {
         Self { start, work, swing: 0.0, start_shift: 0.0 }
     }
 
-    /// Energy turned over so far, with the energy_terms as they are now \[J\].
+    /// The largest single exchange so far, with the terms as they are now \[J\].
     pub fn reference_energy(&self, now: &EnergyTerms) -> f64 {
         let stored = now.stored.iter().zip(&self.start.stored).map(|(now, start)| (now - start).abs());
         let changes = stored.chain(self.work.iter().map(|work| work.abs()));
@@ -65,7 +66,7 @@ impl Ledger {
         now.total() - self.start.total() - self.work.iter().sum::<f64>()
     }
 
-    /// The residual as a share of the energy turned over.
+    /// The residual as a share of the reference energy.
     pub fn error(&self, now: &EnergyTerms) -> f64 {
         let reference_energy = self.reference_energy(now);
         if reference_energy > 0.0 { self.residual(now) / reference_energy } else { 0.0 }

@@ -2,72 +2,116 @@
 
 use std::ops::Range;
 
-use super::damped_springs::add_between_nodes;
-use crate::arrays::blocks::ROW_BLOCK;
-use crate::arrays::state::{Instant, NodeVectors, columns, rows, rows_mut};
+use super::deferral::Deferral;
+use super::ledger::EnergyTerms;
+use super::plan::{Plan, Sums};
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
 use crate::integrators::{Integrator, RateGroup, System};
+use crate::laws::Instant;
 use crate::laws::Law;
 use crate::linear::tangent::{Tangent, Weights};
+use crate::model::frame::Spin;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Add, Formula, each, on_axes};
 
-/// The laws and masses.
-pub(crate) struct Mechanics {
+/// The laws and masses, and the motion of the frame.
+pub struct Mechanics {
     pub(crate) laws: Vec<Box<dyn Law>>,
+    pub(crate) spin: Spin,
     pub(crate) masses: Vec<f64>,
     pub(crate) inverse_masses: Vec<f64>,
     pub(crate) evaluation_count: u64,
+    plan: Plan,
     /// Where the method is implicit.
-    pub(crate) tangent: Option<Tangent>,
+    tangent: Option<Tangent>,
     /// The forces between nodes \[N\]; zero but from `accumulate_forces` to `accelerations`.
     forces: NodeVectors,
-    /// Laws without a potential whose power the method asks for later: those that caches_forces their last evaluation.
-    cached: Vec<bool>,
-    /// And the forces of the others \[N\]: all rows of a law between nodes, zero but from `accumulate_forces` to `power_at`; those of
-    /// one stretch of a law node by node, where these are recomputed at once.
-    resistances: Vec<Option<NodeVectors>>,
+    /// Of laws whose power the method asks for later.
+    deferrals: Vec<Option<Deferral>>,
     /// Whether each law is slow, and whether evaluations take it now.
-    pub(crate) is_slow: Vec<bool>,
-    taken: Vec<bool>,
+    is_slow: Vec<bool>,
+    is_taken: Vec<bool>,
     rate_group: Option<RateGroup>,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 impl Mechanics {
     /// As `method` needs them.
     pub(crate) fn new(
         mut laws: Vec<Box<dyn Law>>,
+        spin: Spin,
         masses: Vec<f64>,
         inverse_masses: Vec<f64>,
         tangent: Option<Tangent>,
         method: &dyn Integrator,
-        width: InstructionSet,
+        instructions: InstructionSet,
     ) -> Self {
         let nodes = masses.len();
-        let is_asked = |law: &dyn Law| method.evaluates_elsewhere() && !law.is_conservative();
-        // Laws that are told apart are recomputed together, after all are finished.
-        let is_at_once = method.for_slow_laws().is_none();
-        let cached: Vec<bool> = laws.iter_mut().map(|law| is_asked(law.as_ref()) && law.caches_forces()).collect();
-        let resistance = |law: &dyn Law, is_remembered: bool| {
-            let count = if is_at_once && law.nodal().is_some() { ROW_BLOCK.min(nodes) } else { nodes };
-            (is_asked(law) && !is_remembered).then(|| NodeVectors::zeros(count))
-        };
-        let rows = laws.iter().zip(&cached);
+        let deferrals = Deferral::of_laws(&mut laws, method, nodes);
+        let is_apart: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
         Self {
-            resistances: rows.map(|(law, &is_remembered)| resistance(law.as_ref(), is_remembered)).collect(),
-            cached,
+            plan: Plan::with(&mut laws, &is_apart),
+            deferrals,
             is_slow: vec![false; laws.len()],
-            taken: vec![true; laws.len()],
+            is_taken: vec![true; laws.len()],
             rate_group: None,
             laws,
+            spin,
             masses,
             inverse_masses,
             evaluation_count: 0,
             tangent,
             forces: NodeVectors::zeros(nodes),
-            width,
+            instructions,
         }
+    }
+
+    /// Adds the forces \[N\] of one law by itself, and gives its power \[W\].
+    pub(crate) fn add_forces_of(&mut self, row: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let mut powers = vec![0.0; self.laws.len()];
+        self.plan.add_taken(&mut self.laws, |other| other == row, at, forces, &mut powers);
+        powers[row]
+    }
+
+    /// Says which laws are slow. Laws along links, which may share a pass, are slow together or not at all.
+    pub(crate) fn set_slow(&mut self, mut is_slow: Vec<bool>) {
+        let along_links: Vec<usize> = self.plan.along_links().collect();
+        if along_links.iter().any(|&row| !is_slow[row]) {
+            along_links.iter().for_each(|&row| is_slow[row] = false);
+        }
+        self.is_slow = is_slow;
+    }
+
+    /// The laws of a rate group.
+    pub(crate) fn laws_of(&self, group: RateGroup) -> Vec<&dyn Law> {
+        let laws = self.laws.iter().zip(&self.is_slow);
+        laws.filter(|(_, is_slow)| **is_slow == (group == RateGroup::Slow)).map(|(law, _)| law.as_ref()).collect()
+    }
+
+    /// What each law keeps.
+    pub(crate) fn histories(&self) -> Vec<History> {
+        self.laws.iter().map(|law| law.history()).collect()
+    }
+
+    /// Lets each law go on from its history, from that of the start where there are none. Whether all fit.
+    pub(crate) fn restore_histories(&mut self, histories: &[History]) -> bool {
+        if !histories.is_empty() && histories.len() != self.laws.len() {
+            return false;
+        }
+        let given = histories.iter().cloned().chain(std::iter::repeat_with(History::default));
+        self.laws.iter_mut().zip(given).all(|(law, history)| law.restore_history(history))
+    }
+
+    /// The instant of a point.
+    pub(crate) fn instant<'a>(&self, point: PhasePoint<'a>) -> Instant<'a> {
+        Instant::new(point, self.spin)
+    }
+
+    /// The energy terms of a state at `time`.
+    pub(crate) fn energy_terms(&self, time: f64, state: &State) -> EnergyTerms {
+        EnergyTerms::of(&self.laws, &self.masses, self.instant(state.at(time)))
     }
 }
 
@@ -96,35 +140,36 @@ impl Formula<6, 0> for Power {
     }
 }
 
-/// Where the rows of a stretch are in a resistance, which has those of all nodes or of one stretch.
-fn place_of(range: &Range<usize>, resistance: &NodeVectors, nodes: usize) -> Range<usize> {
-    if resistance.nrows() < nodes { 0..range.len() } else { range.clone() }
+/// Where the rows of a row block are among forces of all nodes or of one row block.
+fn place_of(range: &Range<usize>, forces: &NodeVectors, nodes: usize) -> Range<usize> {
+    if forces.nrows() < nodes { 0..range.len() } else { range.clone() }
 }
 
 /// The sum of F . v over some rows \[W\].
-fn power_of(width: InstructionSet, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
-    each(width, &Power, [fx, fy, fz, u, v, w], [])
+fn power_of(instructions: InstructionSet, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
+    each(instructions, &Power, [fx, fy, fz, u, v, w], [])
 }
 
 impl System for Mechanics {
     fn select_rate_group(&mut self, group: RateGroup) {
         self.rate_group = Some(group);
-        for (taken, is_slow) in self.taken.iter_mut().zip(&self.is_slow) {
-            *taken = *is_slow == (group == RateGroup::Slow);
+        for (is_taken, is_slow) in self.is_taken.iter_mut().zip(&self.is_slow) {
+            *is_taken = *is_slow == (group == RateGroup::Slow);
         }
     }
 
-    fn accumulate_forces(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]) {
+    fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
             // Where laws are told apart, evaluations of the fast ones count.
             self.evaluation_count += u64::from(self.rate_group != Some(RateGroup::Slow));
         }
-        let (forces, taken) = (&mut self.forces, &self.taken);
-        add_between_nodes(&self.laws, |row| taken[row], tile, at, forces, powers, &mut self.resistances);
+        let at = self.instant(point);
+        let Self { plan, laws, is_taken, forces, deferrals, .. } = self;
+        plan.add_to_tile(laws, |row| is_taken[row], tile, at, &mut Sums { forces, powers, deferrals });
         // What `power_at` adds later. That of laws node by node is added row by row, between the tiles.
-        for (row, power) in powers.iter_mut().enumerate() {
-            if self.cached[row] || (self.resistances[row].is_some() && self.laws[row].nodal().is_none()) {
+        for ((law, deferral), power) in laws.iter_mut().zip(deferrals).zip(powers) {
+            if deferral.is_some() && law.nodal().is_none() {
                 *power = 0.0;
             }
         }
@@ -133,59 +178,64 @@ impl System for Mechanics {
     fn accelerations(
         &mut self,
         range: Range<usize>,
-        at: Instant<'_>,
+        point: PhasePoint<'_>,
         accelerations: [&mut [f64]; 3],
         powers: &mut [f64],
     ) {
-        let width = self.width;
-        for (((law, resistance), power), _) in
-            self.laws.iter().zip(&mut self.resistances).zip(powers).zip(&self.taken).filter(|(_, taken)| **taken)
+        let (at, nodes) = (self.instant(point), self.masses.len());
+        let Self { laws, deferrals, forces, is_taken, instructions, .. } = self;
+        for (((law, deferral), power), _) in
+            laws.iter_mut().zip(deferrals).zip(powers).zip(is_taken).filter(|(_, is_taken)| **is_taken)
         {
-            let forces = rows_mut(&mut self.forces, range.clone());
-            match (law.nodal(), resistance) {
+            let forces = rows_mut(forces, range.clone());
+            match (law.nodal(), deferral.as_mut().and_then(Deferral::forces)) {
                 (Some(law), None) => *power += law.add_to_rows(range.clone(), at, forces),
-                (Some(law), Some(resistance)) => {
-                    let own = place_of(&range, resistance, self.masses.len());
-                    rows_mut(resistance, own.clone()).into_iter().for_each(|column| column.fill(0.0));
-                    law.add_to_rows(range.clone(), at, rows_mut(resistance, own.clone()));
-                    on_axes(width, &Add, [rows(resistance, own)], [forces]);
+                (Some(law), Some(own)) => {
+                    let place = place_of(&range, own, nodes);
+                    rows_mut(own, place.clone()).into_iter().for_each(|column| column.fill(0.0));
+                    law.add_to_rows(range.clone(), at, rows_mut(own, place.clone()));
+                    on_axes(*instructions, &Add, [rows(own, place)], [forces]);
                 }
-                (None, Some(resistance)) => on_axes(width, &Add, [rows(resistance, range.clone())], [forces]),
+                (None, Some(own)) => on_axes(*instructions, &Add, [rows(own, range.clone())], [forces]),
                 (None, None) => {}
             }
         }
         let inverse_masses = &self.inverse_masses[range.clone()];
-        on_axes(width, &Divide, [[inverse_masses; 3]], [accelerations, rows_mut(&mut self.forces, range)]);
+        let forces = rows_mut(&mut self.forces, range);
+        on_axes(self.instructions, &Divide, [[inverse_masses; 3]], [accelerations, forces]);
     }
 
     fn row_power_at(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {
-        for (((law, resistance), power), _) in
-            self.laws.iter().zip(&self.resistances).zip(powers).zip(&self.taken).filter(|(_, taken)| **taken)
+        let nodes = self.masses.len();
+        for (((law, deferral), power), _) in
+            self.laws.iter_mut().zip(&self.deferrals).zip(powers).zip(&self.is_taken).filter(|(_, taken)| **taken)
         {
-            if let (Some(_), Some(resistance)) = (law.nodal(), resistance) {
-                let forces = rows(resistance, place_of(&range, resistance, self.masses.len()));
-                *power += power_of(self.width, forces, velocities);
+            if let (Some(_), Some(Deferral::Forces(own))) = (law.nodal(), deferral) {
+                *power += power_of(self.instructions, rows(own, place_of(&range, own, nodes)), velocities);
             }
         }
     }
 
-    fn power_at(&mut self, at: Instant<'_>, powers: &mut [f64]) {
-        for (row, (law, resistance)) in self.laws.iter().zip(&mut self.resistances).enumerate() {
-            if !self.taken[row] {
-                continue;
-            }
-            if self.cached[row] {
-                powers[row] += law.power_at(at);
-            } else if let (None, Some(resistance)) = (law.nodal(), resistance) {
-                powers[row] += power_of(self.width, columns(resistance), columns(at.velocities));
-                resistance.fill(0.0);
+    fn power_at(&mut self, point: PhasePoint<'_>, powers: &mut [f64]) {
+        let at = self.instant(point);
+        let rows = self.laws.iter_mut().zip(&mut self.deferrals).zip(&self.is_taken).enumerate();
+        for (row, ((law, deferral), _)) in rows.filter(|(_, (_, is_taken))| **is_taken) {
+            match deferral {
+                Some(Deferral::Pulls(pulls)) => powers[row] += self.plan.power_of_pulls(row, pulls, at),
+                Some(Deferral::Forces(own)) if law.nodal().is_none() => {
+                    powers[row] += power_of(self.instructions, columns(own), columns(at.velocities));
+                    own.fill(0.0);
+                }
+                _ => {}
             }
         }
     }
 
-    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool {
+    fn factorise(&mut self, point: PhasePoint<'_>, weights: Weights) -> bool {
+        let at = self.instant(point);
         let Some(tangent) = &mut self.tangent else { return false };
-        tangent.assemble(&self.laws, &self.masses, at, weights);
+        let linearised = || self.laws.iter().filter_map(|law| law.linearisation());
+        tangent.assemble(&self.masses, weights, |blocks| linearised().for_each(|law| law.add_jacobian(at, blocks)));
         tangent.factorise()
     }
 
@@ -196,6 +246,7 @@ impl System for Mechanics {
     }
 
     fn coriolis_rate(&self, time: f64) -> f64 {
-        self.laws.iter().map(|law| law.coriolis_rate(time)).sum()
+        let frame = self.spin.at(time);
+        self.laws.iter().filter_map(|law| law.linearisation()).map(|law| law.coriolis_rate(frame)).sum()
     }
 }

@@ -1,5 +1,7 @@
 //! All laws at one instant: the order of their kernels, the system that methods integrate, the energy balance.
 
-pub mod damped_springs;
+mod damped_links;
+mod deferral;
 pub mod ledger;
-pub(crate) mod mechanics;
+pub mod mechanics;
+pub mod plan;

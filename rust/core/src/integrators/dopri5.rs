@@ -12,8 +12,9 @@
 
 use nalgebra::Complex;
 
-use super::{Embedded, History, Integrator, Start, System, Tolerance, amplification_of};
-use crate::arrays::state::{Instant, NodeVectors, State, columns};
+use super::{Embedded, Integrator, Options, Properties, Start, System, Tolerance, amplification_of};
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, PhasePoint, State, columns};
 use crate::simd::dispatch::{InstructionSet, Sweep};
 
 const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
@@ -41,7 +42,7 @@ const BETWEEN: [f64; 7] = [
 ];
 
 /// The method and its stages.
-pub(super) struct Dopri5 {
+struct Dopri5 {
     /// Velocity and acceleration at each stage, and each law's power.
     velocities: [NodeVectors; 7],
     accelerations: [NodeVectors; 7],
@@ -55,7 +56,7 @@ pub(super) struct Dopri5 {
     time: f64,
     dt: f64,
     within: Option<Within>,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 /// What the continuous extension needs beside both ends' states and derivatives.
@@ -70,8 +71,13 @@ struct Within {
     laws: Vec<[f64; 3]>,
 }
 
+/// The method for a scene.
+pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
+    Box::new(Dopri5::new(options))
+}
+
 impl Dopri5 {
-    pub(super) fn new(nodes: usize, laws: usize, width: InstructionSet) -> Self {
+    fn new(&Options { nodes, laws, instructions, .. }: &Options) -> Self {
         let zeros = || std::array::from_fn(|_| NodeVectors::zeros(nodes));
         Self {
             velocities: zeros(),
@@ -84,7 +90,7 @@ impl Dopri5 {
             time: 0.0,
             dt: 0.0,
             within: None,
-            width,
+            instructions,
         }
     }
 
@@ -98,10 +104,10 @@ impl Dopri5 {
         self.velocities[0].copy_from(&state.velocities);
         for (k, row) in MATRIX.iter().enumerate() {
             let (before, after) = self.velocities.split_at_mut(k + 1);
-            let width = self.width;
-            sum(width, Some(&state.positions), dt, row, before, &mut self.position);
-            sum(width, Some(&state.velocities), dt, row, &self.accelerations, &mut after[0]);
-            let at = Instant { time: time + NODES[k + 1] * dt, positions: &self.position, velocities: &after[0] };
+            let instructions = self.instructions;
+            sum(instructions, Some(&state.positions), dt, row, before, &mut self.position);
+            sum(instructions, Some(&state.velocities), dt, row, &self.accelerations, &mut after[0]);
+            let at = PhasePoint { time: time + NODES[k + 1] * dt, positions: &self.position, velocities: &after[0] };
             system.accelerate(at, &mut self.accelerations[k + 1], &mut self.powers[k + 1]);
         }
     }
@@ -122,7 +128,7 @@ impl Dopri5 {
 
 /// out = start + dt sum of weights and terms.
 fn sum(
-    width: InstructionSet,
+    instructions: InstructionSet,
     start: Option<&NodeVectors>,
     dt: f64,
     weights: &[f64],
@@ -143,8 +149,8 @@ fn sum(
     for pair in used.chunks(2) {
         let out = out.as_mut_slice();
         match *pair {
-            [first, second] => width.run(Add { terms: [first, second], out }),
-            [first] => width.run(Add { terms: [first], out }),
+            [first, second] => instructions.run(Add { terms: [first, second], out }),
+            [first] => instructions.run(Add { terms: [first], out }),
             _ => {}
         }
     }
@@ -203,10 +209,10 @@ impl Embedded for Dopri5 {
     fn attempt(&mut self, system: &mut dyn System, from: Start<'_>, dt: f64, tolerance: &Tolerance) -> f64 {
         self.stages(system, from.time, dt, from.state);
         let [of_position, of_velocity] = &mut self.error;
-        sum(self.width, None, dt, &ERROR, &self.velocities, of_position);
-        sum(self.width, None, dt, &ERROR, &self.accelerations, of_velocity);
+        sum(self.instructions, None, dt, &ERROR, &self.velocities, of_position);
+        sum(self.instructions, None, dt, &ERROR, &self.accelerations, of_velocity);
         let worst = |error: &NodeVectors, value: &NodeVectors, floor: f64| {
-            self.width.run(Worst { error: columns(error), value: columns(value), floor })
+            self.instructions.run(Worst { error: columns(error), value: columns(value), floor })
         };
         let shares = [
             worst(of_position, &self.position, tolerance.length),
@@ -218,7 +224,7 @@ impl Embedded for Dopri5 {
     fn accept(&mut self, state: &mut State, work: &mut [f64]) {
         let bend = [&self.velocities, &self.accelerations].map(|terms| {
             let mut bend = NodeVectors::zeros(self.position.nrows());
-            sum(self.width, None, self.dt, &BETWEEN, terms, &mut bend);
+            sum(self.instructions, None, self.dt, &BETWEEN, terms, &mut bend);
             bend
         });
         let laws = work.iter().enumerate();
@@ -263,20 +269,8 @@ impl Embedded for Dopri5 {
 }
 
 impl Integrator for Dopri5 {
-    fn name(&self) -> &'static str {
-        "dopri5"
-    }
-
-    fn order(&self) -> u32 {
-        5
-    }
-
-    fn evaluations_per_step(&self) -> u32 {
-        6
-    }
-
-    fn evaluations_at_start(&self) -> u32 {
-        1
+    fn properties(&self) -> Properties {
+        Properties { evaluations_at_start: 1, ..Properties::explicit("dopri5", 5, 6) }
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
@@ -292,8 +286,7 @@ impl Integrator for Dopri5 {
     }
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
-        let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        system.accelerate(at, &mut self.accelerations[6], &mut self.powers[6]);
+        system.accelerate(state.at(time), &mut self.accelerations[6], &mut self.powers[6]);
         (self.is_started, self.is_fresh, self.within) = (true, true, None);
     }
 

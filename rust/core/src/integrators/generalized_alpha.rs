@@ -24,8 +24,9 @@
 
 use nalgebra::Matrix3;
 
-use super::{History, Integrator, Stall, Statistics, System};
-use crate::arrays::state::{Instant, NodeVectors, State};
+use super::{Implicit, Integrator, Options, Properties, Stall, Statistics, System};
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, PhasePoint, State};
 use crate::linear::tangent::Weights;
 
 /// Corrections per attempt, and how often one is halved.
@@ -43,7 +44,7 @@ const TOLERANCE: [f64; 2] = [1e-9, 1e-14];
 const ROUNDING: [f64; 2] = [1e-6, 1e-9];
 
 /// The method and what it keeps.
-pub(super) struct GeneralizedAlpha {
+struct GeneralizedAlpha {
     alpha_m: f64,
     alpha_f: f64,
     beta: f64,
@@ -73,14 +74,21 @@ struct Leap<'a> {
     from: &'a State,
 }
 
+/// The method for a scene.
+pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
+    Box::new(GeneralizedAlpha::new(options))
+}
+
 impl GeneralizedAlpha {
-    pub(super) fn new(nodes: usize, laws: usize) -> Self {
+    fn new(&Options { nodes, laws, spectral_radius: r, .. }: &Options) -> Self {
         let zeros = || NodeVectors::zeros(nodes);
-        let mut method = Self {
-            alpha_m: 0.0,
-            alpha_f: 0.0,
-            beta: 0.0,
-            gamma: 0.0,
+        let (alpha_m, alpha_f) = ((2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0));
+        let shift = alpha_f - alpha_m;
+        Self {
+            alpha_m,
+            alpha_f,
+            beta: 0.25 * (1.0 + shift) * (1.0 + shift),
+            gamma: 0.5 + shift,
             acceleration: zeros(),
             powers: vec![0.0; laws],
             lag: 0.0,
@@ -94,15 +102,7 @@ impl GeneralizedAlpha {
             correction: zeros(),
             residual: zeros(),
             new_powers: vec![0.0; laws],
-        };
-        method.set_spectral_radius(super::SPECTRAL_RADIUS);
-        method
-    }
-
-    fn set_spectral_radius(&mut self, r: f64) {
-        (self.alpha_m, self.alpha_f) = ((2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0));
-        let shift = self.alpha_f - self.alpha_m;
-        (self.gamma, self.beta) = (0.5 + shift, 0.25 * (1.0 + shift) * (1.0 + shift));
+        }
     }
 
     fn weights(&self, h: f64) -> Weights {
@@ -133,7 +133,7 @@ impl GeneralizedAlpha {
     fn evaluate(&mut self, system: &mut dyn System, leap: &Leap<'_>) {
         self.blend(leap);
         let time = leap.time + (1.0 - self.alpha_f) * leap.h;
-        let at = Instant { time, positions: &self.place, velocities: &self.velocity };
+        let at = PhasePoint { time, positions: &self.place, velocities: &self.velocity };
         system.accelerate(at, &mut self.residual, &mut self.new_powers);
         let (new, old) = (1.0 - self.alpha_m, self.alpha_m);
         let (next, a) = (self.trial.as_slice(), self.acceleration.as_slice());
@@ -145,7 +145,7 @@ impl GeneralizedAlpha {
     /// A factor of the tangent where the forces were last evaluated, with masses as heavy as it takes.
     fn factorise(&mut self, system: &mut dyn System, leap: &Leap<'_>) -> bool {
         let time = leap.time + (1.0 - self.alpha_f) * leap.h;
-        let at = Instant { time, positions: &self.place, velocities: &self.velocity };
+        let at = PhasePoint { time, positions: &self.place, velocities: &self.velocity };
         let weights = self.weights(leap.h);
         for shift in 0..=SHIFTS {
             self.statistics.factorisations += 1;
@@ -269,29 +269,10 @@ fn largest(vectors: &NodeVectors) -> (usize, f64) {
 }
 
 impl Integrator for GeneralizedAlpha {
-    fn name(&self) -> &'static str {
-        "generalized_alpha"
-    }
-
-    fn order(&self) -> u32 {
-        2
-    }
-
-    /// Where forces are linear; each further iteration costs one more.
-    fn evaluations_per_step(&self) -> u32 {
-        2
-    }
-
-    fn evaluations_at_start(&self) -> u32 {
-        1
-    }
-
-    fn is_implicit(&self) -> bool {
-        true
-    }
-
-    fn set_spectral_radius(&mut self, spectral_radius: f64) {
-        self.set_spectral_radius(spectral_radius);
+    fn properties(&self) -> Properties {
+        // Two evaluations where forces are linear; each further iteration costs one more.
+        let explicit = Properties::explicit("generalized_alpha", 2, 2);
+        Properties { evaluations_at_start: 1, is_implicit: true, ..explicit }
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
@@ -311,8 +292,7 @@ impl Integrator for GeneralizedAlpha {
     }
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
-        let at = Instant { time, positions: &state.positions, velocities: &state.velocities };
-        system.accelerate(at, &mut self.acceleration, &mut self.powers);
+        system.accelerate(state.at(time), &mut self.acceleration, &mut self.powers);
         (self.lag, self.is_started) = (0.0, true);
     }
 
@@ -345,12 +325,8 @@ impl Integrator for GeneralizedAlpha {
         }
     }
 
-    fn stalled(&self) -> Option<Stall> {
-        self.stall
-    }
-
-    fn statistics(&self) -> Statistics {
-        self.statistics
+    fn implicit(&self) -> Option<&dyn Implicit> {
+        Some(self)
     }
 
     fn history(&self) -> History {
@@ -384,5 +360,15 @@ impl Integrator for GeneralizedAlpha {
             *count = (*count).max(*saved as u64);
         }
         true
+    }
+}
+
+impl Implicit for GeneralizedAlpha {
+    fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    fn stalled(&self) -> Option<Stall> {
+        self.stall
     }
 }

@@ -5,76 +5,134 @@
 mod controller;
 mod dopri5;
 mod generalized_alpha;
+mod kick_drift;
 mod leapfrog;
 mod multirate;
 mod rk4;
-
-use std::ops::Range;
+mod system;
 
 use nalgebra::Complex;
 
-use crate::arrays::blocks::{row_blocks, rows_of, tiles};
-use crate::arrays::state::{Instant, NodeVectors, State, rows_mut};
+use crate::arrays::history::History;
+use crate::arrays::state::State;
 use crate::error::{Error, Result};
-use crate::linear::tangent::Weights;
 use crate::simd::dispatch::InstructionSet;
 
 pub use controller::Controller;
-
-/// Which laws a method takes that tells them apart by their pace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RateGroup {
-    /// Those that ask for short steps.
-    Fast,
-    /// The others.
-    Slow,
-}
-
-/// What is integrated: x'' = a(t, x, v).
-pub trait System {
-    /// Says which laws the following evaluations take; all, where nothing is said. For methods that tell laws apart.
-    fn select_rate_group(&mut self, group: RateGroup);
-    /// Works out what nodes do to each other at this instant, as far as it concerns the rows of a tile; the first tile starts
-    /// the power of each law anew. Tiles come in order.
-    fn accumulate_forces(&mut self, tile: usize, at: Instant<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of the tile of the last `accumulate_forces`, and adds to the
-    /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once, but
-    /// what is known of it may be changed as soon as it is done: so methods can use a stretch while it is in the cache.
-    fn accelerations(
-        &mut self,
-        rows: Range<usize>,
-        at: Instant<'_>,
-        accelerations: [&mut [f64]; 3],
-        powers: &mut [f64],
-    );
-    /// Fills all accelerations \[m/s2\], and the power of each law \[W\].
-    fn accelerate(&mut self, at: Instant<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
-        let count = at.positions.nrows();
-        for tile in tiles(count) {
-            self.accumulate_forces(tile, at, powers);
-            for rows in row_blocks(rows_of(tile, count)) {
-                self.accelerations(rows.clone(), at, rows_mut(accelerations, rows), powers);
-            }
-        }
-    }
-    /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
-    fn coriolis_rate(&self, time: f64) -> f64;
-    /// For methods that say `evaluates_elsewhere`: laws without a potential leave their power out of `accumulate_forces` and `accelerations`,
-    /// and it is added here. That of laws which act on each node by itself: after each `accelerations`, the power of these forces on
-    /// the `velocities` of these rows.
-    fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
-    /// That of laws between nodes: after all rows, the power of the forces of the last `accumulate_forces` on the velocities of `at`,
-    /// whose positions are the same.
-    fn power_at(&mut self, at: Instant<'_>, powers: &mut [f64]);
-    /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for methods that say `is_implicit`. Whether it is positive
-    /// definite.
-    fn factorise(&mut self, at: Instant<'_>, weights: Weights) -> bool;
-    /// Replaces accelerations r by the u that the matrix factorised last takes to M r; 0 for nodes that are held.
-    fn solve(&mut self, accelerations: &mut NodeVectors);
-}
+pub use system::{RateGroup, System};
 
 /// The spectral radius that is taken where none is given: what a step cannot resolve is gone after some dozens.
 pub const SPECTRAL_RADIUS: f64 = 0.8;
+
+/// What a method's maker is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Nodes of the scene.
+    pub nodes: usize,
+    /// Its laws.
+    pub laws: usize,
+    /// The instructions that passes over nodes run with.
+    pub instructions: InstructionSet,
+    /// By what factor an implicit method shrinks, per step, vibrations that it cannot resolve; from 0 to 1.
+    pub spectral_radius: f64,
+    /// Substeps in a step, between which slow laws rest, of a method that has such a form.
+    pub substeps: u32,
+}
+
+impl Default for Options {
+    /// Of no scene: enough to ask a method for its properties.
+    fn default() -> Self {
+        let instructions = InstructionSet::Baseline;
+        Self { nodes: 1, laws: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1 }
+    }
+}
+
+/// What is known of a method, whatever it integrates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Properties {
+    /// The name in the list.
+    pub name: &'static str,
+    /// Order of the error after a given time.
+    pub order: u32,
+    /// Evaluations of the accelerations per step.
+    pub evaluations_per_step: u32,
+    /// Evaluations before the first step, and after positions or velocities were set.
+    pub evaluations_at_start: u32,
+    /// Whether the energy of an undamped motion stays bounded, however long it lasts.
+    pub conserves_energy: bool,
+    /// Whether forces are evaluated with predicted velocities, other than those on which they do work.
+    pub predicts_velocity: bool,
+    /// Whether it solves for the end of a step with the tangent: then no mode limits the step.
+    pub is_implicit: bool,
+    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping is below the same bound for every shape that
+    /// a scene can take, 4 for leapfrog; `None` for one that multiplies each solution exp(lambda t) by a function of
+    /// lambda dt.
+    pub damping_weight: Option<f64>,
+}
+
+impl Properties {
+    /// Those of an explicit one-step method of this order that evaluates so often per step.
+    const fn explicit(name: &'static str, order: u32, evaluations_per_step: u32) -> Self {
+        Self {
+            name,
+            order,
+            evaluations_per_step,
+            evaluations_at_start: 0,
+            conserves_energy: false,
+            predicts_velocity: false,
+            is_implicit: false,
+            damping_weight: None,
+        }
+    }
+}
+
+/// A method with its stages preallocated.
+pub trait Integrator: Send + Sync {
+    /// What is known of it.
+    fn properties(&self) -> Properties;
+    /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64;
+    /// Whether a step can be taken without `start`.
+    fn is_started(&self) -> bool {
+        true
+    }
+    /// Evaluates what the first step needs.
+    fn start(&mut self, _system: &mut dyn System, _time: f64, _state: &State) {}
+    /// Advances `state` from `time` by `dt`, and adds to `work` the integral of each law's power \[J\].
+    fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]);
+    /// What the method conserves in place of the energy, minus the energy, as far as it is known \[J\].
+    fn energy_shift(&self, _masses: &[f64], _dt: f64) -> f64 {
+        0.0
+    }
+    /// What is kept from step to step.
+    fn history(&self) -> History {
+        History::default()
+    }
+    /// Goes on from a history; an empty one asks for a new start. Whether it fits.
+    fn restore_history(&mut self, history: History) -> bool {
+        history == History::default()
+    }
+    /// The method by which slow laws move nodes, one step at a time, of a method that tells laws apart by their rate.
+    fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
+        None
+    }
+    /// The method as one that solves equations.
+    fn implicit(&self) -> Option<&dyn Implicit> {
+        None
+    }
+    /// The method as one that knows its own error.
+    fn embedded(&mut self) -> Option<&mut dyn Embedded> {
+        None
+    }
+}
+
+/// A method that solves for the end of a step by Newton's method.
+pub trait Implicit {
+    /// What was spent so far.
+    fn statistics(&self) -> Statistics;
+    /// The last step, where it could not be taken; the state is then somewhere within it.
+    fn stalled(&self) -> Option<Stall>;
+}
 
 /// What an implicit method has spent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -96,93 +154,6 @@ pub struct Stall {
     pub dt: f64,
     /// The node whose correction was the largest, in the core's numbering.
     pub node: usize,
-}
-
-/// What a method keeps from one step to the next beside the state; empty before its first step.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct History {
-    /// One vector per node each, in the core's numbering.
-    pub vectors: Vec<NodeVectors>,
-    /// Whatever else.
-    pub numbers: Vec<f64>,
-}
-
-/// A method with its stages preallocated.
-pub trait Integrator: Send + Sync {
-    /// The name in the list.
-    fn name(&self) -> &'static str;
-    /// Order of the error after a given time.
-    fn order(&self) -> u32;
-    /// Evaluations of the accelerations per step.
-    fn evaluations_per_step(&self) -> u32;
-    /// Evaluations before the first step, and after positions or velocities were set.
-    fn evaluations_at_start(&self) -> u32 {
-        0
-    }
-    /// Whether the energy of an undamped motion stays bounded, however long it lasts.
-    fn keeps_energy(&self) -> bool {
-        false
-    }
-    /// Whether forces are evaluated with velocities that differ from those they work on.
-    fn evaluates_elsewhere(&self) -> bool {
-        false
-    }
-    /// The method by which slow laws move nodes, one step at a time, of a method that tells laws apart by their pace.
-    fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
-        None
-    }
-    /// Whether it solves for the end of a step with the tangent: then no mode limits the step.
-    fn is_implicit(&self) -> bool {
-        false
-    }
-    /// Sets by what factor vibrations shrink that the step cannot resolve, for methods that have such a choice.
-    fn set_spectral_radius(&mut self, _spectral_radius: f64) {}
-    /// The same method with `count` short steps in a step, between which slow laws rest, where it has such a form.
-    fn in_substeps(&self, _count: u32) -> Option<Box<dyn Integrator>> {
-        None
-    }
-    /// What is spent on Newton's method.
-    fn statistics(&self) -> Statistics {
-        Statistics::default()
-    }
-    /// The last step, where it could not be taken; the state is then somewhere within it.
-    fn stalled(&self) -> Option<Stall> {
-        None
-    }
-    /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
-    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64;
-    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping is below the same bound for every shape that a
-    /// scene can take, 4 for leapfrog;
-    /// `None` for one that multiplies each solution exp(lambda t) by a function of lambda dt.
-    fn damping_weight(&self) -> Option<f64> {
-        None
-    }
-
-    /// Whether a step can be taken without `start`.
-    fn is_started(&self) -> bool {
-        true
-    }
-    /// Evaluates what the first step needs.
-    fn start(&mut self, _system: &mut dyn System, _time: f64, _state: &State) {}
-    /// Advances `state` from `time` by `dt`, and adds to `work` the integral of each law's power \[J\].
-    fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]);
-
-    /// What the method conserves in place of the energy, minus the energy, as far as it is known \[J\].
-    fn energy_shift(&self, _masses: &[f64], _dt: f64) -> f64 {
-        0.0
-    }
-    /// What is kept from step to step.
-    fn history(&self) -> History {
-        History::default()
-    }
-    /// Takes up a history; an empty one asks for a new start. Whether it fits.
-    fn restore_history(&mut self, history: History) -> bool {
-        history == History::default()
-    }
-    /// The method as one that knows its own error.
-    fn embedded(&mut self) -> Option<&mut dyn Embedded> {
-        None
-    }
 }
 
 /// A method that estimates the error of its step, and knows the motion within it.
@@ -230,29 +201,30 @@ fn amplification_of(
     size(root - 0.5 * damping).max(size(-root - 0.5 * damping))
 }
 
-type Maker = fn(nodes: usize, laws: usize, width: InstructionSet) -> Box<dyn Integrator>;
-
-/// The one list: name and maker.
-const INTEGRATORS: &[(&str, Maker)] = &[
-    ("rk4", |nodes, laws, width| Box::new(rk4::Rk4::new(nodes, laws, width))),
-    ("leapfrog", |nodes, laws, width| Box::new(leapfrog::Leapfrog::new(nodes, laws, width))),
-    ("dopri5", |nodes, laws, width| Box::new(dopri5::Dopri5::new(nodes, laws, width))),
-    ("generalized_alpha", |nodes, laws, _| Box::new(generalized_alpha::GeneralizedAlpha::new(nodes, laws))),
-];
-
-/// The names in the list.
-pub fn names() -> impl Iterator<Item = &'static str> {
-    INTEGRATORS.iter().map(|(name, _)| *name)
+/// A method by its name: what makes it for a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Method {
+    /// The name that scenes use.
+    pub name: &'static str,
+    /// Makes it.
+    pub make: fn(&Options) -> Box<dyn Integrator>,
 }
 
-/// The method called `name`, with stages for `nodes` nodes and `laws` laws.
+/// The one list.
+pub const METHODS: &[Method] = &[
+    Method { name: "rk4", make: rk4::make },
+    Method { name: "leapfrog", make: leapfrog::make },
+    Method { name: "dopri5", make: dopri5::make },
+    Method { name: "generalized_alpha", make: generalized_alpha::make },
+];
+
+/// The method called `name`.
 ///
 /// # Errors
 /// `UnknownName`, with the names there are.
-pub fn by_name(name: &str, nodes: usize, laws: usize, width: InstructionSet) -> Result<Box<dyn Integrator>> {
-    let found = INTEGRATORS.iter().find(|(known, _)| *known == name);
-    let known = || names().collect::<Vec<_>>().join(", ");
-    found.map(|(_, make)| make(nodes, laws, width)).ok_or_else(|| Error::UnknownName {
+pub fn by_name(name: &str) -> Result<Method> {
+    let known = || METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
+    METHODS.iter().find(|method| method.name == name).copied().ok_or_else(|| Error::UnknownName {
         what: "integrator",
         name: name.to_owned(),
         known: known(),

@@ -12,16 +12,17 @@
 //! can meet that mode in step, and feed it unless damping takes more: a step that is not given stays below.
 //! Storage: two vectors per node beside the state.
 
-use super::leapfrog::{Drift, End, Leapfrog, amplification, begin, instant};
-use super::{History, Integrator, RateGroup, System};
+use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
+use super::{Integrator, Options, Properties, RateGroup, System, leapfrog};
 use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
-use crate::arrays::state::{Instant, NodeVectors, State, columns, rows, rows_mut};
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each, on_axes};
 
 /// The method and what it keeps.
-pub(super) struct Multirate {
+struct Multirate {
     /// m.
     count: u32,
     /// f_n and s_n, and each law's power with them.
@@ -30,39 +31,40 @@ pub(super) struct Multirate {
     fast_powers: Vec<f64>,
     slow_powers: Vec<f64>,
     is_started: bool,
-    /// Accelerations of one stretch of nodes.
-    stretch: NodeVectors,
-    width: InstructionSet,
+    /// Accelerations of one row_block of nodes.
+    row_block: NodeVectors,
+    instructions: InstructionSet,
+}
+
+/// The method for a scene; of more than one substep.
+pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
+    debug_assert!(options.substeps > 1, "one substep is leapfrog");
+    Box::new(Multirate {
+        count: options.substeps,
+        fast: NodeVectors::zeros(options.nodes),
+        slow: NodeVectors::zeros(options.nodes),
+        fast_powers: vec![0.0; options.laws],
+        slow_powers: vec![0.0; options.laws],
+        is_started: false,
+        row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
+        instructions: options.instructions,
+    })
 }
 
 impl Multirate {
-    pub(super) fn new(nodes: usize, laws: usize, count: u32, width: InstructionSet) -> Self {
-        debug_assert!(count > 1, "one short step is leapfrog");
-        Self {
-            count,
-            fast: NodeVectors::zeros(nodes),
-            slow: NodeVectors::zeros(nodes),
-            fast_powers: vec![0.0; laws],
-            slow_powers: vec![0.0; laws],
-            is_started: false,
-            stretch: NodeVectors::zeros(ROW_BLOCK.min(nodes)),
-            width,
-        }
-    }
-
     /// Evaluates the slow laws at the end of a step: what the last short step then takes for f_k is f_k - m (s' - s), so
     /// that its correction is that of b.
-    fn evaluate_slow(&mut self, system: &mut dyn System, at: Instant<'_>) {
-        let Self { fast, slow, slow_powers, stretch, width, .. } = self;
+    fn evaluate_slow(&mut self, system: &mut dyn System, at: PhasePoint<'_>) {
+        let Self { fast, slow, slow_powers, row_block, instructions, .. } = self;
         let shift = Shift { count: f64::from(self.count) };
         system.select_rate_group(RateGroup::Slow);
         let count = slow.nrows();
         for tile in tiles(count) {
             system.accumulate_forces(tile, at, slow_powers);
             for range in row_blocks(rows_of(tile, count)) {
-                system.accelerations(range.clone(), at, rows_mut(stretch, 0..range.len()), slow_powers);
+                system.accelerations(range.clone(), at, rows_mut(row_block, 0..range.len()), slow_powers);
                 let changed = [rows_mut(fast, range.clone()), rows_mut(slow, range.clone())];
-                on_axes(*width, &shift, [rows(stretch, 0..range.len())], changed);
+                on_axes(*instructions, &shift, [rows(row_block, 0..range.len())], changed);
             }
         }
         system.select_rate_group(RateGroup::Fast);
@@ -70,8 +72,9 @@ impl Multirate {
 
     /// Evaluates the fast laws at the end of a short step, and corrects its velocities.
     fn evaluate_fast(&mut self, system: &mut dyn System, time: f64, half: f64, state: &mut State) {
-        let Self { fast, fast_powers, stretch, width, .. } = self;
-        End { time, half, accelerations: fast, powers: fast_powers, stretch, width: *width }.correct(system, state);
+        let Self { fast, fast_powers, row_block, instructions, .. } = self;
+        End { time, half, accelerations: fast, powers: fast_powers, row_block, instructions: *instructions }
+            .correct(system, state);
     }
 }
 
@@ -104,36 +107,16 @@ impl Formula<1, 2> for Shift {
 }
 
 impl Integrator for Multirate {
-    fn name(&self) -> &'static str {
-        "leapfrog"
-    }
-
-    fn order(&self) -> u32 {
-        2
-    }
-
-    fn evaluations_per_step(&self) -> u32 {
-        self.count
-    }
-
-    fn evaluations_at_start(&self) -> u32 {
-        1
-    }
-
-    fn keeps_energy(&self) -> bool {
-        true
-    }
-
-    fn evaluates_elsewhere(&self) -> bool {
-        true
+    fn properties(&self) -> Properties {
+        Properties {
+            evaluations_per_step: self.count,
+            damping_weight: Some(4.0 * f64::from(self.count)),
+            ..leapfrog::PROPERTIES
+        }
     }
 
     fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
-        Some(Box::new(Leapfrog::new(0, 0, self.width)))
-    }
-
-    fn damping_weight(&self) -> Option<f64> {
-        Some(4.0 * f64::from(self.count))
+        Some(leapfrog::make(&Options { nodes: 0, instructions: self.instructions, ..Options::default() }))
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
@@ -145,7 +128,7 @@ impl Integrator for Multirate {
     }
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
-        let at = instant(state, time);
+        let at = state.at(time);
         let parts = [
             (RateGroup::Slow, &mut self.slow, &mut self.slow_powers),
             (RateGroup::Fast, &mut self.fast, &mut self.fast_powers),
@@ -172,12 +155,12 @@ impl Integrator for Multirate {
             if k == 1 || is_last {
                 let (before, after) = if is_last { (0.0, kick) } else { (kick, 0.0) };
                 let drift = KickedDrift { dt: short, before, after };
-                each(self.width, &drift, [self.fast.as_slice(), self.slow.as_slice()], changed);
+                each(self.instructions, &drift, [self.fast.as_slice(), self.slow.as_slice()], changed);
             } else {
-                each(self.width, &Drift { dt: short }, [self.fast.as_slice()], changed);
+                each(self.instructions, &Drift { dt: short }, [self.fast.as_slice()], changed);
             }
             if is_last {
-                self.evaluate_slow(system, instant(state, now));
+                self.evaluate_slow(system, state.at(now));
             }
             self.evaluate_fast(system, now, 0.5 * short, state);
             add_work(0.5 * short, &self.fast_powers);
@@ -186,15 +169,12 @@ impl Integrator for Multirate {
         for range in row_blocks(0..self.slow.nrows()) {
             system.row_power_at(range.clone(), rows(&state.velocities, range), &mut self.slow_powers);
         }
-        system.power_at(instant(state, time + dt), &mut self.slow_powers);
+        system.power_at(state.at(time + dt), &mut self.slow_powers);
         add_work(kick, &self.slow_powers);
     }
 
     fn energy_shift(&self, masses: &[f64], dt: f64) -> f64 {
-        let [x, y, z] = columns(&self.fast);
-        let dt = dt / f64::from(self.count);
-        let squares = (0..masses.len()).map(|i| masses[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
-        -0.125 * dt * dt * squares.sum::<f64>()
+        energy_shift(&self.fast, masses, dt / f64::from(self.count))
     }
 
     fn history(&self) -> History {

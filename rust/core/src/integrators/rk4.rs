@@ -14,14 +14,14 @@
 //!
 //! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real one. It
 //! loses energy: on an oscillator the amplitude shrinks by (omega dt)^6/144 per step.
-//! Storage: three vectors per node beside the state. Each stretch of nodes goes on to its next stage as soon as its
+//! Storage: three vectors per node beside the state. Each row_block of nodes goes on to its next stage as soon as its
 //! accelerations are known.
 
 use nalgebra::Complex;
 
-use super::{Integrator, System, amplification_of};
+use super::{Integrator, Options, Properties, System, amplification_of};
 use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
-use crate::arrays::state::{Instant, NodeVectors, State, rows, rows_mut, shared};
+use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut, shared};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, on_axes};
@@ -31,27 +31,26 @@ const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
 const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 /// The method and its stages.
-pub(super) struct Rk4 {
+struct Rk4 {
     stage: State,
     /// The second stage's velocities.
     second: NodeVectors,
-    /// Accelerations of one stretch.
-    stretch: NodeVectors,
+    /// Accelerations of one row_block.
+    row_block: NodeVectors,
     powers: Vec<f64>,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
-impl Rk4 {
-    pub(super) fn new(nodes: usize, laws: usize, width: InstructionSet) -> Self {
-        let zeros = || NodeVectors::zeros(nodes);
-        Self {
-            stage: State { positions: zeros(), velocities: zeros() },
-            second: zeros(),
-            stretch: NodeVectors::zeros(ROW_BLOCK.min(nodes)),
-            powers: vec![0.0; laws],
-            width,
-        }
-    }
+/// The method for a scene.
+pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
+    let zeros = || NodeVectors::zeros(options.nodes);
+    Box::new(Rk4 {
+        stage: State { positions: zeros(), velocities: zeros() },
+        second: zeros(),
+        row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
+        powers: vec![0.0; options.laws],
+        instructions: options.instructions,
+    })
 }
 
 /// Lays out the second stage: x2 = x0 + h v0, v2 = v0 + h a1.
@@ -109,16 +108,8 @@ impl Formula<1, 1> for End {
 }
 
 impl Integrator for Rk4 {
-    fn name(&self) -> &'static str {
-        "rk4"
-    }
-
-    fn order(&self) -> u32 {
-        4
-    }
-
-    fn evaluations_per_step(&self) -> u32 {
-        4
+    fn properties(&self) -> Properties {
+        Properties::explicit("rk4", 4, 4)
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
@@ -127,24 +118,24 @@ impl Integrator for Rk4 {
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
-        let Self { stage, second, stretch, powers, width } = self;
-        let (width, h, sixth, count) = (*width, 0.5 * dt, dt / 6.0, second.nrows());
+        let Self { stage, second, row_block, powers, instructions } = self;
+        let (instructions, h, sixth, count) = (*instructions, 0.5 * dt, dt / 6.0, second.nrows());
         for k in 0..4 {
             let time = time + NODES[k] * dt;
             for tile in tiles(count) {
-                system.accumulate_forces(tile, instant(if k == 0 { state } else { stage }, second, k, time), powers);
+                system.accumulate_forces(tile, point(if k == 0 { state } else { stage }, second, k, time), powers);
                 for range in row_blocks(rows_of(tile, count)) {
-                    let at = instant(if k == 0 { state } else { stage }, second, k, time);
-                    system.accelerations(range.clone(), at, rows_mut(stretch, 0..range.len()), powers);
-                    let (a, v2) = (rows(stretch, 0..range.len()), rows_mut(second, range.clone()));
+                    let at = point(if k == 0 { state } else { stage }, second, k, time);
+                    system.accelerations(range.clone(), at, rows_mut(row_block, 0..range.len()), powers);
+                    let (a, v2) = (rows(row_block, 0..range.len()), rows_mut(second, range.clone()));
                     let [x0, v0] =
                         [&mut state.positions, &mut state.velocities].map(|all| rows_mut(all, range.clone()));
                     let [x, v] = [&mut stage.positions, &mut stage.velocities].map(|all| rows_mut(all, range.clone()));
                     match k {
-                        0 => on_axes(width, &Second { h }, [a, shared(&x0), shared(&v0)], [x, v2]),
-                        1 => on_axes(width, &Third { h }, [a, shared(&x0), shared(&v0), shared(&v2)], [x, v]),
-                        2 => on_axes(width, &Fourth { dt }, [a, shared(&v2)], [x, v, x0, v0]),
-                        _ => on_axes(width, &End { sixth }, [a], [v0]),
+                        0 => on_axes(instructions, &Second { h }, [a, shared(&x0), shared(&v0)], [x, v2]),
+                        1 => on_axes(instructions, &Third { h }, [a, shared(&x0), shared(&v0), shared(&v2)], [x, v]),
+                        2 => on_axes(instructions, &Fourth { dt }, [a, shared(&v2)], [x, v, x0, v0]),
+                        _ => on_axes(instructions, &End { sixth }, [a], [v0]),
                     }
                 }
             }
@@ -156,6 +147,6 @@ impl Integrator for Rk4 {
 }
 
 /// Where stage `k` is evaluated.
-fn instant<'a>(stage: &'a State, second: &'a NodeVectors, k: usize, time: f64) -> Instant<'a> {
-    Instant { time, positions: &stage.positions, velocities: if k == 1 { second } else { &stage.velocities } }
+fn point<'a>(stage: &'a State, second: &'a NodeVectors, k: usize, time: f64) -> PhasePoint<'a> {
+    PhasePoint { time, positions: &stage.positions, velocities: if k == 1 { second } else { &stage.velocities } }
 }

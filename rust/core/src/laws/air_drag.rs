@@ -9,26 +9,31 @@
 mod tangent;
 
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard};
 
-use super::{Law, NodalLaw, Spin};
+use serde::Deserialize;
+
+use super::{
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass,
+};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
-use crate::arrays::state::{Instant, NodeVectors, columns, rows};
+use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::assembly::Assembly;
+use crate::elements::facet::{FacetSet, normal};
 use crate::error::Result;
-use crate::layout::Elements;
 use crate::model::checks::{non_negative, positive};
+use crate::model::frame::Frame;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, cross, dot, scale, sub, sum};
+use crate::simd::lanes::{SimdF64, dot, scale, sum};
 use crate::simd::map::{Formula, each};
 
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
 
 /// How the air moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum AirMotion {
     /// At rest in the chamber.
     #[default]
@@ -38,7 +43,7 @@ pub enum AirMotion {
 }
 
 /// Parameters of the air.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct AirDragParameters {
     /// Pressure \[Pa\].
     pub pressure: f64,
@@ -48,59 +53,50 @@ pub struct AirDragParameters {
     pub air: AirMotion,
 }
 
-/// The law: all triangles, eight to a batch.
-pub(super) struct AirDrag {
-    elements: Elements<3>,
-    /// 1 where there is a triangle, 0 in lanes that are filled up.
-    presence: Vec<F64x8>,
-    /// rho_air / 12 [kg/m3]: a sixth, and a half because normals are twice the vector areas.
-    factor: f64,
-    air: Mutex<Air>,
-    /// The frame's turning relative to the air.
-    spin: Spin,
-    width: InstructionSet,
+impl LawParameters for AirDragParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(AirDrag::new(*self, context.assembly)?))
+    }
+
+    fn example() -> Self {
+        Self { pressure: 1e5, temperature: 293.0, air: AirMotion::Still }
+    }
 }
 
-/// Room for what one evaluation needs.
-struct Air {
+/// The law: all facets, eight to a batch, and room for what one evaluation needs.
+struct AirDrag {
+    facets: FacetSet,
+    /// rho_air / 12 [kg/m3]: a sixth, and a half because normals are twice the vector areas.
+    factor: f64,
+    air: AirMotion,
     /// Velocity relative to the air along x, then along y [m/s].
     wind: Vec<f64>,
-    /// The sum of |S . V| over the triangles of each node, S twice the vector area [m3/s]; zero between evaluations.
+    /// The sum of |S . V| over the facets of each node, S twice the vector area [m3/s]; zero between evaluations.
     flows: Vec<f64>,
+    instructions: InstructionSet,
 }
 
 impl AirDrag {
-    pub(super) fn new(parameters: AirDragParameters, spin: Spin, assembly: &Assembly) -> Result<Self> {
+    fn new(parameters: AirDragParameters, assembly: &Assembly) -> Result<Self> {
         non_negative("pressure of the air [Pa]", parameters.pressure)?;
         positive("temperature of the air [K]", parameters.temperature)?;
-        // Taken from the lowest node: drag does not ask which side faces the wind.
-        let lowest_first = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
-            lowest if lowest == a => [a, b, c],
-            lowest if lowest == b => [b, c, a],
-            _ => [c, a, b],
-        };
-        let triangles = assembly.mesh.triangles.iter().map(|&nodes| lowest_first(assembly.layout.to_internal(nodes)));
-        let elements = Elements::new(&triangles.collect::<Vec<_>>(), assembly.masses.len());
         let nodes = assembly.masses.len();
-        let factor = parameters.pressure / (GAS_CONSTANT * parameters.temperature) / 12.0;
         Ok(Self {
-            presence: elements.pack(0.0, |_| 1.0),
-            elements,
-            factor,
-            air: Mutex::new(Air { wind: vec![0.0; 2 * nodes], flows: vec![0.0; nodes] }),
-            spin: if parameters.air == AirMotion::Still { spin } else { Spin::default() },
-            width: assembly.width,
+            facets: FacetSet::new(assembly),
+            factor: parameters.pressure / (GAS_CONSTANT * parameters.temperature) / 12.0,
+            air: parameters.air,
+            wind: vec![0.0; 2 * nodes],
+            flows: vec![0.0; nodes],
+            instructions: assembly.instructions,
         })
     }
 
-    fn air(&self) -> MutexGuard<'_, Air> {
-        self.air.lock().unwrap_or_else(|poisoned| {
-            // What a panic left behind.
-            self.air.clear_poison();
-            let mut air = poisoned.into_inner();
-            air.flows.fill(0.0);
-            air
-        })
+    /// How fast the frame turns against the air [rad/s].
+    fn rate(&self, frame: Frame) -> f64 {
+        match self.air {
+            AirMotion::Still => frame.rate,
+            AirMotion::Turning => 0.0,
+        }
     }
 }
 
@@ -111,11 +107,11 @@ fn wind<V: SimdF64>([x, y]: [V; 2], [u, v]: [V; 2], rate: V) -> [V; 2] {
 }
 
 /// Works out the wind.
-struct Blow {
+struct WindKernel {
     rate: f64,
 }
 
-impl Formula<4, 2> for Blow {
+impl Formula<4, 2> for WindKernel {
     #[inline(always)]
     fn row<V: SimdF64>(&self, [x, y, u, v]: [V; 4], _: [V; 2]) -> [V; 2] {
         wind([x, y], [u, v], V::all(self.rate))
@@ -123,8 +119,8 @@ impl Formula<4, 2> for Blow {
 }
 
 /// Adds the flow |S . V| through the triangles of one tile to their nodes'.
-struct Flow<'a> {
-    drag: &'a AirDrag,
+struct FlowKernel<'a> {
+    facets: &'a FacetSet,
     tile: usize,
     flows: ColumnsMut<'a, 1>,
     positions: Columns<'a>,
@@ -133,14 +129,14 @@ struct Flow<'a> {
     along: Columns<'a, 1>,
 }
 
-impl BatchKernel for Flow<'_> {
+impl BatchKernel for FlowKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.drag.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&self.drag.presence);
+        let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let presence = pass.of(&self.facets.presence);
         for batch in 0..pass.len() {
             let r = pass.read::<V, 3>(self.positions, batch);
-            let normal = scale(V::load(&presence[batch]), cross(sub(r[1], r[0]), sub(r[2], r[0])));
+            let normal = scale(V::load(&presence[batch]), normal(&r));
             let (wind, along) = (pass.read::<V, 2>(self.wind, batch), pass.read::<V, 1>(self.along, batch));
             let mut flow = [V::zero(); 3];
             for k in 0..3 {
@@ -153,18 +149,18 @@ impl BatchKernel for Flow<'_> {
 }
 
 /// F = -(rho_air/6) (sum of flows) V on a node, and F . v; leaves no flow behind.
-struct Resist {
+struct DragKernel {
     factor: f64,
 }
 
-impl Resist {
+impl DragKernel {
     #[inline(always)]
     fn pull<V: SimdF64>(&self, flow: V) -> V {
         V::all(-self.factor) * flow
     }
 }
 
-impl Formula<5, 4> for Resist {
+impl Formula<5, 4> for DragKernel {
     #[inline(always)]
     fn row<V: SimdF64>(&self, [wind_x, wind_y, _, _, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
         let pull = self.pull(flow);
@@ -178,7 +174,7 @@ impl Formula<5, 4> for Resist {
 }
 
 /// Adds C p: the derivative of |S . V| V by V.
-struct Damp<'a> {
+struct DampingKernel<'a> {
     drag: &'a AirDrag,
     tile: usize,
     rate: f64,
@@ -188,15 +184,15 @@ struct Damp<'a> {
     out: ColumnsMut<'a>,
 }
 
-impl BatchKernel for Damp<'_> {
+impl BatchKernel for DampingKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.drag.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&self.drag.presence);
+        let pass = self.drag.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let presence = pass.of(&self.drag.facets.presence);
         for batch in 0..pass.len() {
             let (r, v) = (pass.read::<V, 3>(self.positions, batch), pass.read::<V, 3>(self.velocities, batch));
             let p = pass.read::<V, 3>(self.p, batch);
-            let normal = cross(sub(r[1], r[0]), sub(r[2], r[0]));
+            let normal = normal(&r);
             let factor = V::all(self.drag.factor) * V::load(&presence[batch]);
             let mut products = [[V::zero(); 3]; 3];
             for k in 0..3 {
@@ -213,67 +209,51 @@ impl BatchKernel for Damp<'_> {
 }
 
 impl NodalLaw for AirDrag {
-    fn prepare(&self, tile: usize, at: Instant<'_>) {
-        let Air { wind, flows } = &mut *self.air();
-        let rate = self.spin.rate_at(at.time);
-        let ahead = self.elements.new_rows(tile);
-        let (wind_x, wind_y) = wind.split_at_mut(flows.len());
+    fn prepare(&mut self, tile: usize, at: Instant<'_>) {
+        let rate = self.rate(at.frame);
+        let ahead = self.facets.elements.new_rows(tile);
+        let (wind_x, wind_y) = self.wind.split_at_mut(self.flows.len());
         let ([x, y, _], [u, v, _]) = (rows(at.positions, ahead.clone()), rows(at.velocities, ahead.clone()));
-        each(self.width, &Blow { rate }, [x, y, u, v], [&mut wind_x[ahead.clone()], &mut wind_y[ahead]]);
-        let (positions, wind) = (Columns::of(at.positions), Columns::in_slice(wind));
+        let found = [&mut wind_x[ahead.clone()], &mut wind_y[ahead]];
+        each(self.instructions, &WindKernel { rate }, [x, y, u, v], found);
+        let (positions, wind) = (Columns::of(at.positions), Columns::in_slice(&self.wind));
         let along = Columns::in_slice(columns(at.velocities)[2]);
-        self.width.run_batches(Flow { drag: self, tile, flows: ColumnsMut::single(flows), positions, wind, along });
+        let flows = ColumnsMut::single(&mut self.flows);
+        self.instructions.run_batches(FlowKernel { facets: &self.facets, tile, flows, positions, wind, along });
     }
 
-    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
-        let Air { wind, flows } = &mut *self.air();
-        let (wind_x, wind_y) = wind.split_at(flows.len());
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
+        let (wind_x, wind_y) = self.wind.split_at(self.flows.len());
         let [u, v, w] = rows(at.velocities, range.clone());
         let read = [&wind_x[range.clone()], &wind_y[range.clone()], u, v, w];
-        each(self.width, &Resist { factor: self.factor }, read, [fx, fy, fz, &mut flows[range]])
+        each(self.instructions, &DragKernel { factor: self.factor }, read, [fx, fy, fz, &mut self.flows[range]])
     }
 }
 
 impl Law for AirDrag {
-    fn name(&self) -> &'static str {
-        "air_drag"
+    fn properties(&self) -> Properties {
+        // Air at rest also drives what turns more slowly than the frame.
+        let work_class = match self.air {
+            AirMotion::Still => WorkClass::External,
+            AirMotion::Turning => WorkClass::Dissipative,
+        };
+        Properties { name: "air_drag", work_class, depends_on_velocity: true, is_internal: false }
     }
 
-    fn is_conservative(&self) -> bool {
-        false
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.add_to_nodes(tile, at, forces)
-    }
-
-    fn nodal(&self) -> Option<&dyn NodalLaw> {
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }
 
-    fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        let [positions, velocities, p] = [at.positions, at.velocities, p].map(Columns::of);
-        let rate = self.spin.rate_at(at.time);
-        for tile in tiles(p.rows()) {
-            let out = ColumnsMut::of(out);
-            self.width.run_batches(Damp { drag: self, tile, rate, positions, velocities, p, out });
-        }
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
     }
 
-    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
-    }
-
-    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.jacobian(at, jacobian);
-    }
-
-    fn lanes(&self) -> Option<[usize; 2]> {
-        Some(self.elements.lanes())
-    }
-
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.elements.contiguous_share())
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
     }
 
     fn remedy(&self) -> &'static str {
@@ -281,9 +261,39 @@ impl Law for AirDrag {
     }
 }
 
+impl Linearisation for AirDrag {
+    fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        let [positions, velocities, p] = [at.positions, at.velocities, p].map(Columns::of);
+        let rate = self.rate(at.frame);
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.instructions.run_batches(DampingKernel { drag: self, tile, rate, positions, velocities, p, out });
+        }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.facets.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        self.jacobian(at, jacobian);
+    }
+}
+
+impl Inspection for AirDrag {
+    fn lanes(&self) -> [usize; 2] {
+        self.facets.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> f64 {
+        self.facets.elements.contiguous_share()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arrays::state::rows_mut;
     use crate::model::input::{Film, Model};
 
     #[test]
@@ -301,13 +311,15 @@ mod tests {
         };
         let assembly = Assembly::new(model, InstructionSet::widest()).unwrap();
         let parameters = AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still };
-        let drag = AirDrag::new(parameters, Spin::default(), &assembly).unwrap();
+        let mut drag = AirDrag::new(parameters, &assembly).unwrap();
         let (x, v) = (
-            assembly.layout.internal_vectors(&assembly.model.positions),
-            assembly.layout.internal_vectors(&assembly.model.velocities),
+            assembly.numbering.internal_vectors(&assembly.model.positions),
+            assembly.numbering.internal_vectors(&assembly.model.velocities),
         );
+        let at = Instant { time: 0.0, frame: Frame::default(), positions: &x, velocities: &v };
         let mut forces = NodeVectors::zeros(3);
-        let power = drag.add_forces(Instant { time: 0.0, positions: &x, velocities: &v }, &mut forces);
+        drag.prepare(0, at);
+        let power = drag.add_to_rows(0..3, at, rows_mut(&mut forces, 0..3));
         let expected = -0.5 * 5.35e-5 * 4.0 * 0.5;
         assert!((forces.column(2).sum() / expected - 1.0).abs() < 1e-3);
         assert!((power - 2.0 * forces.column(2).sum()).abs() < 1e-18);

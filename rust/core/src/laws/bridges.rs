@@ -4,40 +4,40 @@
 //!
 //! Linear, and without the direction that a spring of no length would lack.
 
-use super::Law;
+use super::{Inspection, Instant, Kernels, Law, Linearisation, Properties, WorkClass};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{Block, JacobianBlocks, of_link};
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::layout::Elements;
+use crate::layout::ElementSet;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
 /// The law: all links, of one stiffness, eight to a batch.
 pub(super) struct Bridges {
-    elements: Elements<2>,
+    elements: ElementSet<2>,
     /// k [N/m].
     stiffness: Vec<F64x8>,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 impl Bridges {
     pub(super) fn new(assembly: &Assembly) -> Self {
-        let pairs = assembly.layout.pairs_to_internal(assembly.model.bridges.iter().copied());
-        let elements = Elements::new(&pairs, assembly.masses.len());
+        let pairs = assembly.numbering.pairs_to_internal(assembly.model.bridges.iter().copied());
+        let elements = ElementSet::new(&pairs, assembly.masses.len());
         let stiffness = elements.pack(0.0, |_| assembly.model.bridge_stiffness);
-        Self { elements, stiffness, width: assembly.width }
+        Self { elements, stiffness, instructions: assembly.instructions }
     }
 
     fn pull(&self, tile: usize, positions: &NodeVectors, out: &mut NodeVectors, sign: f64) -> f64 {
         let (positions, out) = (Columns::of(positions), ColumnsMut::of(out));
-        self.width.run_batches(Pull { bridges: self, tile, positions, out, sign })
+        self.instructions.run_batches(LinkKernel { bridges: self, tile, positions, out, sign })
     }
 }
 
 /// Adds sign k (x_j - x_i) to the first end of each link, and its opposite to the second.
-struct Pull<'a> {
+struct LinkKernel<'a> {
     bridges: &'a Bridges,
     tile: usize,
     positions: Columns<'a>,
@@ -45,7 +45,7 @@ struct Pull<'a> {
     sign: f64,
 }
 
-impl BatchKernel for Pull<'_> {
+impl BatchKernel for LinkKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
@@ -60,15 +60,20 @@ impl BatchKernel for Pull<'_> {
 }
 
 impl Law for Bridges {
-    fn name(&self) -> &'static str {
-        "bridges"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "bridges",
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: true,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         self.pull(tile, at.positions, forces, 1.0)
     }
 
@@ -82,6 +87,20 @@ impl Law for Bridges {
         0.5 * energies.sum::<f64>()
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt or softer bridges"
+    }
+}
+
+impl Linearisation for Bridges {
     fn add_stiffness_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
             self.pull(tile, p, out, -1.0);
@@ -98,12 +117,10 @@ impl Law for Bridges {
             of_link(nodes, &slope, |i, j, block| jacobian.by_position(i, j, block));
         }
     }
+}
 
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.elements.contiguous_share())
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt or softer bridges"
+impl Inspection for Bridges {
+    fn contiguous_share(&self) -> f64 {
+        self.elements.contiguous_share()
     }
 }

@@ -17,23 +17,26 @@
 
 mod tangent;
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use serde::Deserialize;
 
-use super::{Law, Readings};
+use super::{
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, Readings, WorkClass,
+};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
+use crate::elements::hinge::{Facets, oriented};
 use crate::error::Result;
-use crate::layout::{CHUNK, Elements};
+use crate::layout::{CHUNK, ElementSet};
 use crate::model::checks::{finite, non_negative, positive};
 use crate::model::mesh;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, negate, scale, sub, sum};
+use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, negate, scale, sum};
 
 /// Parameters of the creases.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct CreaseParameters {
     /// beta, the crease stiffness parameter.
     pub stiffness: f64,
@@ -47,15 +50,25 @@ pub struct CreaseParameters {
     pub collapse: f64,
 }
 
+impl LawParameters for CreaseParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(Creases::new(*self, context.assembly)?))
+    }
+
+    fn example() -> Self {
+        Self { stiffness: 10.0, contact_penalty: 100.0, natural_angle: 1.0, length_scale: None, collapse: 0.05 }
+    }
+}
+
 /// The law: all creases, eight to a batch. The nodes of an element are A, B, C, D.
-pub(super) struct Creases {
-    elements: Elements<4>,
+struct Creases {
+    elements: ElementSet<4>,
     parameters: Vec<Parameters>,
     contact_penalty: f64,
     natural_angle: f64,
     /// Whether c is zero, so that the force is singular as a facet collapses.
     is_singular: bool,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 /// What the moments of a batch of eight depend on.
@@ -69,20 +82,6 @@ struct Parameters {
     softening: [F64x8; 2],
 }
 
-/// The creases of a batch with their facets where they are now.
-struct Facets<V = F64x8> {
-    /// B - A, C - A, D - A [m].
-    e: Vec3<V>,
-    c: Vec3<V>,
-    d: Vec3<V>,
-    /// Twice the vector areas of the facets [m2].
-    normal_c: Vec3<V>,
-    normal_d: Vec3<V>,
-    /// |AB| [m] and its square.
-    length: V,
-    length_square: V,
-}
-
 /// What makes the forces of a batch out of its facets: factors of the normals of facet C and of facet D.
 #[derive(Clone, Copy)]
 struct Pulls<V> {
@@ -94,36 +93,12 @@ struct Pulls<V> {
     at_b: [V; 2],
 }
 
-impl<V: SimdF64> Facets<V> {
+impl<V: SimdF64> Pulls<V> {
+    /// For u [J] and du/dtheta [N m] of creases with these facets.
     #[inline(always)]
-    fn new([a, b, c, d]: [Vec3<V>; 4]) -> Self {
-        let (e, c, d) = (sub(b, a), sub(c, a), sub(d, a));
-        let length_square = dot(e, e).max(V::all(f64::MIN_POSITIVE));
-        let length = length_square.sqrt();
-        Self { e, c, d, normal_c: cross(e, c), normal_d: cross(d, e), length, length_square }
-    }
-
-    /// The crease angle [rad]. The sine times both normals' lengths is |AB| n_D . c, since n_D x n_C = e (n_D . c).
-    #[inline(always)]
-    fn angle(&self, sign: V) -> V {
-        let sine = sign * self.length * dot(self.normal_d, self.c);
-        let cosine = -dot(self.normal_c, self.normal_d);
-        let angle = V::atan2(sine, cosine);
-        angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
-    }
-
-    /// The shares of vectors at C and at D that act at B, the rest at A, so that no torque is left of them.
-    #[inline(always)]
-    fn shares_at_b(&self) -> [V; 2] {
-        let inverse = V::all(-1.0) / self.length_square;
-        [dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse]
-    }
-
-    /// What turns the facets, and what pushes their nodes in their planes, for u [J] and du/dtheta [N m] as the crease is now.
-    #[inline(always)]
-    fn pulls(&self, parameters: &Parameters, energy: V, moment: V) -> Pulls<V> {
+    fn new(facets: &Facets<V>, parameters: &Parameters, energy: V, moment: V) -> Self {
         let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
-        let (square_c, square_d) = (dot(self.normal_c, self.normal_c), dot(self.normal_d, self.normal_d));
+        let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
         // 1/(q + s) of each facet, with q the square of its normal, by one division: w = q/(q + s).
         let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
         let both = V::all(1.0) / (root_c * root_d);
@@ -131,31 +106,31 @@ impl<V: SimdF64> Facets<V> {
         let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
         // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
         // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
-        let turn = V::load(&parameters.sign) * moment * self.length;
+        let turn = V::load(&parameters.sign) * moment * facets.length;
         // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the facet).
         let push = V::all(-2.0) * energy;
-        Pulls {
+        Self {
             turn: [turn * weight_d * share_c, turn * weight_c * share_d],
             push: [push * weight_d * soft_c * share_c * share_c, push * weight_c * soft_d * share_d * share_d],
-            at_b: self.shares_at_b(),
+            at_b: facets.shares_at_b(),
         }
     }
 
     /// The forces on A, B, C and D.
     #[inline(always)]
-    fn forces(&self, pulls: &Pulls<V>) -> [Vec3<V>; 4] {
-        let (turn_c, turn_d) = (scale(pulls.turn[0], self.normal_c), scale(pulls.turn[1], self.normal_d));
-        let (push_c, push_d) = (scale(pulls.push[0], self.normal_c), scale(pulls.push[1], self.normal_d));
-        let at_c = sum(turn_c, cross(push_c, self.e));
-        let at_d = sum(turn_d, cross(self.e, push_d));
-        let turn_b = sum(scale(pulls.at_b[0], turn_c), scale(pulls.at_b[1], turn_d));
-        let at_b = sum(turn_b, sum(cross(self.c, push_c), cross(push_d, self.d)));
+    fn forces(&self, facets: &Facets<V>) -> [Vec3<V>; 4] {
+        let (turn_c, turn_d) = (scale(self.turn[0], facets.normal_c), scale(self.turn[1], facets.normal_d));
+        let (push_c, push_d) = (scale(self.push[0], facets.normal_c), scale(self.push[1], facets.normal_d));
+        let at_c = sum(turn_c, cross(push_c, facets.e));
+        let at_d = sum(turn_d, cross(facets.e, push_d));
+        let turn_b = sum(scale(self.at_b[0], turn_c), scale(self.at_b[1], turn_d));
+        let at_b = sum(turn_b, sum(cross(facets.c, push_c), cross(push_d, facets.d)));
         [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
     }
 }
 
 impl Creases {
-    pub(super) fn new(parameters: CreaseParameters, assembly: &Assembly) -> Result<Self> {
+    fn new(parameters: CreaseParameters, assembly: &Assembly) -> Result<Self> {
         let CreaseParameters { stiffness, contact_penalty, natural_angle, length_scale, collapse } = parameters;
         non_negative("stiffness of the creases", stiffness)?;
         non_negative("contact penalty of the creases", contact_penalty)?;
@@ -177,17 +152,12 @@ impl Creases {
                 (mesh::dot(e, e).sqrt(), areas)
             })
             .collect();
-        // Taken from its lower node: turned by half a turn, a crease is the same crease.
-        let nodes = assembly.hinges.iter().map(|hinge| {
-            let [a, b, c, d] = assembly.layout.to_internal(hinge.nodes);
-            if a < b { [a, b, c, d] } else { [b, a, d, c] }
-        });
-        let nodes: Vec<[u32; 4]> = nodes.collect();
-        let elements = Elements::new(&nodes, assembly.masses.len());
-        let is_turned =
-            |row: usize| usize::from(nodes[row][0] != assembly.layout.to_internal(assembly.hinges[row].nodes)[0]);
-        let softening =
-            |facet: usize| elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ is_turned(row)]).powi(2));
+        let (nodes, is_turned): (Vec<[u32; 4]>, Vec<bool>) =
+            assembly.hinges.iter().map(|hinge| oriented(hinge.nodes, &assembly.numbering)).unzip();
+        let elements = ElementSet::new(&nodes, assembly.masses.len());
+        let softening = |facet: usize| {
+            elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_turned[row])]).powi(2))
+        };
         let sign = elements.pack(1.0, |row| assembly.model.fold_signs[row]);
         let stiffness = elements.pack(0.0, |row| {
             let (length, areas) = sizes[row];
@@ -206,7 +176,7 @@ impl Creases {
             contact_penalty,
             natural_angle,
             is_singular: collapse == 0.0,
-            width: assembly.width,
+            instructions: assembly.instructions,
         })
     }
 
@@ -230,14 +200,14 @@ impl Creases {
 /// Adds -dU/dx to the forces. A chunk at a time: from one batch's positions to its forces is a long chain of operations that
 /// wait for each other, and a processor sees little more than one batch ahead. What needs angles, roots and divisions first,
 /// then the vectors: two shorter chains, of several batches at once.
-struct Open<'a> {
+struct MomentKernel<'a> {
     creases: &'a Creases,
     tile: usize,
     positions: Columns<'a>,
     forces: ColumnsMut<'a>,
 }
 
-impl BatchKernel for Open<'_> {
+impl BatchKernel for MomentKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
@@ -250,10 +220,10 @@ impl BatchKernel for Open<'_> {
                 let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
                 let angle = facets.angle(V::load(&parameters.sign));
                 let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
-                *pulls = facets.pulls(parameters, energy, moment);
+                *pulls = Pulls::new(&facets, parameters, energy, moment);
             }
             for (batch, pulls) in chunk.zip(&pulls) {
-                let forces = Facets::new(pass.read::<V, 3>(self.positions, batch)).forces(pulls);
+                let forces = pulls.forces(&Facets::new(pass.read::<V, 3>(self.positions, batch)));
                 pass.add(&mut self.forces, batch, forces);
             }
         }
@@ -262,13 +232,13 @@ impl BatchKernel for Open<'_> {
 }
 
 /// Gives U.
-struct Store<'a> {
+struct EnergyKernel<'a> {
     creases: &'a Creases,
     tile: usize,
     positions: Columns<'a>,
 }
 
-impl BatchKernel for Store<'_> {
+impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
@@ -286,24 +256,49 @@ impl BatchKernel for Store<'_> {
 }
 
 impl Law for Creases {
-    fn name(&self) -> &'static str {
-        "creases"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "creases",
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: true,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        self.width.run_batches(Open { creases: self, tile, positions, forces })
+        self.instructions.run_batches(MomentKernel { creases: self, tile, positions, forces })
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
         let positions = Columns::of(at.positions);
-        tiles(positions.rows()).map(|tile| self.width.run_batches(Store { creases: self, tile, positions })).sum()
+        tiles(positions.rows())
+            .map(|tile| self.instructions.run_batches(EnergyKernel { creases: self, tile, positions }))
+            .sum()
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        if self.is_singular {
+            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a smaller dt"
+        } else {
+            "use a smaller dt, a smaller crease stiffness or contact penalty"
+        }
+    }
+}
+
+impl Linearisation for Creases {
     /// kappa max(1, gamma) g g^T, with g the gradient of the angle, each facet's part times its weight: the stiffness in contact.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (x, p) = (Columns::of(at.positions), Columns::of(p));
@@ -324,12 +319,6 @@ impl Law for Creases {
         }
     }
 
-    fn readings(&self, at: Instant<'_>) -> Readings {
-        let x = Columns::of(at.positions);
-        let angles = (0..self.elements.batch_count()).map(|batch| self.facets(x, batch).1);
-        Readings::Creases { angle: self.elements.unpack(angles) }
-    }
-
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
         self.elements.each().for_each(|(.., nodes)| visit(&nodes));
     }
@@ -337,20 +326,20 @@ impl Law for Creases {
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         self.jacobian(at, jacobian);
     }
+}
 
-    fn lanes(&self) -> Option<[usize; 2]> {
-        Some(self.elements.lanes())
+impl Inspection for Creases {
+    fn readings(&self, at: Instant<'_>) -> Readings {
+        let x = Columns::of(at.positions);
+        let angles = (0..self.elements.batch_count()).map(|batch| self.facets(x, batch).1);
+        Readings::Creases { angle: self.elements.unpack(angles) }
     }
 
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.elements.contiguous_share())
+    fn lanes(&self) -> [usize; 2] {
+        self.elements.lanes()
     }
 
-    fn remedy(&self) -> &'static str {
-        if self.is_singular {
-            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a smaller dt"
-        } else {
-            "use a smaller dt, a smaller crease stiffness or contact penalty"
-        }
+    fn contiguous_share(&self) -> f64 {
+        self.elements.contiguous_share()
     }
 }

@@ -5,31 +5,45 @@
 
 use std::ops::Range;
 
-use super::{Law, NodalLaw, Spin};
-use crate::arrays::state::{Instant, NodeVectors, columns, rows};
-use crate::assembly::Assembly;
+use serde::Deserialize;
+
+use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, Properties, WorkClass};
+use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
+use crate::model::frame::Frame;
+
+/// Parameters of weight.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct GravityParameters {
+    /// g in inertial space \[m/s2\].
+    pub acceleration: [f64; 3],
+}
+
+impl LawParameters for GravityParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        for component in self.acceleration {
+            finite("acceleration of gravity [m/s2]", component)?;
+        }
+        Ok(Box::new(Gravity { acceleration: self.acceleration, masses: context.assembly.masses.clone() }))
+    }
+
+    fn example() -> Self {
+        Self { acceleration: [1.0, -2.0, -9.81] }
+    }
+}
 
 /// The law.
-pub(super) struct Gravity {
+struct Gravity {
     /// g in inertial space [m/s2].
     acceleration: [f64; 3],
-    spin: Spin,
     masses: Vec<f64>,
 }
 
 impl Gravity {
-    pub(super) fn new(acceleration: [f64; 3], spin: Spin, assembly: &Assembly) -> Result<Self> {
-        for component in acceleration {
-            finite("acceleration of gravity [m/s2]", component)?;
-        }
-        Ok(Self { acceleration, spin, masses: assembly.masses.clone() })
-    }
-
     /// g in the turning frame [m/s2].
-    fn turned(&self, time: f64) -> [f64; 3] {
-        let (sine, cosine) = self.spin.angle_at(time).sin_cos();
+    fn turned(&self, frame: Frame) -> [f64; 3] {
+        let (sine, cosine) = frame.angle.sin_cos();
         let [x, y, z] = self.acceleration;
         [cosine * x + sine * y, cosine * y - sine * x, z]
     }
@@ -46,14 +60,14 @@ fn moment(column: &[f64], masses: &[f64]) -> f64 {
 }
 
 impl NodalLaw for Gravity {
-    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
-        let (g, masses) = (self.turned(at.time), &self.masses[range.clone()]);
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
+        let (g, masses) = (self.turned(at.frame), &self.masses[range.clone()]);
         for (column, g) in forces.into_iter().zip(g) {
             for (force, mass) in column.iter_mut().zip(masses) {
                 *force += mass * g;
             }
         }
-        let rate = self.spin.rate_at(at.time);
+        let rate = at.frame.rate;
         if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
             return 0.0;
         }
@@ -63,24 +77,25 @@ impl NodalLaw for Gravity {
 }
 
 impl Law for Gravity {
-    fn name(&self) -> &'static str {
-        "gravity"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "gravity",
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: false,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.add_to_nodes(tile, at, forces)
-    }
-
-    fn nodal(&self) -> Option<&dyn NodalLaw> {
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let (g, moment) = (self.turned(at.time), self.moment(at.positions));
+        let (g, moment) = (self.turned(at.frame), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
     }
 

@@ -3,28 +3,42 @@
 
 use std::ops::Range;
 
-use super::{Law, NodalLaw};
+use serde::Deserialize;
+
+use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass};
 use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::{Instant, NodeVectors, columns, columns_mut, rows};
-use crate::assembly::Assembly;
+use crate::arrays::state::{NodeVectors, columns, columns_mut, rows};
 use crate::error::Result;
 use crate::model::checks::non_negative;
 
+/// Parameters of the damping.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct MassDampingParameters {
+    /// The rate at which velocities decay \[1/s\].
+    pub rate: f64,
+}
+
+impl LawParameters for MassDampingParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        non_negative("rate of mass damping [1/s]", self.rate)?;
+        Ok(Box::new(MassDamping {
+            coefficients: context.assembly.masses.iter().map(|mass| self.rate * mass).collect(),
+        }))
+    }
+
+    fn example() -> Self {
+        Self { rate: 3.0 }
+    }
+}
+
 /// The law.
-pub(super) struct MassDamping {
+struct MassDamping {
     /// rate * m of each node [kg/s].
     coefficients: Vec<f64>,
 }
 
-impl MassDamping {
-    pub(super) fn new(rate: f64, assembly: &Assembly) -> Result<Self> {
-        non_negative("rate of mass damping [1/s]", rate)?;
-        Ok(Self { coefficients: assembly.masses.iter().map(|mass| rate * mass).collect() })
-    }
-}
-
 impl NodalLaw for MassDamping {
-    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
         let mut power = 0.0;
         for (force, velocity) in forces.into_iter().zip(rows(at.velocities, range.clone())) {
             for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients[range.clone()]) {
@@ -37,22 +51,33 @@ impl NodalLaw for MassDamping {
 }
 
 impl Law for MassDamping {
-    fn name(&self) -> &'static str {
-        "mass_damping"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "mass_damping",
+            work_class: WorkClass::Dissipative,
+            depends_on_velocity: true,
+            is_internal: false,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        false
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.add_to_nodes(tile, at, forces)
-    }
-
-    fn nodal(&self) -> Option<&dyn NodalLaw> {
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt or a smaller rate of mass damping"
+    }
+}
+
+impl Linearisation for MassDamping {
     fn add_damping_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for (out, p) in columns_mut(out).into_iter().zip(columns(p)) {
             for ((out, p), c) in out.iter_mut().zip(p).zip(&self.coefficients) {
@@ -65,9 +90,5 @@ impl Law for MassDamping {
         for (node, &c) in self.coefficients.iter().enumerate() {
             jacobian.by_velocity(node as u32, node as u32, &(Block::identity() * -c));
         }
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt or a smaller rate of mass damping"
     }
 }

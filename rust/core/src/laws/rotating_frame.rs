@@ -7,61 +7,60 @@
 //! force and the change of U with Omega are counted as work done on the system. The same law as the cylindrical one of
 //! Okuizumi et al. (2012), section 3.5, without its singularity on the axis.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::{Law, NodalLaw};
+use serde::Deserialize;
+
+use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass};
 use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::{Instant, NodeVectors, columns, rows};
-use crate::assembly::Assembly;
+use crate::arrays::state::{columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
+use crate::model::frame::{Frame, Spin};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
-/// How fast the hub turns about z.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spin {
-    /// Omega at t = 0 \[rad/s\].
-    pub rate: f64,
-    /// Omega' \[rad/s2\].
+/// How the hub turns: Omega(t) = 2 pi (frequency + acceleration t).
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct SpinParameters {
+    /// Turns per second at t = 0 \[Hz\].
+    pub frequency: f64,
+    /// Its rate of change \[Hz/s\].
     pub acceleration: f64,
 }
 
-impl Spin {
-    /// Omega at `time` \[rad/s\].
-    pub fn rate_at(&self, time: f64) -> f64 {
-        self.rate + self.acceleration * time
+impl LawParameters for SpinParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        finite("rate of spin [rad/s]", TAU * self.frequency)?;
+        finite("acceleration of spin [rad/s2]", TAU * self.acceleration)?;
+        let assembly = context.assembly;
+        Ok(Box::new(RotatingFrame { masses: assembly.masses.clone(), instructions: assembly.instructions }))
     }
 
-    /// The angle that the hub has turned since t = 0 \[rad\].
-    pub fn angle_at(&self, time: f64) -> f64 {
-        (self.rate + 0.5 * self.acceleration * time) * time
+    fn example() -> Self {
+        Self { frequency: 3.0, acceleration: -0.3 }
+    }
+
+    fn spin(&self) -> Option<Spin> {
+        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration })
     }
 }
 
 /// The law.
-pub(super) struct RotatingFrame {
-    spin: Spin,
+struct RotatingFrame {
     masses: Vec<f64>,
-    width: InstructionSet,
-}
-
-impl RotatingFrame {
-    pub(super) fn new(spin: Spin, assembly: &Assembly) -> Result<Self> {
-        finite("rate of spin [rad/s]", spin.rate)?;
-        finite("acceleration of spin [rad/s2]", spin.acceleration)?;
-        Ok(Self { spin, masses: assembly.masses.clone(), width: assembly.width })
-    }
+    instructions: InstructionSet,
 }
 
 /// Adds the forces of the frame on a node.
-struct Swing {
+struct FrameKernel {
     rate: f64,
     acceleration: f64,
 }
 
-impl Formula<5, 2> for Swing {
+impl Formula<5, 2> for FrameKernel {
     #[inline(always)]
     fn row<V: SimdF64>(&self, [mass, x, y, u, v]: [V; 5], [fx, fy]: [V; 2]) -> [V; 2] {
         let (square, twice) = (V::all(self.rate * self.rate), V::all(2.0 * self.rate));
@@ -74,12 +73,12 @@ impl Formula<5, 2> for Swing {
 }
 
 impl NodalLaw for RotatingFrame {
-    fn add_to_rows(&self, range: Range<usize>, at: Instant<'_>, [fx, fy, _]: [&mut [f64]; 3]) -> f64 {
-        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, _]: [&mut [f64]; 3]) -> f64 {
+        let Frame { rate, acceleration, .. } = at.frame;
         let [x, y, _] = rows(at.positions, range.clone());
         let [u, v, _] = rows(at.velocities, range.clone());
         let masses = &self.masses[range];
-        each(self.width, &Swing { rate, acceleration }, [masses, x, y, u, v], [fx, fy]);
+        each(self.instructions, &FrameKernel { rate, acceleration }, [masses, x, y, u, v], [fx, fy]);
         if acceleration == 0.0 {
             return 0.0;
         }
@@ -90,35 +89,41 @@ impl NodalLaw for RotatingFrame {
 }
 
 impl Law for RotatingFrame {
-    fn name(&self) -> &'static str {
-        "spin"
+    fn properties(&self) -> Properties {
+        Properties { name: "spin", work_class: WorkClass::Conservative, depends_on_velocity: true, is_internal: false }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.add_to_nodes(tile, at, forces)
-    }
-
-    fn nodal(&self) -> Option<&dyn NodalLaw> {
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }
 
-    fn coriolis_rate(&self, time: f64) -> f64 {
-        2.0 * self.spin.rate_at(time)
-    }
-
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let rate = self.spin.rate_at(at.time);
+        let rate = at.frame.rate;
         let [x, y, _] = columns(at.positions);
         let inertia: f64 = (0..self.masses.len()).map(|i| self.masses[i] * (x[i] * x[i] + y[i] * y[i])).sum();
         -0.5 * rate * rate * inertia
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "check the spin frequency, and that what should be held to the hub is held"
+    }
+}
+
+impl Linearisation for RotatingFrame {
+    fn coriolis_rate(&self, frame: Frame) -> f64 {
+        2.0 * frame.rate
+    }
+
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        let (rate, acceleration) = (self.spin.rate_at(at.time), self.spin.acceleration);
+        let Frame { rate, acceleration, .. } = at.frame;
         let square = rate * rate;
         let by_position = Block::new(square, acceleration, 0.0, -acceleration, square, 0.0, 0.0, 0.0, 0.0);
         let by_velocity = Block::new(0.0, 2.0 * rate, 0.0, -2.0 * rate, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -126,9 +131,5 @@ impl Law for RotatingFrame {
             jacobian.by_position(node as u32, node as u32, &(by_position * mass));
             jacobian.by_velocity(node as u32, node as u32, &(by_velocity * mass));
         }
-    }
-
-    fn remedy(&self) -> &'static str {
-        "check the spin frequency, and that what should be held to the hub is held"
     }
 }

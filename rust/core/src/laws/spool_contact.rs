@@ -5,17 +5,19 @@
 //! With a half-height Z the cylinder ends at |z| = Z and d = min(R - r, Z - |z|), so that a node may also slip off an end.
 //! A penalty, so a node sinks in by F/k; the paper states that there is contact but not its form.
 
-use super::Law;
+use serde::Deserialize;
+
+use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
 use crate::arrays::blocks::rows_of;
 use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::{Instant, NodeVectors, columns, columns_mut};
+use crate::arrays::state::{NodeVectors, columns, columns_mut};
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::positive;
 use crate::model::mesh::dot;
 
 /// Parameters of the spool.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct SpoolContactParameters {
     /// R \[m\].
     pub radius: f64,
@@ -27,14 +29,24 @@ pub struct SpoolContactParameters {
     pub membrane: bool,
 }
 
+impl LawParameters for SpoolContactParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(SpoolContact::new(*self, context.assembly)?))
+    }
+
+    fn example() -> Self {
+        Self { radius: 0.03, stiffness: 200.0, half_height: Some(0.02), membrane: true }
+    }
+}
+
 /// The law.
-pub(super) struct SpoolContact {
+struct SpoolContact {
     parameters: SpoolContactParameters,
     nodes: Vec<u32>,
 }
 
 impl SpoolContact {
-    pub(super) fn new(parameters: SpoolContactParameters, assembly: &Assembly) -> Result<Self> {
+    fn new(parameters: SpoolContactParameters, assembly: &Assembly) -> Result<Self> {
         positive("radius of the spool [m]", parameters.radius)?;
         positive("stiffness of the spool [N/m]", parameters.stiffness)?;
         if let Some(half_height) = parameters.half_height {
@@ -42,7 +54,7 @@ impl SpoolContact {
         }
         let membrane = if parameters.membrane { 0..assembly.mesh.reference.len() as u32 } else { 0..0 };
         let outside = membrane.chain(assembly.model.contact_nodes.iter().copied());
-        let mut nodes: Vec<u32> = outside.map(|node| assembly.layout.to_internal([node])[0]).collect();
+        let mut nodes: Vec<u32> = outside.map(|node| assembly.numbering.to_internal([node])[0]).collect();
         nodes.sort_unstable();
         nodes.dedup();
         Ok(Self { parameters, nodes })
@@ -70,15 +82,20 @@ impl SpoolContact {
 }
 
 impl Law for SpoolContact {
-    fn name(&self) -> &'static str {
-        "spool_contact"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "spool_contact",
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: false,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let rows = rows_of(tile, at.positions.nrows());
         let [start, end] = [rows.start, rows.end].map(|row| row as u32);
         // In most tiles there is none.
@@ -102,6 +119,16 @@ impl Law for SpoolContact {
         0.5 * self.parameters.stiffness * squares.sum::<f64>()
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt, a softer spool, or a start outside it"
+    }
+}
+
+impl Linearisation for SpoolContact {
     /// As if every node that can touch did: radially, or across an end.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (x, p) = (columns(at.positions), columns(p));
@@ -134,10 +161,6 @@ impl Law for SpoolContact {
             }
             jacobian.by_position(node, node, &block);
         }
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt, a softer spool, or a start outside it"
     }
 }
 

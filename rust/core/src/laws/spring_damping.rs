@@ -14,24 +14,28 @@
 
 mod tangent;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
-use super::Law;
+use serde::Deserialize;
+
 use super::triangle_damping::TriangleDamping;
+use super::{
+    Context, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce, LinkResponse,
+    Properties, WorkClass,
+};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::link::SpringNetworks;
+use crate::elements::link::Links;
 use crate::error::{Error, Result};
-use crate::layout::Elements;
 use crate::model::checks::{non_negative, positive};
-use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
 /// Parameters of the dashpots.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,
@@ -46,30 +50,34 @@ impl From<f64> for DampingParameters {
     }
 }
 
-/// The law: a dashpot along each spring of each net, or damping of the film itself.
-pub struct SpringDamping {
+impl LawParameters for DampingParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(SpringDamping::new(*self, context)?))
+    }
+
+    fn example() -> Self {
+        0.02.into()
+    }
+}
+
+/// The law: a dashpot along each spring of each network, or damping of the film itself.
+struct SpringDamping {
     networks: Vec<Dashpots>,
     /// Damping of the film where it is no net of springs.
     film: Option<TriangleDamping>,
-    width: InstructionSet,
 }
 
 /// The dashpots of the film or of the tethers, eight to a batch.
-pub(crate) struct Dashpots {
-    /// The law of these springs.
-    pub(crate) springs: &'static str,
-    elements: Arc<Elements<2>>,
+struct Dashpots {
+    links: Arc<Links>,
     /// c [N s/m].
-    pub(crate) coefficient: Vec<F64x8>,
-    /// What each dashpot pulled with last, over its length \[N/m\]; empty unless that is cached.
-    pulls: Mutex<Vec<F64x8>>,
+    coefficient: Arc<Vec<F64x8>>,
 }
 
 impl Dashpots {
     /// `mass` is that of each dashpot; without it, half of what its two nodes have.
     fn new(
-        springs: &'static str,
-        elements: Arc<Elements<2>>,
+        links: Arc<Links>,
         pairs: &[([u32; 2], f64)],
         ratio: f64,
         mass: Option<f64>,
@@ -78,97 +86,64 @@ impl Dashpots {
         if let Some(&(edge, stiffness)) = pairs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
             return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
         }
-        let coefficient = elements.pack(0.0, |row| {
+        let coefficient = links.elements.pack(0.0, |row| {
             let (nodes, stiffness) = pairs[row];
-            let [i, j] = assembly.layout.to_internal(nodes).map(|node| assembly.masses[node as usize]);
+            let [i, j] = assembly.numbering.to_internal(nodes).map(|node| assembly.masses[node as usize]);
             2.0 * ratio * (stiffness * mass.unwrap_or(0.5 * (i + j))).sqrt()
         });
-        Ok(Self { springs, elements, coefficient, pulls: Mutex::default() })
-    }
-
-    /// Room for what each dashpot pulls with, if that is cached. What a panic left behind is written anew.
-    pub(crate) fn pulls(&self) -> MutexGuard<'_, Vec<F64x8>> {
-        self.pulls.lock().unwrap_or_else(PoisonError::into_inner)
+        Ok(Self { links, coefficient: Arc::new(coefficient) })
     }
 }
 
-/// What dashpots pull with, over their length \[N/m\], from the speed times length at which they open and the inverse square of
-/// that length.
+/// What dashpots pull with, over their length \[N/m\], from the speed times length at which they open and the inverse square
+/// of that length.
 #[inline(always)]
 pub(crate) fn pull<V: SimdF64>(coefficient: &F64x8, opening: V, inverse_square: V) -> V {
     V::load(coefficient) * opening * inverse_square
 }
 
 impl SpringDamping {
-    pub(crate) fn new(
-        parameters: DampingParameters,
-        has_triangles: bool,
-        assembly: &Assembly,
-        networks: &SpringNetworks,
-    ) -> Result<Self> {
+    fn new(parameters: DampingParameters, context: &Context<'_>) -> Result<Self> {
         let DampingParameters { ratio, length } = parameters;
         non_negative("damping ratio", ratio)?;
         if let Some(length) = length {
             positive("length of the damping [m]", length)?;
         }
+        let Context { assembly, networks, specs } = context;
+        let has_springs = !specs.iter().any(|spec| spec.film() == Some(FilmElements::Triangles));
         let mut found = Vec::new();
-        if !has_triangles {
+        if has_springs {
             let edges: Vec<_> =
                 assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied()).collect();
             let square = assembly.square_of_film(length);
-            found.push(Dashpots::new("springs", networks.film(assembly), &edges, ratio, square, assembly)?);
+            found.push(Dashpots::new(networks.film(assembly), &edges, ratio, square, assembly)?);
         }
         if !assembly.model.cords.is_empty() {
             let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness)).collect();
-            found.push(Dashpots::new("tethers", networks.cords(assembly), &cords, ratio, None, assembly)?);
+            found.push(Dashpots::new(networks.cords(assembly), &cords, ratio, None, assembly)?);
         }
-        let film = if has_triangles { Some(TriangleDamping::new(parameters, assembly)?) } else { None };
-        Ok(Self { networks: found, film, width: assembly.width })
-    }
-
-    /// The dashpots along the springs of this law.
-    pub(crate) fn along(&self, springs: &str) -> Option<&Dashpots> {
-        self.networks.iter().find(|dashpots| dashpots.springs == springs)
-    }
-
-    /// Adds -sign C v of the dashpots of a tile to `out`, and gives the power of -C v on v; without the networks of springs
-    /// that are `done`.
-    pub(crate) fn resist(
-        &self,
-        tile: usize,
-        x: &NodeVectors,
-        v: &NodeVectors,
-        out: &mut NodeVectors,
-        sign: f64,
-        is_done: impl Fn(&str) -> bool,
-    ) -> f64 {
-        let mut power = self.film.as_ref().map_or(0.0, |film| film.resist(tile, x, v, out, sign));
-        for dashpots in self.networks.iter().filter(|dashpots| !is_done(dashpots.springs)) {
-            let mut pulls = (sign > 0.0).then(|| dashpots.pulls());
-            let pulls = pulls.as_deref_mut().filter(|pulls| !pulls.is_empty()).map(Vec::as_mut_slice);
-            let (positions, velocities, out) = (Columns::of(x), Columns::of(v), ColumnsMut::of(out));
-            power += self.width.run_batches(Resist { dashpots, tile, positions, velocities, out, pulls, sign });
-        }
-        power
+        let film = if has_springs { None } else { Some(TriangleDamping::new(parameters, assembly)?) };
+        Ok(Self { networks: found, film })
     }
 }
 
-/// Adds -sign C v to `out`, and gives the power of -C v on v; and remembers the pulls.
-struct Resist<'a> {
-    dashpots: &'a Dashpots,
-    tile: usize,
-    positions: Columns<'a>,
-    velocities: Columns<'a>,
-    out: ColumnsMut<'a>,
-    pulls: Option<&'a mut [F64x8]>,
-    sign: f64,
+/// Adds -sign C v to `out`, and gives the power of -C v on v; keeps the pulls, where there is room for them.
+pub(crate) struct ResistanceKernel<'a> {
+    pub(crate) links: &'a Links,
+    pub(crate) coefficient: &'a [F64x8],
+    pub(crate) tile: usize,
+    pub(crate) positions: Columns<'a>,
+    pub(crate) velocities: Columns<'a>,
+    pub(crate) out: ColumnsMut<'a>,
+    pub(crate) pulls: Option<&'a mut [F64x8]>,
+    pub(crate) sign: f64,
 }
 
-impl BatchKernel for Resist<'_> {
+impl BatchKernel for ResistanceKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.dashpots.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let coefficient = pass.of(&self.dashpots.coefficient);
+        let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let coefficient = pass.of(self.coefficient);
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
@@ -188,19 +163,19 @@ impl BatchKernel for Resist<'_> {
     }
 }
 
-/// Gives the power of the pulls that are cached on other velocities.
-struct PowerKernel<'a> {
-    dashpots: &'a Dashpots,
-    tile: usize,
-    pulls: &'a [F64x8],
-    positions: Columns<'a>,
-    velocities: Columns<'a>,
+/// Gives the power of pulls that were kept on other velocities.
+pub(crate) struct PowerKernel<'a> {
+    pub(crate) links: &'a Links,
+    pub(crate) tile: usize,
+    pub(crate) pulls: &'a [F64x8],
+    pub(crate) positions: Columns<'a>,
+    pub(crate) velocities: Columns<'a>,
 }
 
 impl BatchKernel for PowerKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.dashpots.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let pulls = pass.of(self.pulls);
         let mut power = V::zero();
         for batch in 0..pass.len() {
@@ -213,50 +188,62 @@ impl BatchKernel for PowerKernel<'_> {
 }
 
 impl Law for SpringDamping {
-    fn name(&self) -> &'static str {
-        "spring_damping"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "spring_damping",
+            work_class: WorkClass::Dissipative,
+            depends_on_velocity: true,
+            is_internal: true,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        false
+    fn kernels(&self) -> Kernels {
+        let along = |Dashpots { links, coefficient }: &Dashpots| LinkForce {
+            links: links.clone(),
+            response: LinkResponse::Viscous(coefficient.clone()),
+        };
+        Kernels { elements: self.film.is_some(), links: self.networks.iter().map(along).collect() }
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.resist(tile, at.positions, at.velocities, forces, 1.0, |_| false)
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        self.film.as_ref().map_or(0.0, |film| film.resist(tile, at.positions, at.velocities, forces, 1.0))
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        let has_elements = self.film.is_some() || !self.networks.is_empty();
+        has_elements.then_some(self as &dyn Inspection)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt or a smaller damping ratio"
+    }
+}
+
+impl Linearisation for SpringDamping {
     fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
-            self.resist(tile, at.positions, p, out, -1.0, |_| false);
-        }
-    }
-
-    /// Only what goes through one pass with the springs is cached.
-    fn caches_forces(&mut self) -> bool {
-        if self.film.is_some() {
-            return false;
-        }
-        for dashpots in &mut self.networks {
-            let count = dashpots.coefficient.len();
-            dashpots.pulls = Mutex::new(vec![F64x8::ZERO; count]);
-        }
-        true
-    }
-
-    fn power_at(&self, at: Instant<'_>) -> f64 {
-        let mut power = 0.0;
-        let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-        for dashpots in &self.networks {
-            let pulls = &dashpots.pulls()[..];
-            for tile in tiles(positions.rows()) {
-                power += self.width.run_batches(PowerKernel { dashpots, tile, pulls, positions, velocities });
+            if let Some(film) = &self.film {
+                film.resist(tile, at.positions, p, out, -1.0);
+            }
+            for Dashpots { links, coefficient } in &self.networks {
+                let (positions, velocities, out) = (Columns::of(at.positions), Columns::of(p), ColumnsMut::of(out));
+                let (pulls, sign) = (None, -1.0);
+                links.instructions.run_batches(ResistanceKernel {
+                    links,
+                    coefficient,
+                    tile,
+                    positions,
+                    velocities,
+                    out,
+                    pulls,
+                    sign,
+                });
             }
         }
-        power
-    }
-
-    fn dashpots(&self) -> Option<&SpringDamping> {
-        Some(self)
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
@@ -264,20 +251,19 @@ impl Law for SpringDamping {
             film.nodes(visit);
         }
         for dashpots in &self.networks {
-            dashpots.elements.each().for_each(|(.., nodes)| visit(&nodes));
+            dashpots.links.elements.each().for_each(|(.., nodes)| visit(&nodes));
         }
     }
 
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         self.jacobian(at, jacobian);
     }
+}
 
-    fn contiguous_share(&self) -> Option<f64> {
+impl Inspection for SpringDamping {
+    fn contiguous_share(&self) -> f64 {
         let film = self.film.as_ref().map(TriangleDamping::contiguous_share);
-        film.or_else(|| self.networks.first().map(|dashpots| dashpots.elements.contiguous_share()))
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt or a smaller damping ratio"
+        let first = || self.networks.first().map_or(1.0, |dashpots| dashpots.links.elements.contiguous_share());
+        film.unwrap_or_else(first)
     }
 }

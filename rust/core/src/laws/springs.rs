@@ -18,23 +18,26 @@ mod tangent;
 
 use std::sync::Arc;
 
-use self::measures::{Exceed, Stiffen, Store};
+use serde::Deserialize;
+
+use self::measures::{EnergyKernel, ExcessKernel, StiffnessKernel};
 use super::buckling::Buckling;
-use super::{Excess, Law, Readings};
+use super::{
+    Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce,
+    LinkResponse, Properties, Readings, WorkClass,
+};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
-use crate::arrays::state::{Instant, NodeVectors};
-use crate::assembly::Assembly;
-use crate::elements::link::SpringNetworks;
+use crate::arrays::state::NodeVectors;
+use crate::elements::link::Links;
 use crate::error::Result;
-use crate::layout::Elements;
 use crate::model::checks::positive;
-use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, negate, scale, sub};
+use crate::simd::dispatch::BatchKernel;
+use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
 /// Parameters of the membrane's springs.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct SpringParameters {
     /// Buckling parameter alpha of eq. (2).
     pub buckling: f64,
@@ -58,14 +61,13 @@ struct Spring {
 }
 
 /// The law: a set of springs and what they are called. One entry per batch of eight.
-pub struct Springs {
-    pub(crate) name: &'static str,
-    pub(crate) elements: Arc<Elements<2>>,
-    pub(crate) parameters: Vec<Parameters>,
+pub(crate) struct Springs {
+    name: &'static str,
+    links: Arc<Links>,
+    parameters: Arc<Vec<Parameters>>,
     strain_limit: Vec<F64x8>,
     /// Whether any constant is negative.
     has_negative: bool,
-    pub(crate) width: InstructionSet,
 }
 
 /// What the pull of a batch of eight springs depends on.
@@ -88,82 +90,86 @@ impl Parameters {
     }
 }
 
+impl LawParameters for SpringParameters {
+    fn film(&self) -> Option<FilmElements> {
+        Some(FilmElements::Links)
+    }
+
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(Springs::membrane(*self, context)?))
+    }
+
+    fn example() -> Self {
+        Self {
+            buckling: 100.0,
+            buckling_on_creases: 1000.0,
+            buckling_length: None,
+            crease_length: None,
+            strain_limit: 1e9,
+        }
+    }
+}
+
 impl Springs {
     /// The springs of the film.
-    pub(crate) fn membrane(
-        parameters: SpringParameters,
-        assembly: &Assembly,
-        networks: &SpringNetworks,
-    ) -> Result<Self> {
+    fn membrane(parameters: SpringParameters, context: &Context<'_>) -> Result<Self> {
         let SpringParameters { buckling, buckling_on_creases, buckling_length, crease_length, strain_limit } =
             parameters;
         positive("strain limit of the springs", strain_limit)?;
         let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
         let buckling = Buckling { parameter, on_creases, length, crease_length };
-        let shortenings = buckling.shortenings(assembly)?;
-        let springs = assembly.edge_stiffness.iter().zip(shortenings);
+        let assembly = context.assembly;
+        let springs = assembly.edge_stiffness.iter().zip(buckling.shortenings(assembly)?);
         let springs = springs.map(|(&stiffness, (rest_length, shortening))| Spring {
             stiffness,
             rest_length,
             critical_length: rest_length - shortening,
             strain_limit,
         });
-        Ok(Self::arranged("springs", networks.film(assembly), &springs.collect::<Vec<_>>(), assembly.width))
+        Ok(Self::arranged("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>()))
     }
 
     /// The tethers.
-    pub(crate) fn tethers(assembly: &Assembly, networks: &SpringNetworks) -> Self {
-        let cords = assembly.model.cords.iter().map(|cord| Spring {
+    pub(super) fn tethers(context: &Context<'_>) -> Self {
+        let cords = context.assembly.model.cords.iter().map(|cord| Spring {
             stiffness: cord.stiffness,
             rest_length: cord.rest_length,
             critical_length: cord.rest_length,
             strain_limit: cord.strain_limit,
         });
-        Self::arranged("tethers", networks.cords(assembly), &cords.collect::<Vec<_>>(), assembly.width)
+        Self::arranged("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())
     }
 
-    fn arranged(name: &'static str, elements: Arc<Elements<2>>, springs: &[Spring], width: InstructionSet) -> Self {
-        let stiffness = elements.pack(0.0, |row| springs[row].stiffness).into_iter();
-        let rest_length = elements.pack(1.0, |row| springs[row].rest_length);
-        let critical_length = elements.pack(1.0, |row| springs[row].critical_length);
+    fn arranged(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
+        let stiffness = links.elements.pack(0.0, |row| springs[row].stiffness).into_iter();
+        let rest_length = links.elements.pack(1.0, |row| springs[row].rest_length);
+        let critical_length = links.elements.pack(1.0, |row| springs[row].critical_length);
         let parameters =
             |((stiffness, rest_length), critical_length)| Parameters { stiffness, rest_length, critical_length };
         Self {
             name,
-            parameters: stiffness.zip(rest_length).zip(critical_length).map(parameters).collect(),
-            strain_limit: elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
-            elements,
+            parameters: Arc::new(stiffness.zip(rest_length).zip(critical_length).map(parameters).collect()),
+            strain_limit: links.elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
+            links,
             has_negative: springs.iter().any(|spring| spring.stiffness < 0.0),
-            width,
         }
     }
-
-    /// The vector from the first to the second end of each spring of a batch, and its length [m].
-    fn span(&self, x: Columns<'_>, batch: usize) -> (Vec3, F64x8) {
-        let [a, b] = self.elements.read_any(x, batch);
-        let d = sub(b, a);
-        (d, dot(d, d).sqrt())
-    }
-
-    fn batches<T>(&self, at: Instant<'_>, take: impl Fn(usize, F64x8) -> T) -> impl Iterator<Item = T> {
-        let x = Columns::of(at.positions);
-        (0..self.elements.batch_count()).map(move |batch| take(batch, self.span(x, batch).1))
-    }
 }
 
-/// Adds the springs' tensions to the forces.
-struct Pull<'a> {
-    springs: &'a Springs,
-    tile: usize,
-    positions: Columns<'a>,
-    forces: ColumnsMut<'a>,
+/// Adds the tension of springs to the forces.
+pub(crate) struct TensionKernel<'a> {
+    pub(crate) links: &'a Links,
+    pub(crate) parameters: &'a [Parameters],
+    pub(crate) tile: usize,
+    pub(crate) positions: Columns<'a>,
+    pub(crate) forces: ColumnsMut<'a>,
 }
 
-impl BatchKernel for Pull<'_> {
+impl BatchKernel for TensionKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.springs.parameters);
+        let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = pass.of(self.parameters);
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let d = sub(b, a);
@@ -175,77 +181,33 @@ impl BatchKernel for Pull<'_> {
 }
 
 impl Law for Springs {
-    fn name(&self) -> &'static str {
-        self.name
+    fn properties(&self) -> Properties {
+        Properties {
+            name: self.name,
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: true,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
-    }
-
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        self.width.run_batches(Pull { springs: self, tile, positions, forces })
+    fn kernels(&self) -> Kernels {
+        let response = LinkResponse::Elastic(self.parameters.clone());
+        Kernels { elements: false, links: vec![LinkForce { links: self.links.clone(), response }] }
     }
 
     /// The integral of the tension from the rest length.
     fn energy(&self, at: Instant<'_>) -> f64 {
         let positions = Columns::of(at.positions);
-        tiles(positions.rows()).map(|tile| self.width.run_batches(Store { springs: self, tile, positions })).sum()
+        let of_tile = |tile| self.links.instructions.run_batches(EnergyKernel { springs: self, tile, positions });
+        tiles(positions.rows()).map(of_tile).sum()
     }
 
-    /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
-    fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
-        for tile in tiles(p.rows()) {
-            self.width.run_batches(Stiffen { springs: self, tile, positions, p, out: ColumnsMut::of(out) });
-        }
-    }
-
-    fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
-        let positions = Columns::of(at.positions);
-        let count = |tile| self.width.run_batches(Exceed { springs: self, tile, positions });
-        if tiles(positions.rows()).all(|tile| count(tile) == 0.0) {
-            return None;
-        }
-        let mut excesses = self.batches(at, |batch, l| {
-            let [rest, limit] = [self.parameters[batch].rest_length, self.strain_limit[batch]];
-            let lane = (0..l.0.len()).find(|&lane| l.0[lane] > rest.0[lane] * (1.0 + limit.0[lane]))?;
-            let (percent, bound) = (100.0 * (l.0[lane] / rest.0[lane] - 1.0), 100.0 * limit.0[lane]);
-            let length = rest.0[lane];
-            let what =
-                format!("a spring of {length:.4e} m is stretched by {percent:.3} %, over its bound of {bound:.3} %");
-            Some(Excess { nodes: self.elements.nodes(batch, lane), what })
-        });
-        excesses.find_map(|excess| excess)
-    }
-
-    fn readings(&self, at: Instant<'_>) -> Readings {
-        let strain = self.batches(at, |batch, l| l / self.parameters[batch].rest_length - F64x8::all(1.0));
-        let buckled =
-            self.batches(at, |batch, l| l.below(self.parameters[batch].critical_length, F64x8::all(1.0), F64x8::ZERO));
-        let buckled = self.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
-        Readings::Springs { strain: self.elements.unpack(strain), buckled }
-    }
-
-    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
-    }
-
-    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.jacobian(at, jacobian);
-    }
-
-    fn springs(&self) -> Option<&Springs> {
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
         Some(self)
     }
 
-    fn lanes(&self) -> Option<[usize; 2]> {
-        Some(self.elements.lanes())
-    }
-
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.elements.contiguous_share())
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
     }
 
     fn remedy(&self) -> &'static str {
@@ -254,5 +216,60 @@ impl Law for Springs {
         } else {
             "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
         }
+    }
+}
+
+impl Linearisation for Springs {
+    /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
+    fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.links.instructions.run_batches(StiffnessKernel { springs: self, tile, positions, p, out });
+        }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.links.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        self.jacobian(at, jacobian);
+    }
+}
+
+impl Inspection for Springs {
+    fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
+        let positions = Columns::of(at.positions);
+        let count = |tile| self.links.instructions.run_batches(ExcessKernel { springs: self, tile, positions });
+        if tiles(positions.rows()).all(|tile| count(tile) == 0.0) {
+            return None;
+        }
+        let mut excesses = self.links.lengths(positions).enumerate().map(|(batch, l)| {
+            let [rest, limit] = [self.parameters[batch].rest_length, self.strain_limit[batch]];
+            let lane = (0..l.0.len()).find(|&lane| l.0[lane] > rest.0[lane] * (1.0 + limit.0[lane]))?;
+            let (percent, bound) = (100.0 * (l.0[lane] / rest.0[lane] - 1.0), 100.0 * limit.0[lane]);
+            let length = rest.0[lane];
+            let what =
+                format!("a spring of {length:.4e} m is stretched by {percent:.3} %, over its bound of {bound:.3} %");
+            Some(Excess { nodes: self.links.elements.nodes(batch, lane), what })
+        });
+        excesses.find_map(|excess| excess)
+    }
+
+    fn readings(&self, at: Instant<'_>) -> Readings {
+        let lengths = || self.links.lengths(Columns::of(at.positions)).zip(self.parameters.iter());
+        let strain = lengths().map(|(l, spring)| l / spring.rest_length - F64x8::all(1.0));
+        let buckled = lengths().map(|(l, spring)| l.below(spring.critical_length, F64x8::all(1.0), F64x8::ZERO));
+        let buckled = self.links.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
+        Readings::Springs { strain: self.links.elements.unpack(strain), buckled }
+    }
+
+    fn lanes(&self) -> [usize; 2] {
+        self.links.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> f64 {
+        self.links.elements.contiguous_share()
     }
 }

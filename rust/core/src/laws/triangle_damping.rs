@@ -14,33 +14,33 @@ use super::DampingParameters;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::triangle::{Flat, strain_rate};
+use crate::elements::triangle::{FlatTriangles, strain_rate};
 use crate::error::Result;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Damping of all triangles, eight to a batch.
 pub(super) struct TriangleDamping {
-    flat: Flat,
+    flat: FlatTriangles,
     /// eta [s].
     time: Vec<F64x8>,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 impl TriangleDamping {
     pub(super) fn new(parameters: DampingParameters, assembly: &Assembly) -> Result<Self> {
-        let flat = Flat::new(assembly)?;
+        let flat = FlatTriangles::new(assembly)?;
         let square = assembly.square_of_film(parameters.length);
         let modulus = assembly.model.film.map_or(1.0, |film| film.youngs_modulus * film.thickness);
         let mut times = Vec::with_capacity(assembly.mesh.triangles.len());
         for (triangle, &nodes) in assembly.mesh.triangles.iter().enumerate() {
             let squares: f64 = assembly.mesh.side_lengths(triangle).iter().map(|side| side * side).sum::<f64>() / 3.0;
             let stiffness = 2.0 * modulus * assembly.mesh.area(triangle)? / squares;
-            let masses = assembly.layout.to_internal(nodes).map(|node| assembly.masses[node as usize]);
+            let masses = assembly.numbering.to_internal(nodes).map(|node| assembly.masses[node as usize]);
             let mass = square.unwrap_or(masses.iter().sum::<f64>() / 3.0);
             times.push(2.0 * parameters.ratio * (mass / stiffness).sqrt());
         }
-        Ok(Self { time: flat.elements.pack(0.0, |row| times[row]), flat, width: assembly.width })
+        Ok(Self { time: flat.elements.pack(0.0, |row| times[row]), flat, instructions: assembly.instructions })
     }
 
     pub(super) fn contiguous_share(&self) -> f64 {
@@ -57,11 +57,11 @@ impl TriangleDamping {
         sign: f64,
     ) -> f64 {
         let (positions, velocities, out) = (Columns::of(x), Columns::of(v), ColumnsMut::of(out));
-        self.width.run_batches(Resist { damping: self, tile, positions, velocities, out, sign })
+        self.instructions.run_batches(StrainRateKernel { damping: self, tile, positions, velocities, out, sign })
     }
 }
 
-struct Resist<'a> {
+struct StrainRateKernel<'a> {
     damping: &'a TriangleDamping,
     tile: usize,
     positions: Columns<'a>,
@@ -70,7 +70,7 @@ struct Resist<'a> {
     sign: f64,
 }
 
-impl BatchKernel for Resist<'_> {
+impl BatchKernel for StrainRateKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let TriangleDamping { flat, time, .. } = self.damping;

@@ -30,20 +30,25 @@
 
 mod tangent;
 
+use serde::Deserialize;
+
 use super::buckling::Buckling;
-use super::{Excess, Law, Readings};
+use super::{
+    Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties,
+    Readings, WorkClass,
+};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::triangle::{Corners, Flat, Tensor, strain, strain_rate};
+use crate::elements::triangle::{Corners, FlatTriangles, Tensor, strain, strain_rate};
 use crate::error::Result;
 use crate::model::checks::{positive, within};
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, negate};
 
 /// Parameters of the triangles.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct TriangleParameters {
     /// Share of the stiffness that is left in compression, from 0 (a film) to 1 (a plate that cannot buckle).
     pub compression: f64,
@@ -59,6 +64,27 @@ pub struct TriangleParameters {
     pub strain_limit: f64,
 }
 
+impl LawParameters for TriangleParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        Ok(Box::new(Triangles::new(*self, context.assembly)?))
+    }
+
+    fn example() -> Self {
+        Self {
+            compression: 0.1,
+            buckling: 100.0,
+            buckling_on_creases: 1000.0,
+            buckling_length: None,
+            crease_length: None,
+            strain_limit: 1e9,
+        }
+    }
+
+    fn film(&self) -> Option<FilmElements> {
+        Some(FilmElements::Triangles)
+    }
+}
+
 /// Mean of the principal values of a tensor, and half of their difference.
 #[inline(always)]
 fn principal<V: SimdF64>(t: Tensor<V>) -> (V, V) {
@@ -68,13 +94,13 @@ fn principal<V: SimdF64>(t: Tensor<V>) -> (V, V) {
 }
 
 /// The law: all triangles, eight to a batch.
-pub(super) struct Triangles {
-    flat: Flat,
+struct Triangles {
+    flat: FlatTriangles,
     /// P / E_Y, the price of wrinkles: the critical strain.
     price: Vec<Tensor>,
     compression: f64,
     strain_limit: f64,
-    width: InstructionSet,
+    instructions: InstructionSet,
 }
 
 /// What wrinkles a batch's films have.
@@ -88,7 +114,7 @@ struct Wrinkles<V> {
 }
 
 impl Triangles {
-    pub(super) fn new(parameters: TriangleParameters, assembly: &Assembly) -> Result<Self> {
+    fn new(parameters: TriangleParameters, assembly: &Assembly) -> Result<Self> {
         let TriangleParameters {
             compression,
             buckling,
@@ -106,7 +132,7 @@ impl Triangles {
             Ok(shortenings.into_iter().map(|(length, shortening)| shortening / length).collect::<Vec<f64>>())
         };
         let (plain, creased) = (of(buckling)?, of(buckling_on_creases)?);
-        let flat = Flat::new(assembly)?;
+        let flat = FlatTriangles::new(assembly)?;
         let prices: Vec<[f64; 3]> = Corners::all(assembly)
             .map(|corners| {
                 let edges = corners.edges.map(|edge| edge as usize);
@@ -122,7 +148,7 @@ impl Triangles {
             .collect();
         let [a, b, c] = [0, 1, 2].map(|i| flat.elements.pack(0.0, |row| prices[row][i]));
         let price = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]).collect();
-        Ok(Self { flat, price, compression, strain_limit, width: assembly.width })
+        Ok(Self { flat, price, compression, strain_limit, instructions: assembly.instructions })
     }
 
     #[inline(always)]
@@ -160,13 +186,13 @@ impl Triangles {
     }
 
     fn gradients<'a>(&'a self, x: Columns<'a>) -> impl Iterator<Item = (usize, [Vec3; 2])> + 'a {
-        let Flat { elements, .. } = &self.flat;
+        let FlatTriangles { elements, .. } = &self.flat;
         (0..elements.batch_count()).map(move |batch| (batch, self.flat.gradient(batch, elements.read_any(x, batch))))
     }
 }
 
 /// Adds the triangles' pulls to the forces.
-struct Pull<'a> {
+struct StressKernel<'a> {
     triangles: &'a Triangles,
     tile: usize,
     positions: Columns<'a>,
@@ -174,9 +200,9 @@ struct Pull<'a> {
 }
 
 /// The same for a plate that does not wrinkle: wrinkles would take nothing off.
-struct PullPlate<'a>(Pull<'a>);
+struct PlateKernel<'a>(StressKernel<'a>);
 
-impl Pull<'_> {
+impl StressKernel<'_> {
     #[inline(always)]
     fn go<V: SimdF64, const KIND: usize, const WRINKLES: bool>(&mut self) -> V {
         let Triangles { flat, .. } = self.triangles;
@@ -193,14 +219,14 @@ impl Pull<'_> {
     }
 }
 
-impl BatchKernel for Pull<'_> {
+impl BatchKernel for StressKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         self.go::<V, KIND, true>()
     }
 }
 
-impl BatchKernel for PullPlate<'_> {
+impl BatchKernel for PlateKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
         self.0.go::<V, KIND, false>()
@@ -208,18 +234,27 @@ impl BatchKernel for PullPlate<'_> {
 }
 
 impl Law for Triangles {
-    fn name(&self) -> &'static str {
-        "triangles"
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "triangles",
+            work_class: WorkClass::Conservative,
+            depends_on_velocity: false,
+            is_internal: true,
+        }
     }
 
-    fn is_conservative(&self) -> bool {
-        true
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
     }
 
-    fn add_to_tile(&self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        let pull = Pull { triangles: self, tile, positions, forces };
-        if self.compression == 1.0 { self.width.run_batches(PullPlate(pull)) } else { self.width.run_batches(pull) }
+        let pull = StressKernel { triangles: self, tile, positions, forces };
+        if self.compression == 1.0 {
+            self.instructions.run_batches(PlateKernel(pull))
+        } else {
+            self.instructions.run_batches(pull)
+        }
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
@@ -227,6 +262,20 @@ impl Law for Triangles {
         energies.map(|(batch, f)| (self.flat.stiffness[batch] * self.density(batch, strain(f))).sum()).sum()
     }
 
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
+    }
+}
+
+impl Linearisation for Triangles {
     /// That of the taut film.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let p = Columns::of(p);
@@ -239,6 +288,16 @@ impl Law for Triangles {
         }
     }
 
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.flat.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        self.jacobian(at, jacobian);
+    }
+}
+
+impl Inspection for Triangles {
     fn first_excess(&self, at: Instant<'_>) -> Option<Excess> {
         // By length: (1 + strain)^2 = 1 + 2 e1.
         let bound = 0.5 * ((1.0 + self.strain_limit).powi(2) - 1.0);
@@ -274,24 +333,12 @@ impl Law for Triangles {
         }
     }
 
-    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.flat.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    fn lanes(&self) -> [usize; 2] {
+        self.flat.elements.lanes()
     }
 
-    fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.jacobian(at, jacobian);
-    }
-
-    fn lanes(&self) -> Option<[usize; 2]> {
-        Some(self.flat.elements.lanes())
-    }
-
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.flat.elements.contiguous_share())
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
+    fn contiguous_share(&self) -> f64 {
+        self.flat.elements.contiguous_share()
     }
 }
 

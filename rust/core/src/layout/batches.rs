@@ -1,6 +1,6 @@
 //! How elements are put into batches of eight lanes.
 //!
-//! A batch is a *contiguous* of eight, two *split* of four, or eight *gathered* elements. Elements of one shape (the same
+//! A batch is a *contiguous* of eight, two *split* of four, or eight *gathered* elements. ElementSet of one shape (the same
 //! differences between their nodes) follow each other by their first nodes; a contiguous or a half begins at one of them and
 //! takes what there is of the next eight or four, so that lanes may stay empty. Of all ways to cover the elements of a shape
 //! so, from the lowest on, the cheapest is taken.
@@ -51,7 +51,7 @@ impl<const N: usize, const WIDTH: usize> Window<N, WIDTH> {
     }
 }
 
-/// Elements in contiguous, in split, and alone.
+/// ElementSet in contiguous, in split, and alone.
 #[derive(Debug, Default)]
 pub(super) struct Cover<const N: usize> {
     pub(super) contiguous: Vec<Window<N, LANES>>,

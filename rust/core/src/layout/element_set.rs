@@ -1,4 +1,4 @@
-//! Elements in batches of eight, and how kernels read and add to their nodes.
+//! ElementSet in batches of eight, and how kernels read and add to their nodes.
 
 use std::ops::Range;
 
@@ -17,12 +17,12 @@ pub const GATHERED: usize = 2;
 /// Groups in a chunk.
 pub const CHUNK: usize = 32;
 
-/// Elements of N nodes each, eight to a batch. Node numbers are the core's.
+/// ElementSet of N nodes each, eight to a batch. Node numbers are the core's.
 ///
 /// Groups of each kind stand by *tile*: the stretch of nodes that holds the lowest node of the batch. When all laws have
 /// gone over the batches of a tile, nothing more acts on its nodes.
 #[derive(Debug, Clone)]
-pub struct Elements<const N: usize> {
+pub struct ElementSet<const N: usize> {
     /// First nodes of each contiguous.
     contiguous: Vec<[u32; N]>,
     /// First nodes of the two split of each batch.
@@ -40,7 +40,7 @@ pub struct Elements<const N: usize> {
     node_bound: usize,
 }
 
-impl<const N: usize> Elements<N> {
+impl<const N: usize> ElementSet<N> {
     /// Arranges elements of a scene with `node_count` nodes.
     pub fn new(elements: &[[u32; N]], node_count: usize) -> Self {
         let Cover { mut contiguous, mut split, mut gathered } = Cover::new(elements, node_count);
@@ -270,7 +270,7 @@ impl<'a, const N: usize, const KIND: usize> Pass<'a, N, KIND> {
     pub fn read<V: SimdF64, const COUNT: usize>(&self, columns: Columns<'_, COUNT>, batch: usize) -> [[V; COUNT]; N] {
         assert!(self.rows <= columns.rows());
         let mut points = [[V::zero(); COUNT]; N];
-        // SAFETY: nodes of all batches, all their lanes included, are below `Elements::node_bound`, which `pass`
+        // SAFETY: nodes of all batches, all their lanes included, are below `ElementSet::node_bound`, which `pass`
         // found to be at most `rows`, and so below the number of rows of the columns; `axis` is below COUNT.
         unsafe {
             if KIND == CONTIGUOUS {
@@ -363,7 +363,7 @@ mod tests {
         let mut pairs: Vec<[u32; 2]> = (0..40).filter(|k| k % 3 != 0).map(|k| [k, k + 40]).collect();
         pairs.extend((0..39).map(|k| [k, k + 1]));
         pairs.push([3, 77]);
-        let elements = Elements::new(&pairs, 80);
+        let elements = ElementSet::new(&pairs, 80);
         assert_eq!(elements.contiguous_share(), 1.0 - 1.0 / pairs.len() as f64);
         let numbers = elements.pack(-1.0, |row| row as f64);
         let rows: Vec<f64> = (0..pairs.len()).map(|row| row as f64).collect();

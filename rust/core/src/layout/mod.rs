@@ -1,8 +1,8 @@
-//! The order in which the core keeps nodes and elements.
+//! The order in which the core keeps nodes and elements: its own business, unseen by callers.
 
 mod batches;
 mod element_set;
 mod renumbering;
 
-pub use element_set::*;
-pub use renumbering::*;
+pub use element_set::{CHUNK, CONTIGUOUS, ElementSet, GATHERED, Pass, SPLIT};
+pub use renumbering::Renumbering;

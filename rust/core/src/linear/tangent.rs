@@ -22,9 +22,8 @@ use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par};
 
 use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
-use crate::laws::Law;
 
 /// How masses and jacobian are weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,21 +54,22 @@ pub struct Tangent {
     side: Vec<f64>,
 }
 
+/// Visits the nodes of each element through which nodes act on each other.
+pub type Couplings<'a> = &'a dyn Fn(&mut dyn FnMut(&[u32]));
+
 /// Rows of each column of the nodes' graph, on and above the diagonal, ascending.
-fn graph(laws: &[Box<dyn Law>], rank: &[u32], free: usize) -> Vec<Vec<u32>> {
+fn graph(couplings: Couplings<'_>, rank: &[u32], free: usize) -> Vec<Vec<u32>> {
     let mut columns: Vec<Vec<u32>> = (0..free as u32).map(|node| vec![node]).collect();
-    for law in laws {
-        law.visit_couplings(&mut |nodes| {
-            for (k, &i) in nodes.iter().enumerate() {
-                for &j in &nodes[..k] {
-                    let (i, j) = (rank[i as usize], rank[j as usize]);
-                    if i != HELD && j != HELD {
-                        columns[i.max(j) as usize].push(i.min(j));
-                    }
+    couplings(&mut |nodes| {
+        for (k, &i) in nodes.iter().enumerate() {
+            for &j in &nodes[..k] {
+                let (i, j) = (rank[i as usize], rank[j as usize]);
+                if i != HELD && j != HELD {
+                    columns[i.max(j) as usize].push(i.min(j));
                 }
             }
-        });
-    }
+        }
+    });
     for column in &mut columns {
         column.sort_unstable();
         column.dedup();
@@ -113,26 +113,26 @@ fn symbolic_of(
 }
 
 impl Tangent {
-    /// The pattern of these laws; held nodes have an inverse mass of 0.
+    /// The pattern of these couplings; held nodes have an inverse mass of 0.
     ///
     /// # Errors
     /// `NoMemory`.
-    pub fn new(laws: &[Box<dyn Law>], inverse_masses: &[f64]) -> Result<Self> {
+    pub fn new(couplings: Couplings<'_>, inverse_masses: &[f64]) -> Result<Self> {
         let mut rank: Vec<u32> = vec![HELD; inverse_masses.len()];
         let free = (0..rank.len()).filter(|&node| inverse_masses[node] > 0.0);
         let free: Vec<usize> = free.collect();
         for (place, &node) in free.iter().enumerate() {
             rank[node] = place as u32;
         }
-        Self::with(laws, rank, &free).map_err(|_| Error::NoMemory { nodes: free.len() })
+        Self::with(couplings, rank, &free).map_err(|_| Error::NoMemory { nodes: free.len() })
     }
 
-    fn with(laws: &[Box<dyn Law>], mut rank: Vec<u32>, free: &[usize]) -> std::result::Result<Self, FaerError> {
-        let places = order(&graph(laws, &rank, free.len()))?;
+    fn with(couplings: Couplings<'_>, mut rank: Vec<u32>, free: &[usize]) -> std::result::Result<Self, FaerError> {
+        let places = order(&graph(couplings, &rank, free.len()))?;
         for &node in free {
             rank[node] = places[rank[node] as usize] as u32;
         }
-        let columns = graph(laws, &rank, free.len());
+        let columns = graph(couplings, &rank, free.len());
         let (mut starts, mut rows) = (vec![0], Vec::new());
         let (mut scalar_starts, mut scalar_rows) = (vec![0], Vec::new());
         for (column, above) in columns.iter().enumerate() {
@@ -166,14 +166,13 @@ impl Tangent {
         self.factor.len()
     }
 
-    /// Fills the matrix. Does not factorise.
-    pub fn assemble(&mut self, laws: &[Box<dyn Law>], masses: &[f64], at: Instant<'_>, weights: Weights) {
+    /// Fills the matrix with masses and with the blocks of dF/dx and dF/dv that `add_blocks` adds. Does not factorise.
+    pub fn assemble(&mut self, masses: &[f64], weights: Weights, add_blocks: impl Fn(&mut dyn JacobianBlocks)) {
         self.values.fill(0.0);
         for (node, &mass) in masses.iter().enumerate() {
             self.add(node as u32, node as u32, weights.mass * mass, &Block::identity());
         }
-        let mut weighted = Weighted { tangent: self, weights };
-        laws.iter().for_each(|law| law.add_jacobian(at, &mut weighted));
+        add_blocks(&mut Weighted { tangent: self, weights });
     }
 
     /// Factorises the matrix as it is. Whether it is positive definite.
@@ -210,7 +209,7 @@ impl Tangent {
         }
         let (row, column) = (i.min(j), i.max(j) as usize);
         let rows = &self.rows[self.starts[column]..self.starts[column + 1]];
-        // A coupling that the law did not announce has no place.
+        // A coupling that was not announced has no place.
         let Ok(place) = rows.binary_search(&row) else {
             debug_assert!(false, "nodes {on} and {of} are not coupled");
             return;

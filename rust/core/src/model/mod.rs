@@ -1,6 +1,7 @@
 //! What is simulated, as the caller gives it, and the checks of each value.
 
 pub mod checks;
+pub mod frame;
 pub mod input;
 pub mod mesh;
 mod spring_constants;

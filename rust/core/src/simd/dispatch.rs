@@ -113,7 +113,9 @@ impl InstructionSet {
     /// The widest that this machine has.
     pub fn widest() -> Self {
         static WIDEST: OnceLock<InstructionSet> = OnceLock::new();
-        *WIDEST.get_or_init(|| Self::ALL.into_iter().rev().find(|width| width.is_available()).unwrap_or(Self::Baseline))
+        *WIDEST.get_or_init(|| {
+            Self::ALL.into_iter().rev().find(|instructions| instructions.is_available()).unwrap_or(Self::Baseline)
+        })
     }
 
     /// Runs `kernel` with this width over all kinds of batches, and gives the sum over lanes and kinds.

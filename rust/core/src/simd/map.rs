@@ -36,12 +36,12 @@ struct Axes<'a, F, const R: usize, const W: usize> {
 /// # Panics
 /// Where arrays differ in length.
 pub(crate) fn each<F: Formula<R, W>, const R: usize, const W: usize>(
-    width: InstructionSet,
+    instructions: InstructionSet,
     formula: &F,
     read: [&[f64]; R],
     changed: [&mut [f64]; W],
 ) -> f64 {
-    width.dispatch(Each { formula, read, changed })
+    instructions.dispatch(Each { formula, read, changed })
 }
 
 /// Works a formula out on all rows of three columns, one axis after the other.
@@ -49,12 +49,12 @@ pub(crate) fn each<F: Formula<R, W>, const R: usize, const W: usize>(
 /// # Panics
 /// Where columns differ in length.
 pub(crate) fn on_axes<F: Formula<R, W>, const R: usize, const W: usize>(
-    width: InstructionSet,
+    instructions: InstructionSet,
     formula: &F,
     read: [[&[f64]; 3]; R],
     changed: [[&mut [f64]; 3]; W],
 ) {
-    width.dispatch(Axes { formula, read, changed });
+    instructions.dispatch(Axes { formula, read, changed });
 }
 
 impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Axes<'_, F, R, W> {
@@ -154,10 +154,10 @@ mod tests {
     fn every_row_is_changed_at_every_width_and_length() {
         for count in [0, 1, 7, 8, 9, 31] {
             let from: Vec<f64> = (0..count).map(|i| 0.1 * f64::from(i)).collect();
-            for width in InstructionSet::ALL {
+            for instructions in InstructionSet::ALL {
                 let mut to: Vec<f64> = from.iter().map(|x| 3.0 * x).collect();
-                each(width, &Add, [&from], [&mut to]);
-                assert!(to.iter().zip(&from).all(|(to, x)| *to == 3.0 * x + x), "{width:?} {to:?}");
+                each(instructions, &Add, [&from], [&mut to]);
+                assert!(to.iter().zip(&from).all(|(to, x)| *to == 3.0 * x + x), "{instructions:?} {to:?}");
             }
         }
     }

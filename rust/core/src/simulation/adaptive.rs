@@ -87,7 +87,7 @@ impl Simulation {
         let what = format!("no step is small enough for the tolerance of {:e}", self.settings.tolerance.relative);
         let now = self.energy_terms();
         let place = "the last step tried was below rounding".to_owned();
-        let mut fault = self.told(what, place, self.most_changed(&now), &now);
+        let mut fault = self.described(what, place, self.most_changed(&now), &now);
         fault.remedy += "; or allow a larger error per step";
         Err(self.set_back(fault))
     }

@@ -1,9 +1,10 @@
 //! What is saved of a run, and how it goes on from there.
 
 use super::Simulation;
+use crate::arrays::history::History;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
-use crate::integrators::{Controller, History};
+use crate::integrators::Controller;
 
 /// Everything that changes while a simulation runs: saving and restoring it continues with the same bits.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,10 +22,15 @@ pub struct Progress {
     /// The ledger.
     pub ledger: Ledger,
     /// What the method keeps from step to step: vectors per node, and numbers.
-    pub history: (Vec<Vec<[f64; 3]>>, Vec<f64>),
+    pub history: SavedHistory,
+    /// What each law keeps, in their order.
+    pub law_histories: Vec<SavedHistory>,
     /// Where steps are chosen by their error; positions, velocities and work are then those at the end of the last step.
     pub adaptive: Option<AdaptiveProgress>,
 }
+
+/// A history with its vectors in the caller's numbering.
+pub type SavedHistory = (Vec<Vec<[f64; 3]>>, Vec<f64>);
 
 /// What an adaptive run has beside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,17 +46,19 @@ pub struct AdaptiveProgress {
 impl Simulation {
     /// The progress, to be saved.
     pub fn progress(&self) -> Progress {
-        let history = self.integrator.history();
-        let vectors = history.vectors.iter().map(|vectors| self.layout.external_vectors(vectors)).collect();
+        let saved = |History { vectors, numbers }: History| {
+            (vectors.iter().map(|vectors| self.numbering.external_vectors(vectors)).collect(), numbers)
+        };
         let (state, work) = self.front();
         Progress {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
             origin: self.origin,
-            positions: self.layout.external_vectors(&state.positions),
-            velocities: self.layout.external_vectors(&state.velocities),
+            positions: self.numbering.external_vectors(&state.positions),
+            velocities: self.numbering.external_vectors(&state.velocities),
             ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
-            history: (vectors, history.numbers),
+            history: saved(self.integrator.history()),
+            law_histories: self.mechanics.histories().into_iter().map(saved).collect(),
             adaptive: self.adaptive_progress(),
         }
     }
@@ -58,7 +66,8 @@ impl Simulation {
     /// Continues from a saved progress of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then the motion, the books and the method go on as they were.
+    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then motion, ledger and method go on as they
+    /// were.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
         let resumed = self.take_up(progress);
@@ -75,17 +84,28 @@ impl Simulation {
         };
         length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
         length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
-        for rows in &progress.history.0 {
-            length("the saved history of the method", rows.len(), nodes, "node")?;
+        const OF_METHOD: &str = "the saved history of the method";
+        const OF_LAWS: &str = "the saved history of the laws";
+        let histories = progress.law_histories.iter().map(|history| (OF_LAWS, history));
+        for (what, (vectors, _)) in histories.chain([(OF_METHOD, &progress.history)]) {
+            vectors.iter().try_for_each(|rows| length(what, rows.len(), nodes, "node"))?;
         }
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;
         self.ledger = progress.ledger.clone();
-        let vectors = progress.history.0.iter().map(|rows| self.layout.internal_vectors(rows)).collect();
-        if !self.integrator.restore_history(History { vectors, numbers: progress.history.1.clone() }) {
-            let (found, expected) = (progress.history.1.len(), self.laws().len());
-            return Err(Error::LengthMismatch { what: "the saved history of the method", found, expected, per: "law" });
+        let internal = |(vectors, numbers): &SavedHistory| History {
+            vectors: vectors.iter().map(|rows| self.numbering.internal_vectors(rows)).collect(),
+            numbers: numbers.clone(),
+        };
+        let of_laws: Vec<History> = progress.law_histories.iter().map(internal).collect();
+        let of_method = internal(&progress.history);
+        let misfit = |what, found, expected| Err(Error::LengthMismatch { what, found, expected, per: "law" });
+        if !self.integrator.restore_history(of_method) {
+            return misfit(OF_METHOD, progress.history.1.len(), self.laws().len());
+        }
+        if !self.mechanics.restore_histories(&of_laws) {
+            return misfit(OF_LAWS, of_laws.len(), self.laws().len());
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
         self.keep(self.energy_terms());

@@ -1,19 +1,20 @@
 //! The diagnosis: what is wrong with a run, where, by which law, and what to do about it.
 //!
 //! A run is wrong where a value is not finite, where an element is beyond the bound that its user set, where energy
-//! has appeared from nowhere, and where the method itself has eaten more of it than its user allows. The cause that is told is,
-//! in this order: a step above the limit; a limit that fell below the step as the shape changed; the law
-//! that failed, and the law that fed it.
+//! is gained spuriously, and where the method itself loses more of it than its user allows. The cause that is named is, in this
+//! order: a step above the limit; a limit that fell below the step as the shape changed; the law that failed, and the law that
+//! gave it energy.
 
 use super::{Settings, Simulation};
 use crate::arrays::columns::total;
-use crate::arrays::state::{Instant, State};
+use crate::arrays::state::State;
 use crate::evaluation::ledger::EnergyTerms;
+use crate::laws::{Law, Properties, WorkClass};
 
 /// Share of the largest energy term that rounding may make.
 const ROUNDING: f64 = 1e-9;
-/// Share of the largest energy term that the books may be off by, whatever was turned over: a disc that merely spins turns
-/// nothing over, but its dashpots' work is booked as of the order of (Omega dt)^2 of its energy in each turn.
+/// Share of the largest energy term by which the balance may be off, whatever the reference energy: a disc that merely spins
+/// exchanges nothing, but its dashpots' work is of the order of (Omega dt)^2 of its energy in each turn.
 const FLOOR: f64 = 1e-5;
 
 /// By how many times the last digit of the largest coordinate all nodes may be off by rounding.
@@ -22,13 +23,13 @@ const DIGITS: f64 = 64.0;
 /// its steps grow past the limit until that error shows.
 const ERRORS: f64 = 10.0;
 
-/// What is told of a fault.
+/// The description of a fault.
 pub(super) struct Fault {
     pub(super) what: String,
     pub(super) place: String,
     pub(super) law: String,
     pub(super) remedy: String,
-    /// False for books that do not balance, which may be the step's coarseness alone.
+    /// False for a balance that does not close, which may be the step's coarseness alone.
     pub(super) is_certain: bool,
 }
 
@@ -38,7 +39,7 @@ impl Simulation {
         self.certain_fault(now).or_else(|| self.out_of_balance(now))
     }
 
-    /// What is wrong for certain: no number, beyond a bound, or energy from nowhere.
+    /// What is wrong for certain: no number, beyond a bound, or spurious gain.
     pub(super) fn certain_fault(&self, now: &EnergyTerms) -> Option<Fault> {
         self.not_finite(now).or_else(|| self.beyond_bound(now)).or_else(|| self.created(now))
     }
@@ -50,7 +51,7 @@ impl Simulation {
         }
         let row = (0..positions.nrows()).find(|&i| !(positions.row(i).sum() + velocities.row(i).sum()).is_finite())?;
         let what = "a position or velocity is no longer finite".to_owned();
-        Some(self.told(what, self.node(row), self.most_changed(now), now))
+        Some(self.described(what, self.node(row), self.most_changed(now), now))
     }
 
     fn beyond_bound(&self, now: &EnergyTerms) -> Option<Fault> {
@@ -59,9 +60,19 @@ impl Simulation {
             .laws
             .iter()
             .enumerate()
-            .find_map(|(k, law)| law.first_excess(self.instant()).map(|excess| (k, excess)))?;
-        let [i, j] = excess.nodes.map(|node| self.layout.to_external(node as usize));
-        Some(self.told(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
+            .find_map(|(k, law)| law.inspection()?.first_excess(self.instant()).map(|excess| (k, excess)))?;
+        let [i, j] = excess.nodes.map(|node| self.numbering.to_external(node as usize));
+        Some(self.described(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
+    }
+
+    /// The work so far of each law whose work may be damping, and its row: of all but loads on positions alone \[J\].
+    fn damping_work(&self) -> impl Iterator<Item = (usize, f64)> {
+        let rows = self.mechanics.laws.iter().zip(&self.ledger.work).enumerate();
+        let is_load = |law: &dyn Law| {
+            let Properties { work_class, depends_on_velocity, .. } = law.properties();
+            work_class == WorkClass::External && !depends_on_velocity
+        };
+        rows.filter(move |(_, (law, _))| !is_load(law.as_ref())).map(|(row, (_, work))| (row, *work))
     }
 
     /// Energy that rounding may make [J]: a share of the largest energy term, and, for a scene at rest whose energy_terms
@@ -91,7 +102,7 @@ impl Simulation {
     fn balance(&self, now: &EnergyTerms) -> (f64, f64, f64) {
         let (residual, reference_energy) = (self.ledger.residual(now), self.ledger.reference_energy(now));
         let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        if !self.integrator.keeps_energy()
+        if !self.properties().conserves_energy
             || residual.abs() > reference_energy + self.rounding(largest)
             || residual.is_nan()
         {
@@ -102,34 +113,34 @@ impl Simulation {
         (both, reference_energy, largest)
     }
 
-    /// Energy from nowhere: more than there was at the start and has come in.
+    /// Spurious gain: more energy than there was at the start and has come in.
     fn created(&self, now: &EnergyTerms) -> Option<Fault> {
         let (residual, reference_energy, largest) = self.balance(now);
-        let taken: f64 = self.ledger.work.iter().map(|work| work.min(0.0)).sum();
+        let taken: f64 = self.damping_work().map(|(_, work)| work.min(0.0)).sum();
         let created = residual + taken;
         if self.is_within_tolerance(reference_energy) {
             return None;
         }
         let Settings { energy_tolerance, loss_tolerance, .. } = self.settings;
         // A long step of an implicit method also misjudges what it does not resolve, and then removes it: its user says how
-        // far the books may be off, either way.
+        // far the balance may be off, either way.
         let allowed =
-            if self.integrator.is_implicit() { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
+            if self.properties().is_implicit { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
         if !residual.is_nan() && created <= allowed * reference_energy + self.rounding(largest) {
             return None;
         }
         let what = format!(
-            "{created:.3e} J appeared from nowhere, {:.3} % of the energy turned over so far",
+            "a spurious gain of {created:.3e} J, {:.3} % of the reference energy (the largest exchange so far)",
             100.0 * created / reference_energy
         );
-        if self.integrator.is_implicit() {
+        if self.properties().is_implicit {
             return Some(self.hardly_resolved(what, self.most_changed(now), "so the method misjudges it"));
         }
-        Some(self.told(what, self.fastest(), self.most_changed(now), now))
+        Some(self.described(what, self.fastest(), self.most_changed(now), now))
     }
 
-    /// Books that do not balance, because the method eats the vibrations that its step hardly resolves, or because work
-    /// of damping that it hardly resolves is booked wrongly.
+    /// A balance that does not close, because the method damps the vibrations that its step hardly resolves, or because it
+    /// misjudges work of damping that it hardly resolves.
     fn out_of_balance(&self, now: &EnergyTerms) -> Option<Fault> {
         let (residual, reference_energy, largest) = self.balance(now);
         if self.is_within_tolerance(reference_energy) {
@@ -138,17 +149,16 @@ impl Simulation {
         let percent = |energy: f64| 100.0 * energy.abs() / reference_energy;
         let loose = self.settings.loss_tolerance * reference_energy + FLOOR * largest + self.rounding(largest);
         if residual > loose {
-            let work = &self.ledger.work;
-            let law = (0..work.len()).min_by(|&a, &b| work[a].total_cmp(&work[b]));
+            let law = self.damping_work().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(row, _)| row);
             let what = format!(
-                "{residual:.3e} J more are booked as lost to damping than the motion lost, {:.3} % of the energy turned over so far",
+                "the work of damping exceeds the energy lost by {residual:.3e} J, {:.3} % of the reference energy (the largest exchange so far)",
                 percent(residual)
             );
-            return Some(self.hardly_resolved(what, law, "an honest balance needs it to be"));
+            return Some(self.hardly_resolved(what, law, "so their work is misjudged"));
         }
         if residual < -loose {
             let what = format!(
-                "{:.3e} J are gone that no law took, {:.3} % of the energy turned over so far",
+                "a loss of {:.3e} J that is no law's work, {:.3} % of the reference energy (the largest exchange so far)",
                 -residual,
                 percent(residual)
             );
@@ -176,7 +186,7 @@ impl Simulation {
             what,
             place: self.fastest(),
             law: own.to_owned(),
-            remedy: format!("{}: {remedy}", self.integrator.name()),
+            remedy: format!("{}: {remedy}", self.name()),
             is_certain: false,
         }
     }
@@ -191,7 +201,7 @@ impl Simulation {
         )
     }
 
-    pub(super) fn told(&self, what: String, place: String, law: Option<usize>, now: &EnergyTerms) -> Fault {
+    pub(super) fn described(&self, what: String, place: String, law: Option<usize>, now: &EnergyTerms) -> Fault {
         let remedy = self.remedy(law, now);
         Fault {
             what,
@@ -203,7 +213,7 @@ impl Simulation {
     }
 
     fn node(&self, row: usize) -> String {
-        format!("node {}", self.layout.to_external(row))
+        format!("node {}", self.numbering.to_external(row))
     }
 
     /// The law whose energy or work changed most since the last good check; since the start, where that is not finite.
@@ -252,12 +262,12 @@ impl Simulation {
     /// In words, where the step was above its limit at the start, or has come to be.
     fn step_above_limit(&self, law: Option<usize>) -> Option<String> {
         let (laws, start) = (&self.mechanics.laws, &self.start_limit);
-        let cure_of = |name: &str| {
+        let remedy_of = |name: &str| {
             let found = laws.iter().find(|law| law.name() == name).or(law.map(|k| &laws[k]));
             found.map_or("", |law| law.remedy())
         };
         if self.dt > start.dt {
-            let remedy = cure_of(start.law);
+            let remedy = remedy_of(start.law);
             return Some(format!(
                 "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; or {}",
                 self.dt,
@@ -270,8 +280,7 @@ impl Simulation {
             ));
         }
         let now = [Some(&self.good.state), self.suspect.as_ref()].into_iter().flatten().find_map(|state| {
-            let State { positions, velocities } = state;
-            let at = Instant { time: self.good.time, positions, velocities };
+            let at = self.mechanics.instant(state.at(self.good.time));
             self.limit_at(at).ok().filter(|now| self.dt > now.dt)
         })?;
         Some(format!(
@@ -280,7 +289,7 @@ impl Simulation {
             now.dt,
             self.dt,
             self.part(&now),
-            cure_of(now.law)
+            remedy_of(now.law)
         ))
     }
 }

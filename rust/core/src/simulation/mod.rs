@@ -1,4 +1,4 @@
-//! The step loop; owns laws, method, state, ledger and watch.
+//! The step loop; owns laws, method, state, ledger and monitor.
 
 mod adaptive;
 mod checkpoint;
@@ -7,41 +7,45 @@ mod implicit;
 mod monitor;
 mod rate_groups;
 
-use crate::arrays::state::{Instant, NodeVectors, State};
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, State};
 use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
-use crate::integrators::{self, History, Integrator, Tolerance};
-use crate::laws::{self, Law, LawSpec, Readings, Spin};
+use crate::integrators::{self, Integrator, Method, Options, Properties, Tolerance};
+use crate::laws::Instant;
+use crate::laws::{self, Law, LawSpec, Readings};
 use crate::layout::Renumbering;
 use crate::linear::tangent::Tangent;
 use crate::model::checks::{non_negative, positive, within};
+use crate::model::frame::Spin;
 use crate::model::input::Model;
+use crate::model::mesh::check_finite;
 use crate::simd::dispatch::InstructionSet;
 use crate::stability::Limit;
 
-pub use checkpoint::{AdaptiveProgress, Progress};
+pub use checkpoint::{AdaptiveProgress, Progress, SavedHistory};
 
-/// How a run is watched, and how its step is chosen.
+/// How a run is monitored, and how its step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Share of the stability limit that is taken where no step is given.
     pub margin: f64,
     /// Steps between two checks.
     pub watch_interval: u64,
-    /// Surplus of energy, as a share of the energy turned over, at which a run stops.
+    /// Spurious gain, as a share of the reference energy, at which a run stops.
     pub energy_tolerance: f64,
-    /// Energy that the method may lose by itself, as a share of the energy turned over, before a run stops.
+    /// Energy that the method may lose by itself, as a share of the reference energy, before a run stops.
     pub loss_tolerance: f64,
     /// Error of a step where no step is given and the method knows its error.
     pub tolerance: Tolerance,
     /// By what factor an implicit method shrinks, per step, what it cannot resolve; from 0 to 1.
     pub spectral_radius: f64,
-    /// Short steps in a step of leapfrog, between which slow laws rest.
+    /// Substeps in a step of leapfrog, between which slow laws rest.
     pub substeps: u32,
     /// The instructions that kernels run with; the bits of the results do not depend on it.
-    pub width: InstructionSet,
+    pub instructions: InstructionSet,
 }
 
 impl Default for Settings {
@@ -54,7 +58,7 @@ impl Default for Settings {
             tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
             spectral_radius: integrators::SPECTRAL_RADIUS,
             substeps: 1,
-            width: InstructionSet::widest(),
+            instructions: InstructionSet::widest(),
         }
     }
 }
@@ -70,13 +74,29 @@ struct Good {
     work: Vec<f64>,
     energy_terms: EnergyTerms,
     history: History,
+    law_histories: Vec<History>,
+}
+
+/// What a simulation is made of.
+pub struct Setup {
+    /// The model in the core's numbering.
+    pub assembly: Assembly,
+    /// Its laws, in the order of the energy terms.
+    pub laws: Vec<Box<dyn Law>>,
+    /// How the hub turns.
+    pub spin: Spin,
+    /// The method.
+    pub method: Method,
+    /// The step \[s\]; see `Simulation::new`.
+    pub dt: Option<f64>,
+    /// The limit of the step at the start, where it is known: to look for it takes as long as some hundred steps.
+    pub limit: Option<Limit>,
 }
 
 /// A scene that can be stepped.
 pub struct Simulation {
     mechanics: Mechanics,
-    layout: Renumbering,
-    spin: Spin,
+    numbering: Renumbering,
     integrator: Box<dyn Integrator>,
     settings: Settings,
     dt: f64,
@@ -100,51 +120,43 @@ impl Simulation {
     /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` without `dt` where no step
     /// follows; `HopelessStep`; `OutOfRange` for `dt`.
     pub fn new(model: Model, laws: &[LawSpec], integrator: &str, dt: Option<f64>, settings: Settings) -> Result<Self> {
-        Self::with_limit(model, laws, integrator, dt, settings, None)
+        let method = integrators::by_name(integrator)?;
+        let assembly = Assembly::new(model, settings.instructions)?;
+        let (spin, laws) = (laws::spin_of(laws), laws::build(laws, &assembly)?);
+        Self::with(Setup { assembly, laws, spin, method, dt, limit: None }, settings)
     }
 
-    /// As `new`, where the limit of the step at the start is known: to look for it takes as long as some hundred steps.
+    /// As `new`, of a scene that is assembled already, with any laws and any method.
     ///
     /// # Errors
     /// As `new`.
-    pub fn with_limit(
-        model: Model,
-        laws: &[LawSpec],
-        integrator: &str,
-        dt: Option<f64>,
-        settings: Settings,
-        known: Option<Limit>,
-    ) -> Result<Self> {
+    pub fn with(setup: Setup, settings: Settings) -> Result<Self> {
+        let Setup { assembly, laws, spin, method, dt, limit } = setup;
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
         if let Some(dt) = dt {
             positive("dt [s]", dt)?;
         }
-        let assembly = Assembly::new(model, settings.width)?;
-        let spin = laws::spin_of(laws);
-        let laws = laws::build(laws, &assembly)?;
-        let mut integrator = integrators::by_name(integrator, assembly.masses.len(), laws.len(), settings.width)?;
-        within(
-            "spectral radius",
-            settings.spectral_radius,
-            (0.0..=1.0).contains(&settings.spectral_radius),
-            "it lies between 0 and 1",
-        )?;
-        integrator.set_spectral_radius(settings.spectral_radius);
-        let count = settings.substeps;
-        within("short steps", f64::from(count), count > 0, "it is at least 1")?;
-        if let Some(divided) = if count > 1 { integrator.in_substeps(count) } else { None } {
-            integrator = divided;
-        }
-        let tangent = integrator.is_implicit().then(|| Tangent::new(&laws, &assembly.inverse_masses)).transpose()?;
-        let gather = |rows: &[[f64; 3]]| assembly.layout.internal_vectors(rows);
+        let (spectral_radius, substeps) = (settings.spectral_radius, settings.substeps);
+        let is_radius = (0.0..=1.0).contains(&spectral_radius);
+        within("spectral radius", spectral_radius, is_radius, "it lies between 0 and 1")?;
+        within("substeps", f64::from(substeps), substeps > 0, "it is at least 1")?;
+        let (nodes, count, instructions) = (assembly.masses.len(), laws.len(), settings.instructions);
+        let mut integrator = (method.make)(&Options { nodes, laws: count, instructions, spectral_radius, substeps });
+        let couplings = |visit: &mut dyn FnMut(&[u32])| {
+            laws.iter().filter_map(|law| law.linearisation()).for_each(|law| law.visit_couplings(visit));
+        };
+        let is_implicit = integrator.properties().is_implicit;
+        let tangent = is_implicit.then(|| Tangent::new(&couplings, &assembly.inverse_masses)).transpose()?;
+        let internal = |rows: &[[f64; 3]]| assembly.numbering.internal_vectors(rows);
         let mut state =
-            State { positions: gather(&assembly.model.positions), velocities: gather(&assembly.model.velocities) };
+            State { positions: internal(&assembly.model.positions), velocities: internal(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
-        let Assembly { masses, inverse_masses, layout, .. } = assembly;
-        let mechanics = Mechanics::new(laws, masses, inverse_masses, tangent, integrator.as_ref(), settings.width);
-        let energy_terms = EnergyTerms::take(&mechanics.laws, &mechanics.masses, 0.0, &state);
+        let Assembly { masses, inverse_masses, numbering, .. } = assembly;
+        let method = integrator.as_ref();
+        let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method, instructions);
+        let energy_terms = mechanics.energy_terms(0.0, &state);
         let ledger = Ledger::open(energy_terms.clone());
         let good = Good {
             time: 0.0,
@@ -153,11 +165,12 @@ impl Simulation {
             work: ledger.work.clone(),
             energy_terms,
             history: History::default(),
+            law_histories: mechanics.histories(),
         };
+        let is_embedded = integrator.embedded().is_some();
         let mut simulation = Self {
             mechanics,
-            layout,
-            spin,
+            numbering,
             integrator,
             settings,
             dt: 0.0,
@@ -170,28 +183,21 @@ impl Simulation {
             adaptive: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
-        simulation.tell_apart()?;
-        let limit = known.map_or_else(|| simulation.limit(), Ok)?;
+        simulation.find_slow_laws()?;
+        let limit = limit.map_or_else(|| simulation.limit(), Ok)?;
         simulation.start_limit = limit.clone();
         simulation.dt = match dt {
             Some(dt) if dt > HOPELESS * limit.dt => {
                 let part = simulation.part(&limit);
-                return Err(Error::HopelessStep {
-                    dt,
-                    limit: limit.dt,
-                    integrator: simulation.integrator.name(),
-                    part,
-                });
+                return Err(Error::HopelessStep { dt, limit: limit.dt, integrator: simulation.name(), part });
             }
             Some(dt) => dt,
-            None if simulation.integrator.embedded().is_some() => {
+            None if is_embedded => {
                 simulation.adapt(limit.dt)?;
                 0.0
             }
-            None if simulation.integrator.is_implicit() && limit.largest_frequency > 0.0 => {
-                implicit::LONG_STEP * 2.0 / limit.largest_frequency
-            }
-            None if limit.dt.is_finite() => (settings.margin * limit.dt).min(simulation.in_rest(&limit)),
+            None if is_implicit && limit.largest_frequency > 0.0 => implicit::LONG_STEP * 2.0 / limit.largest_frequency,
+            None if limit.dt.is_finite() => (settings.margin * limit.dt).min(simulation.resonance_bound(&limit)),
             None => return Err(Error::NoStiffness),
         };
         Ok(simulation)
@@ -207,7 +213,7 @@ impl Simulation {
         self.adaptive.as_ref().map_or(self.dt, |adaptive| adaptive.controller.dt)
     }
 
-    /// Changes the step; steps are counted anew from now, in the ledger's same energy_terms. An adaptive run tries it next.
+    /// Changes the step; steps are counted anew from now, in the same ledger. An adaptive run tries it next.
     ///
     /// # Errors
     /// `OutOfRange`.
@@ -240,14 +246,23 @@ impl Simulation {
         self.integrator.as_ref()
     }
 
+    /// What is known of the method.
+    fn properties(&self) -> Properties {
+        self.integrator.properties()
+    }
+
+    fn name(&self) -> &'static str {
+        self.properties().name
+    }
+
     /// The angle that the hub has turned since t = 0 \[rad\].
     pub fn hub_angle(&self) -> f64 {
-        self.spin.angle_at(self.time())
+        self.instant().frame.angle
     }
 
     /// The vector instructions that the kernels run with.
-    pub fn width(&self) -> InstructionSet {
-        self.settings.width
+    pub fn instructions(&self) -> InstructionSet {
+        self.settings.instructions
     }
 
     /// The laws, in the order of `Ledger::work` and `EnergyTerms::stored`.
@@ -257,17 +272,17 @@ impl Simulation {
 
     /// Node masses, in the caller's numbering \[kg\].
     pub fn masses(&self) -> Vec<f64> {
-        self.layout.external_values(&self.mechanics.masses)
+        self.numbering.external_values(&self.mechanics.masses)
     }
 
     /// Positions, in the caller's numbering \[m\].
     pub fn positions(&self) -> Vec<[f64; 3]> {
-        self.layout.external_vectors(&self.state.positions)
+        self.numbering.external_vectors(&self.state.positions)
     }
 
     /// Velocities relative to the turning frame, in the caller's numbering \[m/s\].
     pub fn velocities(&self) -> Vec<[f64; 3]> {
-        self.layout.external_vectors(&self.state.velocities)
+        self.numbering.external_vectors(&self.state.velocities)
     }
 
     /// Sets positions and velocities, in the caller's numbering, and opens the ledger anew. Held nodes stay at rest.
@@ -281,14 +296,15 @@ impl Simulation {
                 return Err(Error::LengthMismatch { what, found: rows.len(), expected, per: "node" });
             }
         }
-        crate::model::mesh::check_finite("the position", positions)?;
-        crate::model::mesh::check_finite("the velocity", velocities)?;
+        check_finite("the position", positions)?;
+        check_finite("the velocity", velocities)?;
         self.state = State {
-            positions: self.layout.internal_vectors(positions),
-            velocities: self.layout.internal_vectors(velocities),
+            positions: self.numbering.internal_vectors(positions),
+            velocities: self.numbering.internal_vectors(velocities),
         };
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
         self.integrator.restore_history(History::default());
+        self.mechanics.restore_histories(&[]);
         self.restart_adaptive();
         self.ledger = Ledger::open(self.energy_terms());
         self.keep(self.ledger.start.clone());
@@ -300,16 +316,16 @@ impl Simulation {
         &self.ledger
     }
 
-    /// The energy_terms now.
+    /// The energy terms now.
     pub fn energy_terms(&self) -> EnergyTerms {
-        EnergyTerms::take(&self.mechanics.laws, &self.mechanics.masses, self.time(), &self.state)
+        self.mechanics.energy_terms(self.time(), &self.state)
     }
 
     /// Forces of one law, or of all, in the caller's numbering \[N\].
     ///
     /// # Errors
     /// `UnknownName`, with the laws there are.
-    pub fn forces(&self, name: Option<&str>) -> Result<Vec<[f64; 3]>> {
+    pub fn forces(&mut self, name: Option<&str>) -> Result<Vec<[f64; 3]>> {
         let laws = &self.mechanics.laws;
         if let Some(name) = name
             && !laws.iter().any(|law| law.name() == name)
@@ -317,16 +333,20 @@ impl Simulation {
             let known = laws.iter().map(|law| law.name()).collect::<Vec<_>>().join(", ");
             return Err(Error::UnknownName { what: "law in this scene", name: name.to_owned(), known });
         }
+        let rows: Vec<usize> =
+            (0..laws.len()).filter(|&row| name.is_none_or(|name| laws[row].name() == name)).collect();
         let mut forces = NodeVectors::zeros(self.mechanics.masses.len());
-        for law in laws.iter().filter(|law| name.is_none_or(|name| law.name() == name)) {
-            law.add_forces(self.instant(), &mut forces);
+        let at = Instant::new(self.state.at(self.time()), self.mechanics.spin);
+        for row in rows {
+            self.mechanics.add_forces_of(row, at, &mut forces);
         }
-        Ok(self.layout.external_vectors(&forces))
+        Ok(self.numbering.external_vectors(&forces))
     }
 
     /// What there is to read off the elements of each law.
     pub fn readings(&self) -> impl Iterator<Item = (&'static str, Readings)> {
-        self.mechanics.laws.iter().map(|law| (law.name(), law.readings(self.instant())))
+        let inspected = self.mechanics.laws.iter().filter_map(|law| Some((law.name(), law.inspection()?)));
+        inspected.map(|(name, law)| (name, law.readings(self.instant())))
     }
 
     /// The limit of the step at the current positions.
@@ -339,12 +359,12 @@ impl Simulation {
 
     /// The caller's number of the core's node `inside`.
     pub fn to_external(&self, inside: usize) -> usize {
-        self.layout.to_external(inside)
+        self.numbering.to_external(inside)
     }
 
     /// The limiting part in words.
     pub fn part(&self, limit: &Limit) -> String {
-        format!("{} near node {}", limit.law, self.layout.to_external(limit.node))
+        format!("{} near node {}", limit.law, self.numbering.to_external(limit.node))
     }
 
     /// Takes `count` steps, checking as it goes.
@@ -378,7 +398,7 @@ impl Simulation {
     }
 
     fn instant(&self) -> Instant<'_> {
-        Instant { time: self.time(), positions: &self.state.positions, velocities: &self.state.velocities }
+        self.mechanics.instant(self.state.at(self.time()))
     }
 
     /// Evaluations of the forces while stepping.

@@ -1,16 +1,16 @@
-//! The watch: when it looks, how it finds the first fault, and the way back to the last good state. What is wrong and
+//! The monitor: when it checks, how it finds the first fault, and the way back to the last good state. What is wrong and
 //! why is said in `diagnosis`.
 
 use std::ops::Range;
 
 use super::Simulation;
 use super::diagnosis::Fault;
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::{NodeVectors, PhasePoint};
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::EnergyTerms;
 
 impl Simulation {
-    /// Looks for values that are not finite, springs over their bound, and energy from nowhere, between two regular
+    /// Looks for values that are not finite, elements beyond their bound, and spurious gain, between two regular
     /// checks: it leaves no trace in the ledger, so that looking on changes nothing.
     ///
     /// # Errors
@@ -32,7 +32,7 @@ impl Simulation {
         let Some(mut fault) = self.fault(now) else {
             return Ok(());
         };
-        // Books that do not balance have no first instant; what is wrong for certain has.
+        // An energy balance that does not close has no first instant; what is wrong for certain has.
         if self.adaptive.is_none() && fault.is_certain {
             fault = self.first_fault().unwrap_or(fault);
         }
@@ -55,23 +55,27 @@ impl Simulation {
                 if let Some(fault) = self.certain_fault(&now) {
                     return Some(fault);
                 }
-            } else if let Some((k, node, size)) = self.largest_force(
-                Instant { time, positions: &before.positions, velocities: &before.velocities },
-                0..before.positions.nrows(),
-            ) {
-                let place = format!("node {}, on which that law acts with {size:.3e} N", self.layout.to_external(node));
-                return Some(self.told("a position or velocity is no longer finite".to_owned(), place, Some(k), &now));
+            } else if let Some((k, node, size)) = self.largest_force(before.at(time), 0..before.positions.nrows()) {
+                let place =
+                    format!("node {}, on which that law acts with {size:.3e} N", self.numbering.to_external(node));
+                return Some(self.described(
+                    "a position or velocity is no longer finite".to_owned(),
+                    place,
+                    Some(k),
+                    &now,
+                ));
             }
         }
         None
     }
 
-    /// The law with the largest finite force on any of `nodes` at `at`, the node it acts on, and the force [N].
-    pub(super) fn largest_force(&self, at: Instant<'_>, nodes: Range<usize>) -> Option<(usize, usize, f64)> {
+    /// The law with the largest finite force on any of `nodes` at a point, the node it acts on, and the force [N].
+    pub(super) fn largest_force(&mut self, point: PhasePoint<'_>, nodes: Range<usize>) -> Option<(usize, usize, f64)> {
         let mut largest: Option<(usize, usize, f64)> = None;
-        for (k, law) in self.mechanics.laws.iter().enumerate() {
+        let at = self.mechanics.instant(point);
+        for k in 0..self.mechanics.laws.len() {
             let mut forces = NodeVectors::zeros(at.positions.nrows());
-            law.add_forces(at, &mut forces);
+            self.mechanics.add_forces_of(k, at, &mut forces);
             for node in nodes.clone() {
                 let size = forces.row(node).norm();
                 if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
@@ -87,6 +91,7 @@ impl Simulation {
         let good = &self.good;
         (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
         self.integrator.restore_history(good.history.clone());
+        self.mechanics.restore_histories(&good.law_histories);
     }
 
     /// Sets the state back to that of the last good check, and says why.
@@ -106,5 +111,6 @@ impl Simulation {
         self.good.state.velocities.copy_from(&self.state.velocities);
         self.good.work.copy_from_slice(&self.ledger.work);
         (self.good.energy_terms, self.good.history) = (energy_terms, self.integrator.history());
+        self.good.law_histories = self.mechanics.histories();
     }
 }

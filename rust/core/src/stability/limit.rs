@@ -2,13 +2,14 @@
 //!
 //! The stiffness matrix K is the sum of what every law can show at its stiffest at the current positions: all springs
 //! taut, all creases in contact, all contacts closed. The largest eigenvalues of M^-1/2 K M^-1/2 and M^-1/2 C M^-1/2 come
-//! from Lanczos's method (1950) with a fixed start; the mode is formed in a second pass, so that memory stays small.
+//! from Lanczos's method.
 
 use super::oscillator::{Mode, largest_step};
 use super::quadratic_eigenproblem;
-use crate::arrays::state::{Instant, NodeVectors};
+use crate::arrays::state::NodeVectors;
 use crate::error::Result;
 use crate::integrators::Integrator;
+use crate::laws::Instant;
 use crate::laws::Law;
 use crate::linear::lanczos::{Product, largest, quotient};
 
@@ -38,28 +39,30 @@ pub(super) struct Linear<'a> {
 /// The limit of `integrator` for these laws at this instant.
 ///
 /// Without damping the mode of the largest frequency sets it. With damping it may be a mode that is neither the
-/// stiffest nor the most damped one; see `damped`.
+/// stiffest nor the most damped one; see `quadratic_eigenproblem`.
 ///
 /// # Errors
 /// `NotFinite` where an eigenvalue is not, which takes coordinates that are not.
 pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, inverse_masses: &[f64]) -> Result<Limit> {
+    let linearised = || laws.iter().filter_map(|law| law.linearisation());
     let stiffness =
-        |p: &NodeVectors, out: &mut NodeVectors| laws.iter().for_each(|law| law.add_stiffness_product(at, p, out));
+        |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_stiffness_product(at, p, out));
     let damping =
-        |p: &NodeVectors, out: &mut NodeVectors| laws.iter().for_each(|law| law.add_damping_product(at, p, out));
+        |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_damping_product(at, p, out));
     let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
     let (square, stiffest) = largest(&stiffness, &roots)?;
     let (rate, most_damped) = largest(&damping, &roots)?;
     // Coriolis acts with 2 Omega; what turns against the frame turns faster by Omega.
-    let turning_of = |law: &dyn Law| 0.5 * law.coriolis_rate(at.time).abs();
+    let turning_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
     let turning = laws.iter().map(|law| turning_of(*law)).fold(0.0, f64::max);
     let omega = square.max(0.0).sqrt();
     let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
-    let (dt, mode, pace) = if integrator.is_implicit() {
+    let properties = integrator.properties();
+    let (dt, mode, pace) = if properties.is_implicit {
         (f64::INFINITY, stiffest, omega)
     } else if rate > 0.0 {
         let start = [stiffest, most_damped];
-        match integrator.damping_weight() {
+        match properties.damping_weight {
             Some(weight) => quadratic_eigenproblem::worst_of_sum(integrator, &system, start, weight)?,
             None => quadratic_eigenproblem::worst(integrator, &system, start, omega.max(rate))?,
         }
@@ -68,8 +71,9 @@ pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, in
     };
     // The law with the largest share of the mode's stiffness and damping; the frame's, where its turning is faster.
     let share = |law: &dyn Law| {
-        let elastic = quotient(&|p, out| law.add_stiffness_product(at, p, out), &roots, &mode);
-        let viscous = quotient(&|p, out| law.add_damping_product(at, p, out), &roots, &mode);
+        let Some(own) = law.linearisation() else { return 0.0 };
+        let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &roots, &mode);
+        let viscous = quotient(&|p, out| own.add_damping_product(at, p, out), &roots, &mode);
         elastic + pace * viscous + turning_of(law).powi(2)
     };
     let law = laws.iter().max_by(|a, b| share(**a).total_cmp(&share(**b))).map_or("nothing", |law| law.name());

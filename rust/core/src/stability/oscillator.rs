@@ -11,7 +11,7 @@ pub(crate) struct Mode {
 
 /// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
 pub(super) fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
-    if integrator.is_implicit() {
+    if integrator.properties().is_implicit {
         return f64::INFINITY;
     }
     let Mode { omega, damping } = mode;
@@ -43,14 +43,14 @@ pub fn axis_limits(integrator: &dyn Integrator) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrators::by_name;
+    use crate::integrators::{Options, by_name};
 
     #[test]
     fn limits_on_the_axes_are_those_of_the_textbook() {
         let known =
             [("rk4", 8.0_f64.sqrt(), 2.785_293_563_4), ("leapfrog", 2.0, 1.0), ("dopri5", 0.997_189, 3.306_568)];
         for (name, on_imaginary_axis, on_real_axis) in known {
-            let method = by_name(name, 1, 0, crate::simd::dispatch::InstructionSet::Baseline).unwrap();
+            let method = (by_name(name).unwrap().make)(&Options::default());
             let [imaginary, real] = axis_limits(method.as_ref());
             assert!((imaginary - on_imaginary_axis).abs() < 1e-4, "{name}: {imaginary}");
             assert!((real - on_real_axis).abs() < 1e-4, "{name}: {real}");
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn damping_shortens_the_step_of_leapfrog_by_the_closed_form() {
-        let leapfrog = by_name("leapfrog", 1, 0, crate::simd::dispatch::InstructionSet::Baseline).unwrap();
+        let leapfrog = (by_name("leapfrog").unwrap().make)(&Options::default());
         for ratio in [0.0, 0.02, 0.1, 0.5, 1.0, 2.0, 10.0] {
             let found = largest_step(leapfrog.as_ref(), Mode { omega: 3.0, damping: 6.0 * ratio });
             let exact = 2.0 * ((4.0 * ratio * ratio + 1.0).sqrt() - 2.0 * ratio) / 3.0;

@@ -2,12 +2,19 @@
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
 pub mod sail;
+pub mod toys;
 
+use membrane_core::arrays::state::{NodeVectors, State};
+use membrane_core::assembly::Assembly;
+use membrane_core::evaluation::plan::Plan;
+use membrane_core::integrators::{METHODS, Method};
 use membrane_core::laws::{
-    AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
-    TriangleParameters,
+    self, CreaseParameters, FilmElements, GravityParameters, Instant, Law, LawSpec, SpinParameters,
 };
+use membrane_core::model::frame::Spin;
 use membrane_core::model::input::{Cord, Film, Model};
+use membrane_core::simd::dispatch::InstructionSet;
+use membrane_core::simulation::{Settings, Setup, Simulation};
 
 /// A small deterministic generator of numbers in -1 .. 1.
 pub struct Dice(pub u64);
@@ -66,78 +73,118 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
     }
 }
 
-/// One of every law that a scene can choose; the film is a net of springs.
+/// One of every law in the list; the film is a net of springs.
 pub fn every_law() -> Vec<LawSpec> {
-    every_law_with(springs())
+    every_law_with(film(FilmElements::Links))
 }
 
-/// The films that a scene chooses from, by name.
-pub fn films() -> [(&'static str, LawSpec); 2] {
-    [("springs", springs()), ("triangles", triangles())]
+/// The laws in the list that model the film.
+pub fn films() -> impl Iterator<Item = LawSpec> {
+    LawSpec::examples().into_iter().filter(|law| law.film().is_some())
 }
 
-/// One of every law that a scene can choose, with this film.
+/// The film of these elements.
+pub fn film(elements: FilmElements) -> LawSpec {
+    films().find(|law| law.film() == Some(elements)).unwrap()
+}
+
+/// One of every law in the list, with this film.
 pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
-    vec![
-        film,
-        LawSpec::SpringDamping(0.02.into()),
-        creases(1.0),
-        drag(),
-        spin(),
-        gravity(),
-        spool(),
-        LawSpec::MassDamping(3.0),
-    ]
+    let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
+    [film].into_iter().chain(others).collect()
 }
 
 pub fn springs() -> LawSpec {
-    LawSpec::Springs(SpringParameters {
-        buckling: 100.0,
-        buckling_on_creases: 1000.0,
-        buckling_length: None,
-        crease_length: None,
-        strain_limit: 1e9,
-    })
-}
-
-pub fn triangles() -> LawSpec {
-    LawSpec::Triangles(TriangleParameters {
-        compression: 0.1,
-        buckling: 100.0,
-        buckling_on_creases: 1000.0,
-        buckling_length: None,
-        crease_length: None,
-        strain_limit: 1e9,
-    })
+    film(FilmElements::Links)
 }
 
 pub fn creases(natural_angle: f64) -> LawSpec {
-    LawSpec::Creases(CreaseParameters {
-        stiffness: 10.0,
-        contact_penalty: 100.0,
-        natural_angle,
-        length_scale: None,
-        collapse: 0.05,
-    })
+    LawSpec::examples()
+        .into_iter()
+        .find_map(|law| match law {
+            LawSpec::Creases(parameters) => Some(LawSpec::Creases(CreaseParameters { natural_angle, ..parameters })),
+            _ => None,
+        })
+        .unwrap()
 }
 
-pub fn drag() -> LawSpec {
-    LawSpec::AirDrag(AirDragParameters { pressure: 1e5, temperature: 293.0, air: AirMotion::Still })
+/// A hub that turns at `rate` \[rad/s\] and speeds up.
+pub fn spin(rate: f64, acceleration: f64) -> LawSpec {
+    use std::f64::consts::TAU;
+    SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU }.into()
 }
 
-pub fn spin() -> LawSpec {
-    LawSpec::Spin(Spin { rate: 18.0, acceleration: -2.0 })
+pub fn gravity(acceleration: [f64; 3]) -> LawSpec {
+    GravityParameters { acceleration }.into()
 }
 
-pub fn gravity() -> LawSpec {
-    LawSpec::Gravity([1.0, -2.0, -9.81])
+/// The methods in the list, and one that stands in none.
+pub fn methods() -> impl Iterator<Item = Method> {
+    METHODS.iter().copied().chain([toys::SEMI_IMPLICIT_EULER])
 }
 
-pub fn spool() -> LawSpec {
-    LawSpec::SpoolContact(SpoolContactParameters {
-        radius: 0.03,
-        stiffness: 200.0,
-        half_height: Some(0.02),
-        membrane: true,
-    })
+/// A scene with these laws, by a method from the list or beside it, with more laws or none.
+pub fn simulation_of(
+    model: Model,
+    specs: &[LawSpec],
+    method: Method,
+    dt: Option<f64>,
+    settings: Settings,
+    more: fn(&Assembly) -> Vec<Box<dyn Law>>,
+) -> Simulation {
+    let assembly = Assembly::new(model, settings.instructions).unwrap();
+    let mut laws = laws::build(specs, &assembly).unwrap();
+    laws.extend(more(&assembly));
+    Simulation::with(Setup { assembly, laws, spin: laws::spin_of(specs), method, dt, limit: None }, settings).unwrap()
+}
+
+/// A model with its laws built, moved to some state: laws as such, one by one.
+pub struct Bench {
+    pub assembly: Assembly,
+    pub laws: Vec<Box<dyn Law>>,
+    pub spin: Spin,
+    pub time: f64,
+    pub state: State,
+}
+
+impl Bench {
+    pub fn new(model: Model, specs: &[LawSpec]) -> Self {
+        let assembly = Assembly::new(model, InstructionSet::widest()).unwrap();
+        // A law that stands in no list goes wherever those in the list go.
+        let mut laws = laws::build(specs, &assembly).unwrap();
+        laws.push(Box::new(toys::WearingFriction::new(&assembly)));
+        let internal = |rows: &[[f64; 3]]| assembly.numbering.internal_vectors(rows);
+        let state =
+            State { positions: internal(&assembly.model.positions), velocities: internal(&assembly.model.velocities) };
+        Self { laws, spin: laws::spin_of(specs), time: 0.3, state, assembly }
+    }
+
+    /// A sheet of 4 x 3 squares of 1 cm, crumpled by `size` and in motion, with these laws.
+    pub fn crumpled(specs: &[LawSpec], seed: u64, size: f64) -> Self {
+        let mut dice = Dice(seed);
+        let mut model = sheet(4, 3, 0.01);
+        for (point, kick) in model.positions.iter_mut().zip(dice.vectors(100, size)) {
+            (0..3).for_each(|axis| point[axis] += kick[axis]);
+        }
+        model.velocities = dice.vectors(model.positions.len(), 1.0);
+        Self::new(model, specs)
+    }
+
+    /// Forces \[N\] and power \[W\] of one law in a state.
+    pub fn evaluate(&mut self, row: usize, time: f64, state: &State) -> (NodeVectors, f64) {
+        let (mut forces, mut powers) = (NodeVectors::zeros(state.positions.nrows()), vec![0.0; self.laws.len()]);
+        let at = Instant::new(state.at(time), self.spin);
+        let plan = Plan::new(&mut self.laws);
+        plan.add_taken(&mut self.laws, |other| other == row, at, &mut forces, &mut powers);
+        (forces, powers[row])
+    }
+
+    pub fn instant(&self) -> Instant<'_> {
+        Instant::new(self.state.at(self.time), self.spin)
+    }
+
+    /// Random vectors, one per node.
+    pub fn vectors(&self, seed: u64, size: f64) -> NodeVectors {
+        self.assembly.numbering.internal_vectors(&Dice(seed).vectors(self.state.positions.nrows(), size))
+    }
 }

@@ -2,11 +2,15 @@
 //! layout "ruled", node for node, but leaning a little in place of stowed; tethers and laws as in the built-in scene.
 
 use super::{Dice, FILM};
+use membrane_core::assembly::Assembly;
+use membrane_core::integrators::by_name;
 use membrane_core::laws::{
-    AirDragParameters, AirMotion, CreaseParameters, LawSpec, Spin, SpoolContactParameters, SpringParameters,
+    AirDragParameters, AirMotion, CreaseParameters, LawSpec, SpinParameters, SpoolContactParameters, SpringParameters,
+    build, spin_of,
 };
 use membrane_core::model::input::{Cord, Model};
-use std::f64::consts::TAU;
+use membrane_core::simulation::{Settings, Setup, Simulation};
+use membrane_core::stability::Limit;
 
 /// Half the inner and half the outer width [m].
 const INNER: f64 = 0.0515;
@@ -120,28 +124,33 @@ fn add_tethers(model: &mut Model, corners: [u32; 4]) {
 /// The laws of model 1, with no bound on the strain of springs.
 pub fn laws() -> Vec<LawSpec> {
     vec![
-        LawSpec::Springs(SpringParameters {
+        SpringParameters {
             buckling: 100.0,
             buckling_on_creases: 1000.0,
             buckling_length: None,
             crease_length: None,
             strain_limit: 1e9,
-        }),
+        }
+        .into(),
         LawSpec::SpringDamping(0.02.into()),
-        LawSpec::Creases(CreaseParameters {
+        CreaseParameters {
             stiffness: 10.0,
             contact_penalty: 100.0,
             natural_angle: 0.0,
             length_scale: None,
             collapse: 0.05,
-        }),
-        LawSpec::AirDrag(AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still }),
-        LawSpec::Spin(Spin { rate: 3.0 * TAU, acceleration: 0.0 }),
-        LawSpec::SpoolContact(SpoolContactParameters {
-            radius: SPOOL,
-            stiffness: 200.0,
-            half_height: None,
-            membrane: false,
-        }),
+        }
+        .into(),
+        AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still }.into(),
+        SpinParameters { frequency: 3.0, acceleration: 0.0 }.into(),
+        SpoolContactParameters { radius: SPOOL, stiffness: 200.0, half_height: None, membrane: false }.into(),
     ]
+}
+
+/// The sail with these laws, where the limit of the step is known or not.
+pub fn simulation(model: Model, method: &str, dt: Option<f64>, settings: Settings, limit: Option<Limit>) -> Simulation {
+    let assembly = Assembly::new(model, settings.instructions).unwrap();
+    let (specs, method) = (laws(), by_name(method).unwrap());
+    let (spin, laws) = (spin_of(&specs), build(&specs, &assembly).unwrap());
+    Simulation::with(Setup { assembly, laws, spin, method, dt, limit }, settings).unwrap()
 }

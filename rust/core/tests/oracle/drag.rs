@@ -1,6 +1,6 @@
 //! Drag of the air on triangles.
 
-use super::{Motion, Oracle, SimdF64, add, cross, dot, sub};
+use super::{Motion, Oracle, Vec3, add, cross, dot, sub};
 
 impl Oracle {
     /// Drag on each node of each triangle, and its power.
@@ -10,7 +10,7 @@ impl Oracle {
         let mut power = 0.0;
         for nodes in &self.triangles {
             let nodes = nodes.map(|node| node as usize);
-            let [a, b, c]: [SimdF64; 3] = nodes.map(|node| positions[node]);
+            let [a, b, c]: [Vec3; 3] = nodes.map(|node| positions[node]);
             let normal = cross(sub(b, a), sub(c, a));
             for node in nodes {
                 let ([x, y, _], [u, v, w]) = (positions[node], velocities[node]);

@@ -11,32 +11,32 @@ mod springs;
 pub mod steps;
 
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::LawSpec;
+use membrane_core::laws::{LawSpec, spin_of};
 
-pub type SimdF64 = [f64; 3];
+pub type Vec3 = [f64; 3];
 
 #[inline]
-pub fn sub(a: SimdF64, b: SimdF64) -> SimdF64 {
+pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline]
-pub fn scale(s: f64, a: SimdF64) -> SimdF64 {
+pub fn scale(s: f64, a: Vec3) -> Vec3 {
     [s * a[0], s * a[1], s * a[2]]
 }
 
 #[inline]
-pub fn dot(a: SimdF64, b: SimdF64) -> f64 {
+pub fn dot(a: Vec3, b: Vec3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline]
-pub fn cross(a: SimdF64, b: SimdF64) -> SimdF64 {
+pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
-pub fn add(to: &mut SimdF64, s: f64, a: SimdF64) {
+pub fn add(to: &mut Vec3, s: f64, a: Vec3) {
     for axis in 0..3 {
         to[axis] += s * a[axis];
     }
@@ -44,9 +44,9 @@ pub fn add(to: &mut SimdF64, s: f64, a: SimdF64) {
 
 /// Where nodes are, how they move, and what acts on them.
 pub struct Motion {
-    pub positions: Vec<SimdF64>,
-    pub velocities: Vec<SimdF64>,
-    pub forces: Vec<SimdF64>,
+    pub positions: Vec<Vec3>,
+    pub velocities: Vec<Vec3>,
+    pub forces: Vec<Vec3>,
 }
 
 impl Motion {
@@ -75,10 +75,10 @@ pub struct Oracle {
 }
 
 /// The parts of an evaluation, by the names of the laws that each stands for.
-pub type RateGroup = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
+pub type Part = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
 
 impl Oracle {
-    pub const PARTS: [RateGroup; 5] = [
+    pub const PARTS: [Part; 5] = [
         ("springs, tethers and dashpots", &["springs", "tethers", "spring_damping"], Self::pull),
         ("creases", &["creases"], Self::fold),
         ("drag", &["air_drag"], Self::resist),
@@ -89,7 +89,7 @@ impl Oracle {
     /// The same scene as the kernels'; its air is at rest.
     pub fn new(laws: &[LawSpec], assembly: &Assembly) -> Self {
         let model = &assembly.model;
-        let masses = assembly.layout.external_values(&assembly.masses);
+        let masses = assembly.numbering.external_values(&assembly.masses);
         let mut oracle = Self {
             springs: Vec::new(),
             creases: Vec::new(),
@@ -101,6 +101,8 @@ impl Oracle {
             contact_nodes: model.contact_nodes.clone(),
             masses,
         };
+        let spin = spin_of(laws);
+        (oracle.spin, oracle.drag.1) = ((spin.rate, spin.acceleration), spin.rate);
         let mut damping = 0.0;
         for law in laws {
             match law {
@@ -114,7 +116,7 @@ impl Oracle {
                     oracle.drag.0 = parameters.pressure / (287.0 * parameters.temperature) / 12.0;
                     oracle.triangles.clone_from(&model.triangles);
                 }
-                LawSpec::Spin(spin) => (oracle.spin, oracle.drag.1) = ((spin.rate, spin.acceleration), spin.rate),
+                LawSpec::Spin(_) => {}
                 LawSpec::SpoolContact(parameters) => oracle.spool = (parameters.radius, parameters.stiffness),
                 other => unreachable!("the oracle knows the laws of model 1, not {other:?}"),
             }

@@ -3,7 +3,7 @@
 
 use membrane_core::assembly::Assembly;
 
-use super::{Motion, Oracle, SimdF64, add, scale, sub};
+use super::{Motion, Oracle, Vec3, add, scale, sub};
 
 /// The names of the methods, as users have them.
 pub const METHODS: [&str; 2] = ["rk4", "leapfrog"];
@@ -14,10 +14,10 @@ pub struct Stepper {
     inverse_masses: Vec<f64>,
     pub motion: Motion,
     /// What a step began with, and the sums of its stages.
-    start: [Vec<SimdF64>; 2],
-    sums: [Vec<SimdF64>; 2],
+    start: [Vec<Vec3>; 2],
+    sums: [Vec<Vec3>; 2],
     /// Leapfrog's accelerations at the end of the last step.
-    accelerations: Option<Vec<SimdF64>>,
+    accelerations: Option<Vec<Vec3>>,
     /// Work of dashpots and drag [J].
     pub work: f64,
 }
@@ -27,7 +27,7 @@ impl Stepper {
         let Motion { positions, velocities, forces } = Motion::of(assembly);
         Self {
             oracle,
-            inverse_masses: assembly.layout.external_values(&assembly.inverse_masses),
+            inverse_masses: assembly.numbering.external_values(&assembly.inverse_masses),
             start: [positions.clone(), velocities.clone()],
             sums: [forces.clone(), forces.clone()],
             motion: Motion { positions, velocities, forces },

@@ -8,16 +8,16 @@ use nalgebra::Matrix3;
 
 use super::AirDrag;
 use crate::arrays::jacobian::{Block, JacobianBlocks, at};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 
 impl AirDrag {
     pub(super) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        let rate = self.spin.rate_at(instant.time);
+        let rate = self.rate(instant.frame);
         let turning = Matrix3::new(0.0, -rate, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (batch, lane, nodes) in self.elements.each() {
+        for (batch, lane, nodes) in self.facets.elements.each() {
             let r = nodes.map(|node| at(instant.positions, node));
             let (to_b, to_c) = (r[1] - r[0], r[2] - r[0]);
-            let (normal, factor) = (to_b.cross(&to_c), self.factor * self.presence[batch].0[lane]);
+            let (normal, factor) = (to_b.cross(&to_c), self.factor * self.facets.presence[batch].0[lane]);
             for k in 0..3 {
                 let wind = at(instant.velocities, nodes[k]) + turning * r[k];
                 let flow = normal.dot(&wind);

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::{Creases, Parameters};
 use crate::arrays::jacobian::{JacobianBlocks, at, crossing, of_differences};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 use crate::simd::lanes::F64x8;
 
 type Square = SMatrix<f64, 9, 9>;

@@ -5,14 +5,14 @@
 
 use super::SpringDamping;
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, of_link};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 
 impl SpringDamping {
     pub(super) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         if let Some(film) = &self.film {
             film.jacobian(instant, jacobian);
         }
-        let dashpots = self.networks.iter().flat_map(|net| net.elements.each().map(move |place| (net, place)));
+        let dashpots = self.networks.iter().flat_map(|net| net.links.elements.each().map(move |place| (net, place)));
         for (net, (batch, lane, nodes)) in dashpots {
             let [i, j] = nodes;
             let d = at(instant.positions, j) - at(instant.positions, i);

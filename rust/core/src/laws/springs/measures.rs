@@ -6,16 +6,16 @@ use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{SimdF64, dot, negate, scale, sub, sum};
 
 /// Gives the energy stored in springs.
-pub(super) struct Store<'a> {
+pub(super) struct EnergyKernel<'a> {
     pub(super) springs: &'a Springs,
     pub(super) tile: usize,
     pub(super) positions: Columns<'a>,
 }
 
-impl BatchKernel for Store<'_> {
+impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.springs.parameters);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
@@ -31,16 +31,16 @@ impl BatchKernel for Store<'_> {
 }
 
 /// Counts the springs beyond their bound.
-pub(super) struct Exceed<'a> {
+pub(super) struct ExcessKernel<'a> {
     pub(super) springs: &'a Springs,
     pub(super) tile: usize,
     pub(super) positions: Columns<'a>,
 }
 
-impl BatchKernel for Exceed<'_> {
+impl BatchKernel for ExcessKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
         let mut count = V::zero();
         for batch in 0..pass.len() {
@@ -54,7 +54,7 @@ impl BatchKernel for Exceed<'_> {
 }
 
 /// Adds K p, with K of every spring taut.
-pub(super) struct Stiffen<'a> {
+pub(super) struct StiffnessKernel<'a> {
     pub(super) springs: &'a Springs,
     pub(super) tile: usize,
     pub(super) positions: Columns<'a>,
@@ -62,10 +62,10 @@ pub(super) struct Stiffen<'a> {
     pub(super) out: ColumnsMut<'a>,
 }
 
-impl BatchKernel for Stiffen<'_> {
+impl BatchKernel for StiffnessKernel<'_> {
     #[inline(always)]
     fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.springs.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.springs.parameters);
         let least = V::all(f64::MIN_POSITIVE);
         for batch in 0..pass.len() {

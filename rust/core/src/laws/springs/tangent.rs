@@ -7,11 +7,11 @@
 
 use super::{Parameters, Springs};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, of_link};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 
 impl Springs {
     pub(super) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        for (batch, lane, nodes) in self.elements.each() {
+        for (batch, lane, nodes) in self.links.elements.each() {
             let d = at(instant.positions, nodes[1]) - at(instant.positions, nodes[0]);
             let Parameters { stiffness, rest_length, critical_length } = self.parameters[batch];
             let [k, rest, critical] = [stiffness, rest_length, critical_length].map(|values| values.0[lane]);

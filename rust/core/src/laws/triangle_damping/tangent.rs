@@ -3,7 +3,7 @@
 
 use super::TriangleDamping;
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 
 impl TriangleDamping {
     pub(in crate::laws) fn nodes(&self, visit: &mut dyn FnMut(&[u32])) {

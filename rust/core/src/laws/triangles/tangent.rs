@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 
 use super::{Triangles, Wrinkles};
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
-use crate::arrays::state::Instant;
+use crate::laws::Instant;
 use crate::simd::lanes::{F64x8, SimdF64};
 
 impl Triangles {

@@ -1,0 +1,130 @@
+//! What leapfrog and its substeps share: the drift with its prediction, the kick with Boris's rotation, the amplification.
+
+use nalgebra::Matrix3;
+
+use super::System;
+use crate::arrays::blocks::{row_blocks, rows_of, tiles};
+use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, each};
+
+/// The drift, and the prediction in place of the velocity.
+pub(super) struct Drift {
+    pub(super) dt: f64,
+}
+
+impl Formula<1, 2> for Drift {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [a]: [V; 1], [x, v]: [V; 2]) -> [V; 2] {
+        let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
+        let kicked = v + half * a;
+        [x + dt * kicked, kicked + half * a]
+    }
+}
+
+/// The velocity from its prediction, without coriolis_rate: v = p + dt/2 (a' - a). Then a' stands in place of a.
+struct Correct {
+    half: f64,
+}
+
+impl Formula<1, 2> for Correct {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [new]: [V; 1], [a, p]: [V; 2]) -> [V; 2] {
+        [new, p + V::all(self.half) * (new - a)]
+    }
+}
+
+/// The same with coriolis_rate, in x and y.
+struct Boris {
+    half: f64,
+    rate: f64,
+}
+
+impl Formula<2, 4> for Boris {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [new_x, new_y]: [V; 2], [ax, ay, px, py]: [V; 4]) -> [V; 4] {
+        let h = self.rate * self.half;
+        let (half, rate, scale, h) = (V::all(self.half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
+        let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
+        let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
+        [new_x + rate * dy, new_y - rate * dx, px + dx, py + dy]
+    }
+}
+
+/// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
+pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
+    // One step of (x, dt v, dt^2 a).
+    let (z, c) = ((omega * dt).powi(2), damping * dt);
+    let step = Matrix3::new(
+        1.0,
+        1.0,
+        0.5,
+        -0.5 * z,
+        1.0 - 0.5 * z - 0.5 * c,
+        0.5 - 0.25 * z - 0.5 * c,
+        -z,
+        -z - c,
+        -0.5 * z - c,
+    );
+    step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+/// Accelerations at the first instant, and each law's power with them.
+pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
+    let count = accelerations.nrows();
+    for tile in tiles(count) {
+        system.accumulate_forces(tile, at, powers);
+        for range in row_blocks(rows_of(tile, count)) {
+            system.accelerations(range.clone(), at, rows_mut(accelerations, range.clone()), powers);
+            system.row_power_at(range.clone(), rows(at.velocities, range), powers);
+        }
+    }
+    system.power_at(at, powers);
+}
+
+/// The end of a step: the state stands at `time`, its velocities as predicted.
+pub(super) struct End<'a> {
+    pub(super) time: f64,
+    /// Half of the step.
+    pub(super) half: f64,
+    /// Those at its start; then those at its end, and each law's power with them.
+    pub(super) accelerations: &'a mut NodeVectors,
+    pub(super) powers: &'a mut [f64],
+    /// Room for accelerations of one row_block of nodes.
+    pub(super) row_block: &'a mut NodeVectors,
+    pub(super) instructions: InstructionSet,
+}
+
+impl End<'_> {
+    /// Evaluates the accelerations, and corrects the velocities.
+    pub(super) fn correct(self, system: &mut dyn System, state: &mut State) {
+        let End { time, half, accelerations, powers, row_block, instructions } = self;
+        let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
+        for tile in tiles(count) {
+            system.accumulate_forces(tile, state.at(time), powers);
+            for range in row_blocks(rows_of(tile, count)) {
+                system.accelerations(range.clone(), state.at(time), rows_mut(row_block, 0..range.len()), powers);
+                let [new_x, new_y, new_z] = rows(row_block, 0..range.len());
+                let [ax, ay, az] = rows_mut(accelerations, range.clone());
+                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+                if rate == 0.0 {
+                    each(instructions, &Correct { half }, [new_x], [ax, vx]);
+                    each(instructions, &Correct { half }, [new_y], [ay, vy]);
+                } else {
+                    each(instructions, &Boris { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                }
+                each(instructions, &Correct { half }, [new_z], [az, vz]);
+                system.row_power_at(range.clone(), rows(&state.velocities, range), powers);
+            }
+        }
+        system.power_at(state.at(time), powers);
+    }
+}
+
+/// -dt^2/8 sum m a^2: what leapfrog conserves where forces are linear and undamped, minus the energy \[J\].
+pub(super) fn energy_shift(accelerations: &NodeVectors, masses: &[f64], dt: f64) -> f64 {
+    let [x, y, z] = columns(accelerations);
+    let squares = (0..masses.len()).map(|i| masses[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
+    -0.125 * dt * dt * squares.sum::<f64>()
+}

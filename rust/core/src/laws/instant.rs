@@ -1,0 +1,26 @@
+//! The instant at which laws are evaluated: the motion, and the frame in which it is seen.
+
+use crate::arrays::state::{NodeVectors, PhasePoint};
+use crate::model::frame::{Frame, Spin};
+
+/// Motion and frame at one time.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<'a> {
+    /// Time \[s\].
+    pub time: f64,
+    /// The frame that turns with the hub.
+    pub frame: Frame,
+    /// Positions \[m\].
+    pub positions: &'a NodeVectors,
+    /// Velocities relative to the frame \[m/s\].
+    pub velocities: &'a NodeVectors,
+}
+
+impl<'a> Instant<'a> {
+    /// The instant of a point, in the frame of a hub that turns so.
+    #[inline]
+    pub fn new(point: PhasePoint<'a>, spin: Spin) -> Self {
+        let PhasePoint { time, positions, velocities } = point;
+        Self { time, frame: spin.at(time), positions, velocities }
+    }
+}

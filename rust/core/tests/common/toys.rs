@@ -1,0 +1,146 @@
+//! A law and a method that stand in no list: what a contributor writes, so that the recipes of CONTRIBUTING.md are carried out
+//! whenever the tests walk the lists.
+
+use std::ops::Range;
+
+use membrane_core::arrays::history::History;
+use membrane_core::arrays::jacobian::{Block, JacobianBlocks};
+use membrane_core::arrays::state::{NodeVectors, State, rows};
+use membrane_core::assembly::Assembly;
+use membrane_core::integrators::{Integrator, Method, Options, Properties as MethodProperties, System};
+use membrane_core::laws::{Instant, Kernels, Law, Linearisation, NodalLaw, Properties, WorkClass};
+
+/// Friction that wears off with the distance that nodes have gone, F = -c v / (1 + wear): a law with a state.
+pub struct WearingFriction {
+    /// c of each node \[N s/m\].
+    coefficients: Vec<f64>,
+    /// When the wear was last added to \[s\], and the wear.
+    last: f64,
+    wear: f64,
+    /// What the power is multiplied by: 1, but for the test that finds another.
+    pub fault: f64,
+}
+
+impl WearingFriction {
+    pub fn new(assembly: &Assembly) -> Self {
+        Self { coefficients: assembly.masses.iter().map(|mass| 5.0 * mass).collect(), last: 0.0, wear: 0.0, fault: 1.0 }
+    }
+
+    fn fading(&self) -> f64 {
+        1.0 / (1.0 + self.wear)
+    }
+}
+
+impl NodalLaw for WearingFriction {
+    fn prepare(&mut self, tile: usize, at: Instant<'_>) {
+        if tile == 0 && at.time > self.last {
+            self.wear += 10.0 * (at.time - self.last) * at.velocities.amax();
+            self.last = at.time;
+        }
+    }
+
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
+        let mut power = 0.0;
+        for (force, velocity) in forces.into_iter().zip(rows(at.velocities, range.clone())) {
+            for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients[range.clone()]) {
+                *f -= c * self.fading() * v;
+                power -= self.fault * c * self.fading() * v * v;
+            }
+        }
+        power
+    }
+}
+
+impl Law for WearingFriction {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::Dissipative;
+        Properties { name: "wearing_friction", work_class, depends_on_velocity: true, is_internal: false }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
+    }
+
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
+        Some(self)
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn history(&self) -> History {
+        History { vectors: Vec::new(), numbers: vec![self.last, self.wear] }
+    }
+
+    fn restore_history(&mut self, history: History) -> bool {
+        match history.numbers[..] {
+            [] => (self.last, self.wear) = (0.0, 0.0),
+            [last, wear] => (self.last, self.wear) = (last, wear),
+            _ => return false,
+        }
+        history.vectors.is_empty()
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt"
+    }
+}
+
+impl Linearisation for WearingFriction {
+    fn add_damping_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        for (node, c) in self.coefficients.iter().enumerate() {
+            (0..3).for_each(|axis| out[(node, axis)] += c * self.fading() * p[(node, axis)]);
+        }
+    }
+
+    fn add_jacobian(&self, _at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        for (node, c) in self.coefficients.iter().enumerate() {
+            jacobian.by_velocity(node as u32, node as u32, &(Block::identity() * (-c * self.fading())));
+        }
+    }
+}
+
+/// The semi-implicit method of Euler: v' = v + dt a(t, x, v), x' = x + dt v'; order 1, stable to omega dt = 2.
+pub const SEMI_IMPLICIT_EULER: Method = Method {
+    name: "semi_implicit_euler",
+    make: |options: &Options| {
+        let accelerations = NodeVectors::zeros(options.nodes);
+        Box::new(SemiImplicitEuler { accelerations, powers: vec![0.0; options.laws] })
+    },
+};
+
+struct SemiImplicitEuler {
+    accelerations: NodeVectors,
+    powers: Vec<f64>,
+}
+
+impl Integrator for SemiImplicitEuler {
+    fn properties(&self) -> MethodProperties {
+        MethodProperties {
+            name: "semi_implicit_euler",
+            order: 1,
+            evaluations_per_step: 1,
+            evaluations_at_start: 0,
+            conserves_energy: false,
+            predicts_velocity: false,
+            is_implicit: false,
+            damping_weight: None,
+        }
+    }
+
+    fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
+        let (z, c) = ((omega * dt).powi(2), damping * dt);
+        // The eigenvalues of one step of (x, dt v), of half trace and determinant: complex, or two real ones.
+        let (half_trace, determinant) = (1.0 - 0.5 * (z + c), 1.0 - c);
+        let discriminant = half_trace * half_trace - determinant;
+        if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
+    }
+
+    fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
+        system.accelerate(state.at(time), &mut self.accelerations, &mut self.powers);
+        state.velocities += &self.accelerations * dt;
+        state.positions += &state.velocities * dt;
+        work.iter_mut().zip(&self.powers).for_each(|(work, power)| *work += dt * power);
+    }
+}
