@@ -26,7 +26,7 @@ from membrane_rs import (
     integrators,
     scenes,
 )
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from numpy.typing import NDArray
 
 DOCS = Path(__file__).parent.parent / "docs" / "integrators.md"

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from membrane_rs import MembraneError, Scene, Springs, scenes
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from membrane_rs.study import Ablation, Chart, ablate, chart
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from membrane_rs import Bridges, Fixed, Mesh, Scene, SpringDamping, Springs, scenes
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.laws import Law, MassDamping
-from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene.laws import Law, MassDamping
+from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.simulation import integrators
 from membrane_rs.study.limits import Limits, limits
 from scipy.spatial import Delaunay

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from membrane_rs import Scene, Simulation
-from membrane_rs.study.differences import CURVES
-from membrane_rs.study.trial import course, run
+from membrane_rs.study.common.differences import CURVES
+from membrane_rs.study.common.run import course, run
 
 STUDIES = Path(__file__).resolve().parent.parent.parent / "docs" / "studies.md"
 UNTIL = 0.8

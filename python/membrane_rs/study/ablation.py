@@ -22,13 +22,14 @@ import numpy as np
 from membrane_rs._files import output_errors, replacing, write_text
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
-from membrane_rs.output.report import versions, write_summary
+from membrane_rs.results.summary import versions, write_summary
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation, integrators
-from membrane_rs.study.step_cost import cost_against
-from membrane_rs.study.trial import Course, Trial, course, ensemble, run
+from membrane_rs.simulation import integrators
+from membrane_rs.study.common.executor import Tell, together
+from membrane_rs.study.common.run import Course, Trial, course, ensemble, run
+from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
-from membrane_rs.study.workers import Tell, together
 
 INSTANTS = 100
 """How often the curves are read."""

@@ -15,11 +15,11 @@ import numpy as np
 
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
+from membrane_rs.study.common.executor import Tell
+from membrane_rs.study.common.variation import varied
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
 from membrane_rs.study.lengths import PAPER
 from membrane_rs.study.mesh import jobs_of, mesh_study
-from membrane_rs.study.variation import varied
-from membrane_rs.study.workers import Tell
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from membrane_rs._files import output_errors, write_text
-from membrane_rs.output.mesh_plot import plot_meshes
+from membrane_rs.plotting.mesh_study import plot_meshes
 from membrane_rs.study.convergence import CURVES, Density, densities, limit, orders, overall_order, steps
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
