@@ -1,0 +1,12 @@
+"""The old place of names that now stand in `membrane_rs.mesh`."""
+
+from __future__ import annotations
+
+from membrane_rs._moved import Moved
+
+__getattr__ = Moved(
+    __name__,
+    {
+        "membrane_rs.mesh": ("Audit", "Finding"),
+    },
+)

@@ -1,0 +1,23 @@
+"""The old place of names that now stand in `membrane_rs` and `membrane_rs.scene.laws`."""
+
+from __future__ import annotations
+
+from membrane_rs._moved import Moved
+
+__getattr__ = Moved(
+    __name__,
+    {
+        "membrane_rs": (
+            "AirDrag",
+            "Creases",
+            "Gravity",
+            "MassDamping",
+            "Spin",
+            "SpoolContact",
+            "SpringDamping",
+            "Springs",
+            "Triangles",
+        ),
+        "membrane_rs.scene.laws": ("LAWS", "Law"),
+    },
+)

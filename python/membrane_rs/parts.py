@@ -1,0 +1,13 @@
+"""The old place of names that now stand in `membrane_rs` and `membrane_rs.scene.parts`."""
+
+from __future__ import annotations
+
+from membrane_rs._moved import Moved
+
+__getattr__ = Moved(
+    __name__,
+    {
+        "membrane_rs": ("Bridges", "Fixed", "Tether", "Tethers", "TipMasses"),
+        "membrane_rs.scene.parts": ("PARTS", "Part"),
+    },
+)
