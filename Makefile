@@ -32,6 +32,7 @@ lint: $(VENV)/built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
 
 # Whether a change has changed a bit of any motion, at every width of vector instructions; it may: WRITE=--write.
 golden: $(VENV)/built
@@ -60,7 +61,7 @@ readme: demo
 	$(BIN)/python examples/readme_numbers.py --write
 
 clean:
-	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	rm -f python/membrane_rs/_core*.so
 	find python tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
