@@ -16,6 +16,7 @@ from pathlib import Path
 
 from membrane_rs._files import output_errors, write_text
 from membrane_rs.errors import InputError, UnstableError
+from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
@@ -147,8 +148,6 @@ def write_map(cells: Sequence[Cell], parameter: str, folder: Path, title: str = 
 
     Raises OutputError where that fails.
     """
-    from membrane_rs.plotting.stability_map import draw_map
-
     with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
     text = io.StringIO()
