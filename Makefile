@@ -56,13 +56,13 @@ accuracy: $(VENV)/built
 
 # Every number and picture of README.md, made anew.
 readme: demo
-	$(BIN)/python examples/accuracy.py
-	$(BIN)/python examples/readme_numbers.py --write
+	$(BIN)/python tools/docs/accuracy.py
+	$(BIN)/python tools/docs/readme_numbers.py --write
 
 clean:
 	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	rm -f python/membrane_rs/_core*.so
-	find python tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} +
+	find python tests examples benchmarks tools -name __pycache__ -prune -exec rm -rf {} +
 
 # pip learned dependency groups with version 25.1.
 $(VENV)/tools: pyproject.toml
