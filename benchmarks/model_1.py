@@ -18,9 +18,11 @@ from pathlib import Path
 
 from machine import cpu
 from membrane_rs import Scene, Simulation, scenes
-from page import options, show, table
+from membrane_rs._markdown import table
+from page import README, MarkedPart, options, show
 
 ROOT = Path(__file__).resolve().parent.parent
+PART = MarkedPart(README, "model-1")
 EVALUATIONS = 4
 
 
@@ -65,7 +67,7 @@ def sail_table(times: dict[str, list[float]]) -> str:
 
 def scalar_table(*, quick: bool) -> str:
     """The kernels against plain scalar loops and against the machine, as `cargo bench --bench model_1` prints them."""
-    command = ["cargo", "bench", "--package", "membrane-core", "--bench", "model_1", "--"]
+    command = ["cargo", "bench", "--package", "membrane-benches", "--bench", "model_1", "--"]
     done = subprocess.run(
         [*command, *(["quick"] if quick else [])], cwd=ROOT, check=True, capture_output=True, text=True
     )
@@ -77,7 +79,7 @@ def main() -> None:
     chosen = options(__doc__).parse_args()
     repeats, steps = (9, 10) if chosen.quick else (161, 50)
     text = f"{scalar_table(quick=chosen.quick)}\n{sail_table(step_times(repeats, steps))}"
-    show("model-1", f"Processor: {cpu()}, one thread.\n\n{text}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}, one thread.\n\n{text}", write=chosen.write)
 
 
 if __name__ == "__main__":

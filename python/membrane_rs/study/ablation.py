@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._files import output_errors, replacing, write_text
+from membrane_rs._markdown import table
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
 from membrane_rs.results.summary import versions, write_summary
@@ -130,11 +131,10 @@ class Ablation:
         """The rows as Markdown."""
         head: tuple[str, ...] = ("left out", "its share of a step", "step limit", "cost of the run")
         head += ("rate", "phase [deg]", "peak strain", "peak stress [Pa]", "verdict")
-        rows: list[tuple[str, ...]] = [head, ("---", *["---:"] * 7, "---")]
-        rows += [_row(item) for item in self.items]
+        rows = [_row(item) for item in self.items]
         for name, change in (("spread of perturbed starts", self.spread), ("allowed", self.allowed)):
             rows.append((f"*{name}*", "", "", "", *(text.lstrip("+") for text in _changes(change)), ""))
-        return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+        return table(head, rows, words=(0, len(head) - 1))
 
     def heading(self) -> str:
         """What was run, and to what the changes of its peaks compare."""

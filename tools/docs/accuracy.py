@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from membrane_rs import Simulation, Spin, Tether, scenes
+from membrane_rs._markdown import table
 
 Row = tuple[str, str, str]
 
@@ -131,8 +132,7 @@ def main() -> None:
     options = parser.parse_args()
 
     rows = [tether_period(), disc_growth(), *energy(options.until), *growth()]
-    table = [("", "found", "to compare with"), ("---", "---:", "---"), *rows]
-    text = "".join(f"| {' | '.join(row)} |\n" for row in table)
+    text = table(("", "found", "to compare with"), rows, words=(0, 2))
     print(text)
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "accuracy.md").write_text(text, encoding="utf-8")

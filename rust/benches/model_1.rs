@@ -1,17 +1,17 @@
-//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one run
-//! on one thread.
+//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one
+//! run on one thread.
 //!
 //! The scalar loops are those of the tests (`tests/oracle`), compiled with the same flags. All are timed in turn, a few
-//! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike and
-//! a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes whose cells
-//! are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
+//! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike
+//! and a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes
+//! whose cells are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 mod bound;
-#[path = "../tests/common/mod.rs"]
+#[path = "../core/tests/common/mod.rs"]
 mod common;
 mod contenders;
-#[path = "../tests/oracle/mod.rs"]
+#[path = "../core/tests/oracle/mod.rs"]
 mod oracle;
 
 use std::time::Instant;
@@ -85,7 +85,8 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
     let mut counted = scene.kernels(Width::Counted);
     let counts: Vec<Counts> = (0..PARTS).map(|part| count(|| counted.evaluate(part, scene.at()))).collect();
     println!(
-        "\n| operations on eight numbers, per group of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | groups | fillers |"
+        "\n| operations on eight numbers, per group of eight | + - | x | / | root | larger, smaller | choice | sign | \
+         read | write | groups | fillers |"
     );
     println!("|---|{}", "---:|".repeat(11));
     for (part, counts) in counts.iter().enumerate() {
@@ -102,7 +103,8 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
     }
 
     println!(
-        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | of it for fillers [us] |"
+        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | \
+         of it for fillers [us] |"
     );
     println!("|---|---|---:|---:|---:|---|---:|");
     for part in 0..PARTS {

@@ -16,11 +16,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from marked import DOCS, MarkedPart
 from membrane_rs import MembraneError, Scene, Springs, scenes
 from membrane_rs.scene.laws import Law
 from membrane_rs.study import Ablation, Chart, ablate, chart
 
-DOCS = Path(__file__).resolve().parent.parent / "docs"
 TRIAL_STEPS = 2
 """Rungs of a trial's ladders."""
 NEVER = 1e12
@@ -63,7 +63,8 @@ SHARE = 0.3
 """Steps of the ablations over the limit: at larger ones leapfrog's energy balance over 0.8 s is not good enough."""
 Make = Callable[[str, float, Path], tuple[str, dict[str, Path]]]
 NAMES = [*(f"{name}-chart" for name in CHARTS), *(f"{name}-ablation" for name in ABLATIONS)]
-"""What can be made, and the marks in docs/studies.md."""
+"""What can be made."""
+PARTS = {name: MarkedPart(DOCS / "studies.md", name) for name in NAMES}
 TRIED = ("spinning-disc-chart", "single-crease-chart", "deployment-chart", "spinning-tether-ablation")
 """What a trial makes."""
 
@@ -97,7 +98,7 @@ def main() -> None:
             continue
         print(f"{text}\n\n{name}: {time.perf_counter() - began:.0f} s\n", flush=True)
         if options.write:
-            write(name, text)
+            PARTS[name].write(text)
             for target, source in files.items():
                 shutil.copy(source, DOCS / target)
     if failed:
@@ -140,14 +141,6 @@ def ablated(name: str, until: float, folder: Path) -> tuple[str, dict[str, Path]
     files = {f"smallest-{name}.toml": scene} if found.smallest is not None else {}
     link = f" As a scene: [smallest-{name}.toml](smallest-{name}.toml)." if files else ""
     return f"{found.heading()}.\n\n{found.table()}\n{found.verdict()}{link}", files
-
-
-def write(name: str, text: str) -> None:
-    """Put a text between its two marks in docs/studies.md."""
-    page = DOCS / "studies.md"
-    begin, end = f"<!-- {name}: begin -->\n", f"\n<!-- {name}: end -->"
-    before, rest = page.read_text(encoding="utf-8").split(begin)
-    page.write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
 
 
 def _chart(scene: Scene, motion: Motion, methods: list[str] | None = None) -> Chart:

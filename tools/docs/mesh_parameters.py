@@ -14,15 +14,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from marked import DOCS, MarkedPart
 from membrane_rs import Simulation, Springs, scenes
+from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.lengths import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
 
-DOCS = Path(__file__).parent.parent / "docs"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
+PARTS = {
+    name: MarkedPart(DOCS / "mesh_parameters.md", name) for name in ("lengths", *MODELS, "compression", "triangles")
+}
 PAPERS_ROWS, FINEST = 16, 64
 STARTS = {8: 4, 16: 4, 32: 2}
 """Starts of the physical form on each mesh; the others have two on the coarser meshes."""
@@ -57,7 +61,7 @@ def main() -> None:
     for name, text in texts.items():
         print(f"\n{name}\n\n{text}", flush=True)
         if options.write:
-            write(name, text)
+            PARTS[name].write(text)
     print(f"\n{time.perf_counter() - began:.0f} s")
 
 
@@ -75,11 +79,9 @@ def planned(model: str, until: float | None) -> list[Job]:
 def lengths() -> str:
     """The lengths that agree with the paper's form on the paper's mesh, and those that were chosen."""
     found = [agreeing(scenes.load(model)) for model in MODELS]
-    rows = [f"| | {' | '.join(MODELS)} | chosen |\n| --- | ---: | ---: | ---: |\n"]
-    for name in ("buckling", "crease", "wing", "damping"):
-        values = [getattr(each, name) for each in (*found, PHYSICAL)]
-        rows.append(f"| {name} | " + " | ".join(f"{1e3 * value:.2f} mm" for value in values) + " |\n")
-    return "".join(rows).rstrip()
+    names = ("buckling", "crease", "wing", "damping")
+    rows = [(name, *(f"{1e3 * getattr(each, name):.2f} mm" for each in (*found, PHYSICAL))) for name in names]
+    return table(("", *MODELS, "chosen"), rows)
 
 
 def on_the_papers_mesh(runs: Sequence[MeshRun]) -> str:
@@ -96,7 +98,7 @@ def on_the_papers_mesh(runs: Sequence[MeshRun]) -> str:
 
 def compression(until: float | None) -> str:
     """How much of the compression at which the physical form's film buckles it bears, on average over the unfolding."""
-    text = "| cells [mm] | borne [N/m] | at buckling [N/m] | share | springs buckled |\n" + "| ---: " * 5 + "|\n"
+    body = []
     for rows in (8, 16, 32) if until is None else (8,):
         scene = scenes.load(MODELS[0])
         film = scene.material
@@ -119,8 +121,9 @@ def compression(until: float | None) -> str:
             borne = np.minimum(np.maximum(-strain, 0.0), critical)
             seen.append([float(weight @ borne), float(np.mean(strain < -critical))])
         (force, buckled), full = np.mean(seen, axis=0), float(weight.sum() * critical)
-        text += f"| {176 / rows:.3g} | {force:.2f} | {full:.2f} | {force / full:.2f} | {100 * buckled:.0f} % |\n"
-    return text.rstrip()
+        values = (f"{force:.2f}", f"{full:.2f}", f"{force / full:.2f}", f"{100 * buckled:.0f} %")
+        body.append((f"{176 / rows:.3g}", *values))
+    return table(("cells [mm]", "borne [N/m]", "at buckling [N/m]", "share", "springs buckled"), body, words=())
 
 
 def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:
@@ -138,14 +141,6 @@ def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:
         tell=tell,
     )
     return f"{found.table().rstrip()}\n\nNearest: {found.best.value:.3g}, misfit {found.best.misfit:.1f}."
-
-
-def write(name: str, text: str) -> None:
-    """Put a text between its two marks in docs/mesh_parameters.md."""
-    page = DOCS / "mesh_parameters.md"
-    begin, end = f"<!-- {name}: begin -->\n", f"\n<!-- {name}: end -->"
-    before, rest = page.read_text(encoding="utf-8").split(begin)
-    page.write_text(before + begin + text + end + rest.split(end)[1], encoding="utf-8")
 
 
 def tell(words: str) -> None:
