@@ -14,7 +14,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
 RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: demo test check lint golden bench peers readme accuracy clean
+.PHONY: demo test check lint lint-rust lint-python golden bench peers readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -26,12 +26,20 @@ test: $(VENV)/built
 
 check: test lint
 
-lint: $(VENV)/built
+lint: lint-rust lint-python
+
+# rustfmt leaves comments and texts as long as they are.
+lint-rust: $(VENV)/built
 	cargo fmt --all --check
+	@! LC_ALL=C.UTF-8 grep --recursive --line-number --extended-regexp --include='*.rs' '.{121}' rust || \
+		{ echo "lines above are longer than 120 characters; wrap them"; exit 1; }
 	cargo clippy --workspace --all-targets -- -D warnings
+
+lint-python: $(VENV)/built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
 
 # Whether a change has changed a bit of any motion, at every width of vector instructions; it may: WRITE=--write.
 golden: $(VENV)/built
@@ -56,13 +64,13 @@ accuracy: $(VENV)/built
 
 # Every number and picture of README.md, made anew.
 readme: demo
-	$(BIN)/python examples/accuracy.py
-	$(BIN)/python examples/readme_numbers.py --write
+	$(BIN)/python tools/docs/accuracy.py
+	$(BIN)/python tools/docs/readme_numbers.py --write
 
 clean:
-	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	rm -f python/membrane_rs/_core*.so
-	find python tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} +
+	find python tests examples benchmarks tools -name __pycache__ -prune -exec rm -rf {} +
 
 # pip learned dependency groups with version 25.1.
 $(VENV)/tools: pyproject.toml

@@ -16,10 +16,12 @@ from typing import TypeVar
 
 from machine import cpu
 from membrane_rs import Mesh, _core
+from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
-from page import options, show, table
+from page import README, MarkedPart, options, show
 
 T = TypeVar("T")
+PART = MarkedPart(README, "building")
 ROWS, FEW_ROWS = 392, 48
 """Of a petal: a million nodes, and some thousands."""
 AIMS = {"a mesh, its edges, hinges and audit": 10.0, "import of membrane_rs": 0.3}
@@ -81,7 +83,7 @@ def main() -> None:
         mesh = build(FEW_ROWS if chosen.quick else ROWS, times)
     import_time()  # writes byte code where there is none
     times["import of membrane_rs"] = [import_time() for _ in range(3 if chosen.quick else 11)]
-    show("building", f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}", write=chosen.write)
 
 
 if __name__ == "__main__":

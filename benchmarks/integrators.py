@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from membrane_rs import (
@@ -26,11 +25,12 @@ from membrane_rs import (
     integrators,
     scenes,
 )
-from membrane_rs.laws import Law
+from membrane_rs._markdown import table
+from membrane_rs.scene.laws import Law
 from numpy.typing import NDArray
+from page import DOCS, MarkedPart, show
 
-DOCS = Path(__file__).parent.parent / "docs" / "integrators.md"
-BEGIN, END = "<!-- benchmarks/integrators.py: begin -->", "<!-- benchmarks/integrators.py: end -->"
+PART = MarkedPart(DOCS / "integrators.md", "benchmarks/integrators.py")
 Floats = NDArray[np.float64]
 
 OMEGA = 10.0
@@ -174,7 +174,7 @@ def facts_table() -> str:
         "limit, real axis",
         "measured",
     )
-    lines = [head, ("---", *["---:"] * (len(head) - 1))]
+    rows = []
     for name, facts in integrators().items():
         measured = (
             slope(lambda count, name=name: smooth_error(name, count), (50, 100, 200)),  # type: ignore[misc]
@@ -186,8 +186,8 @@ def facts_table() -> str:
             *told_limit(name, facts.imaginary_limit, imaginary_limit),
             *told_limit(name, facts.real_limit, real_limit),
         )
-        lines.append((name, str(facts.order), *orders, str(facts.evaluations), *axes))
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+        rows.append((name, str(facts.order), *orders, str(facts.evaluations), *axes))
+    return table(head, rows)
 
 
 def told_limit(name: str, predicted: float, measure: Callable[[str, float], float]) -> tuple[str, str]:
@@ -197,21 +197,18 @@ def told_limit(name: str, predicted: float, measure: Callable[[str, float], floa
 
 def cost_table(smooth: int = 600, kinked: int = 4800) -> str:
     """Errors at equal cost."""
-    lines = [f"| error [m] | smooth, {smooth:,} evaluations | kinked, {kinked:,} evaluations |", "|---|---:|---:|"]
+    rows = []
     for name, facts in integrators().items():
         errors = smooth_error(name, smooth // facts.evaluations), kinked_error(name, kinked // facts.evaluations)
-        lines.append(f"| {name} | {errors[0]:.1e} | {errors[1]:.1e} |")
-    return "\n".join(lines) + "\n"
+        rows.append((name, *(f"{error:.1e}" for error in errors)))
+    return table(("error [m]", f"smooth, {smooth:,} evaluations", f"kinked, {kinked:,} evaluations"), rows)
 
 
 def energy_table() -> str:
     """What becomes of an undamped oscillation's energy."""
     counts = (100, 1000, 10_000, 100_000)
-    lines = ["| energy error after | " + " | ".join(f"{count:,}" for count in counts) + " oscillations |"]
-    lines.append("|---|" + "---:|" * len(counts))
-    for name in integrators():
-        lines.append(f"| {name} | " + " | ".join(f"{100 * energy_error(name, n):+.3g} %" for n in counts) + " |")
-    return "\n".join(lines) + "\n"
+    head = ("energy error after", *(f"{count:,}" for count in counts[:-1]), f"{counts[-1]:,} oscillations")
+    return table(head, [(name, *(f"{100 * energy_error(name, n):+.3g} %" for n in counts)) for name in integrators()])
 
 
 def release_table(until: float = 5e-3) -> str:
@@ -231,10 +228,7 @@ def release_table(until: float = 5e-3) -> str:
         for dt in (1e-5, 5e-5)
     ]
     runs += [(f"dopri5, tolerance {tolerance:g}", "dopri5", None, tolerance) for tolerance in (1e-3, 1e-4, 1e-5, 1e-6)]
-    lines = [
-        "| model 1, first 5 ms | step [us] | steps (rejected) | evaluations | energy error |",
-        "|---|---:|---:|---:|---:|",
-    ]
+    rows = []
     for label, name, dt, tolerance in runs:
         sim = Simulation(replace(scene, run=replace(scene.run, tolerance=tolerance)), name, dt)
         try:
@@ -243,9 +237,9 @@ def release_table(until: float = 5e-3) -> str:
         except ArithmeticError:
             error = f"stopped at {1e3 * sim.time:.2f} ms"
         step = 1e6 * sim.time / max(sim.step_count, 1)
-        counts = f"{sim.step_count:,} ({sim.rejected_count:,}) | {sim.evaluation_count:,}"
-        lines.append(f"| {label} | {step:.2f} | {counts} | {error} |")
-    return "\n".join(lines) + "\n"
+        steps = f"{sim.step_count:,} ({sim.rejected_count:,})"
+        rows.append((label, f"{step:.2f}", steps, f"{sim.evaluation_count:,}", error))
+    return table(("model 1, first 5 ms", "step [us]", "steps (rejected)", "evaluations", "energy error"), rows)
 
 
 def settling_table() -> str:
@@ -262,10 +256,9 @@ def settling_table() -> str:
         return sim, time.process_time() - began
 
     exact = run("rk4", 0.1 * explicit)[0].positions
-    lines = [
-        "| single-crease, 0.3 s | step, of rk4's limit | evaluations | factors | halved | processor [ms] | error [m] |",
-        "|---|---:|---:|---:|---:|---:|---:|",
-    ]
+    counted = ("evaluations", "factors", "halved")
+    head = ("single-crease, 0.3 s", "step, of rk4's limit", *counted, "processor [ms]", "error [m]")
+    rows = []
     for name, facts in integrators().items():
         has_limit = math.isfinite(facts.imaginary_limit)
         limit = Simulation(scene, name, 1e-9).stable_dt()
@@ -273,35 +266,33 @@ def settling_table() -> str:
             tries = [run(name, dt) for _ in range(3)]
             sim, seconds = tries[0][0], min(seconds for _, seconds in tries)
             error = float(np.abs(sim.positions - exact).max())
-            counts = f"{sim.evaluation_count:,} | {sim.effort['factorisations']:,} | {sim.effort['fallbacks']:,}"
-            lines.append(f"| {name} | {sim.dt / explicit:.2g} | {counts} | {1e3 * seconds:.1f} | {error:.1e} |")
-    return "\n".join(lines) + "\n"
+            counts = (sim.evaluation_count, sim.effort["factorisations"], sim.effort["fallbacks"])
+            cells = (*(f"{count:,}" for count in counts), f"{1e3 * seconds:.1f}", f"{error:.1e}")
+            rows.append((name, f"{sim.dt / explicit:.2g}", *cells))
+    return table(head, rows)
 
 
 def stretching_table() -> str:
     """What damping leaves of leapfrog's limit of 2: what a method stretched along the real axis would have to beat."""
-    lines = [
-        "| scene | leapfrog's limit [s] | times the highest frequency | taken by damping |",
-        "|---|---:|---:|---:|",
-    ]
+    rows = []
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
         limit, omega = sim._core.limit()[:2]
-        lines.append(f"| {name} | {limit:.3g} | {limit * omega:.2f} | {100 * (1 - limit * omega / 2):.1f} % |")
-    return "\n".join(lines) + "\n"
+        rows.append((name, f"{limit:.3g}", f"{limit * omega:.2f}", f"{100 * (1 - limit * omega / 2):.1f} %"))
+    return table(("scene", "leapfrog's limit [s]", "times the highest frequency", "taken by damping"), rows)
 
 
 def tangent_table(steps: int = 5) -> str:
     """What a factorisation of the tangent costs, all else of its Newton iterations included."""
-    lines = ["| scene | free nodes | processor time of a factorisation [ms] |", "|---|---:|---:|"]
+    rows = []
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
         sim.step(1)
         began, before = time.process_time(), sim.effort["factorisations"]
         sim.step(steps)
         cost = 1e3 * (time.process_time() - began) / (sim.effort["factorisations"] - before)
-        lines.append(f"| {name} | {sim.node_count - len(sim.assembly.fixed):,} | {cost:.2f} |")
-    return "\n".join(lines) + "\n"
+        rows.append((name, f"{sim.node_count - len(sim.assembly.fixed):,}", f"{cost:.2f}"))
+    return table(("scene", "free nodes", "processor time of a factorisation [ms]"), rows)
 
 
 def main() -> None:
@@ -320,10 +311,7 @@ def main() -> None:
             stretching_table(),
         )
     )
-    print(text)
-    if options.write:
-        before, _, rest = DOCS.read_text(encoding="utf-8").partition(BEGIN)
-        DOCS.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{rest.partition(END)[2]}", encoding="utf-8")
+    show(PART, text, write=options.write)
 
 
 if __name__ == "__main__":

@@ -13,9 +13,11 @@ import time
 from pathlib import Path
 
 from machine import cpu
-from page import options, show, table
+from membrane_rs._markdown import table
+from page import README, MarkedPart, options, show
 
 ROOT = Path(__file__).resolve().parent.parent
+PART = MarkedPart(README, "kernels")
 CRITERION = ROOT / "target" / "criterion"
 COLUMNS = ("scalar", "baseline", "avx2", "avx512")
 WHOLE = ("evaluation: all", "step: leapfrog", "step: rk4")
@@ -90,7 +92,7 @@ def main() -> None:
     chosen = options(__doc__).parse_args()
     began = time.time()
     run(quick=chosen.quick)
-    show("kernels", f"Processor: {cpu()}, one thread.\n\n{tables(medians(CRITERION, began))}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}, one thread.\n\n{tables(medians(CRITERION, began))}", write=chosen.write)
 
 
 if __name__ == "__main__":

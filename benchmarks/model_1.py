@@ -18,9 +18,11 @@ from pathlib import Path
 
 from machine import cpu
 from membrane_rs import Scene, Simulation, scenes
-from page import options, show, table
+from membrane_rs._markdown import table
+from page import README, MarkedPart, options, show
 
 ROOT = Path(__file__).resolve().parent.parent
+PART = MarkedPart(README, "model-1")
 EVALUATIONS = 4
 
 
@@ -77,7 +79,7 @@ def main() -> None:
     chosen = options(__doc__).parse_args()
     repeats, steps = (9, 10) if chosen.quick else (161, 50)
     text = f"{scalar_table(quick=chosen.quick)}\n{sail_table(step_times(repeats, steps))}"
-    show("model-1", f"Processor: {cpu()}, one thread.\n\n{text}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}, one thread.\n\n{text}", write=chosen.write)
 
 
 if __name__ == "__main__":

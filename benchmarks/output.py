@@ -23,8 +23,10 @@ from pathlib import Path
 
 from machine import cpu
 from membrane_rs import Simulation, scenes
-from page import options, show, table
+from membrane_rs._markdown import table
+from page import README, MarkedPart, options, show
 
+PART = MarkedPart(README, "output")
 HERE = Path(__file__).resolve().parent
 SCENE = scenes.load("okuizumi-model-1")
 NEAR = 0.9
@@ -119,7 +121,7 @@ def main() -> None:
     times = table(head, rows(pairs(repeats, part), part))
     stepping, pictures = drawing(part)
     drawn = f"Pictures, in a fresh process: {pictures:.1f} s after a run of {stepping:.1f} s by leapfrog.\n"
-    show("output", f"Processor: {cpu()}.\n\n{times}\n{drawn}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}.\n\n{times}\n{drawn}", write=chosen.write)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,17 @@
-"""README.md beside this file: each script writes its tables between two marks of its own."""
+"""README.md beside this file: each script of `make bench` writes its tables into a marked part of its own."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import sys
 from pathlib import Path
 
-README = Path(__file__).resolve().parent / "README.md"
+HERE = Path(__file__).resolve().parent
+README = HERE / "README.md"
+__all__ = ["DOCS", "README", "MarkedPart", "options", "show"]
+sys.path.append(str(HERE.parent / "tools" / "docs"))  # where `marked` is
+
+from marked import DOCS, MarkedPart  # noqa: E402
 
 
 def options(doc: str | None) -> argparse.ArgumentParser:
@@ -17,20 +22,8 @@ def options(doc: str | None) -> argparse.ArgumentParser:
     return parser
 
 
-def show(name: str, text: str, *, write: bool, page: Path = README) -> None:
-    """Print the tables, and put them between the marks of that name if asked."""
+def show(part: MarkedPart, text: str, *, write: bool) -> None:
+    """Print the tables, and put them into their part if asked."""
     print(text, flush=True)
-    if not write:
-        return
-    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-    before, found, rest = page.read_text(encoding="utf-8").partition(begin)
-    _, closed, after = rest.partition(end)
-    if not (found and closed):
-        raise SystemExit(f"{page} has no lines {begin} and {end}: put them where the tables shall stand")
-    page.write_text(f"{before}{begin}\n\n{text.strip()}\n\n{end}{after}", encoding="utf-8")
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table of numbers; the first column is words."""
-    rule = ["---", *["---:"] * (len(head) - 1)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in [head, rule, *rows]) + "\n"
+    if write:
+        part.write(text)

@@ -46,19 +46,19 @@ PARTS = (
     Part(
         "charts",
         "docs/studies.md: error against work",
-        [("examples/charts.py", "--write", "--only", *(f"{name}-chart" for name in CHARTS))],
+        [("tools/docs/charts.py", "--write", "--only", *(f"{name}-chart" for name in CHARTS))],
         fills_cores=True,
     ),
     Part(
         "ablations",
         "docs/studies.md: what each law costs and changes",
-        [("examples/charts.py", "--write", "--only", *(f"{name}-ablation" for name in ABLATIONS))],
+        [("tools/docs/charts.py", "--write", "--only", *(f"{name}-ablation" for name in ABLATIONS))],
         fills_cores=True,
     ),
     Part(
         "meshes",
         "docs/mesh_parameters.md: convergence with the mesh",
-        [("examples/mesh_parameters.py", "--write")],
+        [("tools/docs/mesh_parameters.py", "--write")],
         fills_cores=True,
     ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
@@ -73,7 +73,7 @@ PARTS = (
     Part(
         "readme",
         "README.md: the table of known answers",
-        [("examples/accuracy.py",), ("examples/readme_numbers.py", "--write", "--tables", "accuracy.md")],
+        [("tools/docs/accuracy.py",), ("tools/docs/readme_numbers.py", "--write", "--tables", "accuracy.md")],
     ),
 )
 

@@ -9,14 +9,16 @@ from __future__ import annotations
 import os
 
 from machine import cpu
-from page import options, show, table
-from peers import ours, words
+from membrane_rs._markdown import table
+from page import README, MarkedPart, options, show
+from peers import ours
 from peers.problem import Problem, sail
 from peers.program import Program
 from peers.speed import Steps, steps
 from peers.speed_report import AIMED
 from peers.speed_report import steps as reached
 
+PART = MarkedPart(README, "steps")
 MISSING = (
     "MuJoCo and Newton are not usable here ({}): `make peers` installs them, and `make bench` then times them too."
 )
@@ -40,7 +42,7 @@ def text(found: Steps, missing: str | None) -> str:
         name = pace.name + (" (f32)" if pace.bits == 32 else "")
         rows.append((f"flat, {pace.law}: {name}", f"{1e6 * pace.step:.1f}"))
     parts = [table(("one step, in turn, medians", f"[us], {found.width}"), rows)]
-    parts.append(MISSING.format(missing) + "\n" if missing else words.table(AIMED, reached(found), 3) + "\n")
+    parts.append(MISSING.format(missing) + "\n" if missing else table(AIMED, reached(found), range(3)))
     return "\n".join(parts)
 
 
@@ -59,7 +61,7 @@ def main() -> None:
         missing = str(error)
     repeats, slice_seconds = (3, 1e-3) if chosen.quick else (31, 2e-2)
     found = steps(problem, programs, repeats=repeats, slice_seconds=slice_seconds)
-    show("steps", f"Processor: {cpu()}, one thread, processor time.\n\n{text(found, missing)}", write=chosen.write)
+    show(PART, f"Processor: {cpu()}, one thread, processor time.\n\n{text(found, missing)}", write=chosen.write)
 
 
 if __name__ == "__main__":

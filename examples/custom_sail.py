@@ -20,7 +20,7 @@ from membrane_rs import (
     TipMasses,
     folding,
 )
-from membrane_rs.observe import deployment_rate
+from membrane_rs.results import deployment_rate
 
 
 def scene() -> Scene:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from membrane_rs import Simulation, scenes
-from membrane_rs.output import compare_runs
+from membrane_rs.plotting import compare_runs
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 

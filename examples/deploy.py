@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from membrane_rs import Simulation, scenes
-from membrane_rs.observe import deployment_rate
+from membrane_rs.results import deployment_rate
 
 
 def main() -> None:

@@ -19,10 +19,10 @@ from membrane_rs import (
     Tethers,
     TipMasses,
 )
-from membrane_rs.assembly import Assembly
+from membrane_rs._arrays import Floats, Ints
 from membrane_rs.folding import SquareSail
-from membrane_rs.observe import Floats, Ints
-from membrane_rs.output import RunFolder
+from membrane_rs.runs import RunFolder
+from membrane_rs.scene.assembly import Assembly
 from numpy.typing import NDArray
 
 

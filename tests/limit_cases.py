@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 from membrane_rs import Bridges, Fixed, Mesh, Scene, SpringDamping, Springs, scenes
+from membrane_rs._markdown import table
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.laws import Law, MassDamping
-from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene.laws import Law, MassDamping
+from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.simulation import integrators
 from membrane_rs.study.limits import Limits, limits
 from scipy.spatial import Delaunay
@@ -71,7 +72,7 @@ def linear_scenes() -> list[Scene]:
     return [*random, friction, stretched(), bridged()]
 
 
-def table(rows: list[Limits]) -> str:
+def page(rows: list[Limits]) -> str:
     """docs/limits.md."""
     lines = [
         "# Limits of the step, predicted and measured",
@@ -81,18 +82,18 @@ def table(rows: list[Limits]) -> str:
         "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a jittered grid, linear, negative",
         "springs clipped. Made by `python tests/limit_cases.py`.",
         "",
-        "| scene | method | predicted [s] | measured [s] | measured / predicted | set by |",
-        "|---|---|---:|---:|---:|---|",
     ]
-    for row in rows:
-        numbers = f"{row.predicted:.4g} | {row.measured:.4g} | {row.ratio:.3f}"
-        lines.append(f"| {row.scene} | {row.integrator} | {numbers} | {row.part} |")
+    head = ("scene", "method", "predicted [s]", "measured [s]", "measured / predicted", "set by")
+    body = [
+        (row.scene, row.integrator, f"{row.predicted:.4g}", f"{row.measured:.4g}", f"{row.ratio:.3f}", row.part)
+        for row in rows
+    ]
+    lines.append(table(head, body, words=(0, 1, 5)))
     linear = [row.ratio for row in rows if row.scene not in scenes.names()]
     strong = [row.ratio for row in rows if row.scene not in scenes.names() and row.integrator != "dopri5"]
     whole = [row.ratio for row in rows if row.scene in scenes.names()]
     firm = [row.ratio for row in rows if row.scene in scenes.names() and row.integrator != "dopri5"]
     lines += [
-        "",
         f"Linear scenes: {min(linear):.3f} to {max(linear):.3f}. dopri5 grows so slowly beyond its limit on the",
         "imaginary axis, up to 1.7 times it, that a run of some hundred steps hardly shows it; the others stay within",
         f"{min(strong):.3f} to {max(strong):.3f}.",
@@ -109,4 +110,4 @@ if __name__ == "__main__":
     names = list(integrators())
     built_in = [scenes.load(name) for name in scenes.names()]
     found = [row for scene in [*built_in, *linear_scenes()] for row in limits(scene, names)]
-    Path(__file__).parents[1].joinpath("docs", "limits.md").write_text(table(found), encoding="utf-8")
+    Path(__file__).parents[1].joinpath("docs", "limits.md").write_text(page(found), encoding="utf-8")

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from membrane_rs import MembraneError, Scene, Simulation, UnstableError
+from membrane_rs._markdown import table
 from membrane_rs.simulation import integrators
 from numpy.typing import NDArray
 from poisons import POISONS, Dice, Poisoned
@@ -105,7 +106,7 @@ def endings() -> list[Ending]:
     return [ending(poison, seed, method) for method in METHODS for poison in POISONS for seed in range(EACH)]
 
 
-def table(found: list[Ending]) -> str:
+def page(found: list[Ending]) -> str:
     """docs/poisoned.md."""
     lines = [
         "# Two hundred poisoned runs",
@@ -120,13 +121,7 @@ def table(found: list[Ending]) -> str:
         "`python tests/poisoned.py`, asserted by `tests/test_poisons.py`.",
     ]
     for method in METHODS:
-        lines += [
-            "",
-            f"## {method}",
-            "",
-            f"| poison | {' | '.join(OUTCOMES)} | largest gap in the books [%] | from the fine run [%] |",
-            "|---|---:|---:|---:|---:|---:|---:|---:|",
-        ]
+        body = []
         runs = [e for e in found if e.method == method]
         for kind in dict.fromkeys(e.kind for e in runs):
             rows = [e for e in runs if e.kind == kind]
@@ -134,9 +129,11 @@ def table(found: list[Ending]) -> str:
             cells = [str(sum(e.outcome == name for e in rows) or "") for name in OUTCOMES]
             for values in ([e.missing for e in intact], [e.apart for e in intact]):
                 cells.append(format(100 * max(values, key=abs), "+.2g") if values else "")
-            lines.append(f"| {kind} | {' | '.join(cells)} |")
+            body.append((kind, *cells))
         count = [str(sum(e.outcome == name for e in runs)) for name in OUTCOMES]
-        lines.append(f"| **all {len(runs)}** | {' | '.join(count)} | | |")
+        body.append((f"**all {len(runs)}**", *count, "", ""))
+        head = ("poison", *OUTCOMES, "largest gap in the books [%]", "from the fine run [%]")
+        lines += ["", f"## {method}", "", table(head, body).rstrip()]
     lines += ["", "## What the errors say, one of each kind", ""]
     for kind in dict.fromkeys(e.kind for e in found):
         told = next((e for e in found if e.kind == kind and e.words), None)
@@ -146,4 +143,4 @@ def table(found: list[Ending]) -> str:
 
 
 if __name__ == "__main__":
-    Path(__file__).parents[1].joinpath("docs", "poisoned.md").write_text(table(endings()), encoding="utf-8")
+    Path(__file__).parents[1].joinpath("docs", "poisoned.md").write_text(page(endings()), encoding="utf-8")

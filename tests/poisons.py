@@ -26,7 +26,7 @@ from membrane_rs import (
     TipMasses,
 )
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 
 Dice = np.random.Generator
 Start = Callable[[Simulation], None]

@@ -20,7 +20,7 @@ from membrane_rs import (
     Tether,
 )
 from membrane_rs.folding import Strip
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from membrane_rs import AirDrag, InputError, Scene, Simulation, Spin, scenes
 from membrane_rs.folding import Strip
-from membrane_rs.observe import peak_stress
+from membrane_rs.results.measures import peak_stress
 from membrane_rs.study import Ablation, ablate
 from membrane_rs.study.ablation import Change
 from membrane_rs.study.variants import variants, without

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from membrane_rs.audit import Audit, Finding
 from membrane_rs.errors import InputTypeError
 from membrane_rs.folding import SquareSail, Strip
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
+from membrane_rs.mesh.audit import Audit, Finding
 
 SHEET = Strip(1.0, 0.5, 4, 2, creases=(0.5,)).mesh()
 
@@ -129,15 +129,15 @@ def test_the_unsound_layouts(layout: Any, join: Any, negative: int, boundary: in
 
 
 def test_growing_modes_agree_with_a_dense_solver() -> None:
-    from membrane_rs import _growing_mode
+    from membrane_rs.mesh import growing_modes
 
     mesh = SquareSail(layout="fan", rows=4, columns=20, fold_lines=3).mesh()
     film = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
     values = (mesh.reference, mesh.edges, mesh.spring_constants(film), mesh.masses(film))
-    sparse = _growing_mode.growing_modes(*values)
+    sparse = growing_modes.growing_modes(*values)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(_growing_mode, "_DENSE", 10**6)
-        dense = _growing_mode.growing_modes(*values)
+        patch.setattr(growing_modes, "_DENSE", 10**6)
+        dense = growing_modes.growing_modes(*values)
     assert sparse[0] == pytest.approx(dense[0], rel=1e-6)
     assert sparse[1] == dense[1] > 1
 

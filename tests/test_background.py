@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 from membrane_rs import OutputError, Simulation, UnstableError, scenes
-from membrane_rs.output import RunFolder, read_frame, read_pvd
-from membrane_rs.output.background import MOST_WAITING, Background
-from membrane_rs.output.vtk import FrameWriter
+from membrane_rs.results import read_frame, read_pvd
+from membrane_rs.results.background import MOST_WAITING, Background
+from membrane_rs.results.vtk import FrameWriter
+from membrane_rs.runs import RunFolder
 from numpy.testing import assert_array_equal
 
 SECONDS = 60.0

@@ -31,7 +31,7 @@ from membrane_rs import (
     UnstableError,
 )
 from membrane_rs.folding import SquareSail, Strip
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from small_scenes import FILM, cord, hanging_strip, refused
 
 SCENE = hanging_strip()
@@ -235,7 +235,7 @@ def test_times_that_are_past_or_beyond_the_end_are_left_out() -> None:
 @pytest.mark.parametrize("value", [0, -1.0, NAN, INF, "x", [1.0]])
 def test_settling(name: str, value: Any) -> None:
     arguments = {"duration": 0.001, "rate": 10.0} | {name: value}
-    refused(lambda: Simulation(SCENE).settle(**arguments), InputError, f"settle: {name} = .*: must be")
+    refused(lambda: Simulation(SCENE).relax(**arguments), InputError, f"relax: {name} = .*: must be")
 
 
 STRIP = Strip(0.1, 0.04, 2, 1).mesh()

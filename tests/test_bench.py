@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import re
@@ -18,29 +19,22 @@ ROOT = Path(__file__).parent.parent
 PARTS = re.search(r"PART_OF_BENCH := (.*)", (ROOT / "Makefile").read_text(encoding="utf-8"))
 
 
-def test_every_part_has_a_script_that_writes_between_marks() -> None:
+def test_every_part_has_a_script_that_writes_a_part_of_the_page() -> None:
     assert PARTS is not None
-    readme = page.README.read_text(encoding="utf-8")
     for name in PARTS[1].split():
-        script = (page.README.parent / f"{name}.py").read_text(encoding="utf-8")
-        mark = re.search(r'show\("([\w-]+)"', script)
-        assert mark is not None, name
-        assert readme.index(f"<!-- {mark[1]}: begin -->") < readme.index(f"<!-- {mark[1]}: end -->")
+        part = importlib.import_module(name).PART
+        assert part.page == page.README
+        assert part.read(), name
 
 
-def test_a_table_takes_the_place_of_the_last_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    readme = tmp_path / "README.md"
-    readme.write_text("before\n<!-- a: begin -->\nold\n<!-- a: end -->\n<!-- b: begin -->\n<!-- b: end -->\nafter\n")
-    page.show("a", page.table(("x", "y"), [("one", "1")]), write=True, page=readme)
-    text = readme.read_text()
-    assert "| one | 1 |" in text
-    assert "old" not in text
-    assert text.endswith("<!-- b: begin -->\n<!-- b: end -->\nafter\n")
-    page.show("b", "shown only", write=False, page=readme)
-    assert readme.read_text() == text
+def test_tables_are_shown_and_written_if_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    part = page.MarkedPart(tmp_path / "README.md", "a")
+    part.page.write_text("<!-- a: begin -->\nold\n<!-- a: end -->\n")
+    page.show(part, "shown only", write=False)
     assert "shown only" in capsys.readouterr().out
-    with pytest.raises(SystemExit, match="no lines <!-- c: begin -->"):
-        page.show("c", "nowhere", write=True, page=readme)
+    assert part.read() == "old"
+    page.show(part, "new", write=True)
+    assert part.read() == "new"
 
 
 def test_a_table_for_each_mesh_of_what_this_run_found(tmp_path: Path) -> None:

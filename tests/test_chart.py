@@ -16,11 +16,11 @@ from membrane_rs import InputError, RunSettings, Simulation, UnstableError, scen
 from membrane_rs.cli import app
 from membrane_rs.simulation import integrators
 from membrane_rs.study import Chart, ablation, accuracy, chart
-from membrane_rs.study.density import denser
-from membrane_rs.study.differences import position_error
+from membrane_rs.study.common.density import denser
+from membrane_rs.study.common.differences import position_error
+from membrane_rs.study.common.executor import together
+from membrane_rs.study.common.run import SHIFT, Trial, course, ensemble, run
 from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
-from membrane_rs.study.trial import SHIFT, Trial, course, ensemble, run
-from membrane_rs.study.workers import together
 from PIL import Image
 from small_scenes import hanging_strip, refused
 from typer.testing import CliRunner

@@ -10,10 +10,9 @@ import time
 from pathlib import Path
 
 import pytest
-from membrane_rs import Scene, scenes
+from membrane_rs import Scene, Simulation, scenes
 from membrane_rs.cli import app
-from membrane_rs.output import read_history
-from membrane_rs.simulation import Simulation
+from membrane_rs.results import read_history
 from typer.testing import CliRunner
 
 COMMAND = [sys.executable, "-m", "membrane_rs.cli"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from membrane_rs import Scene, Simulation, SpringDamping
 from membrane_rs.folding import Disc
-from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene.run_settings import RunSettings
 from small_scenes import RUBBER, UNBUCKLED
 
 STEPS = 20_000

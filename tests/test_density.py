@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from membrane_rs import Fixed, InputError, Mesh, Scene, TipMasses, scenes
 from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, SquareSail, Strip
-from membrane_rs.study.density import denser
+from membrane_rs.study.common.density import denser
 from small_scenes import RUBBER, UNBUCKLED, hanging_strip, refused
 
 SMALL: dict[str, Any] = {

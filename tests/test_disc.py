@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from membrane_rs import Fixed, MassDamping, Scene, Simulation, Spin, SpringDamping
+from membrane_rs.analysis.strain import triangle_strains
 from membrane_rs.folding import Disc
-from membrane_rs.laws import Law
-from membrane_rs.observe import triangle_strains
+from membrane_rs.scene.laws import Law
 from numpy.typing import NDArray
 from scipy.special import beta, hyp2f1
 from small_scenes import RUBBER, UNBUCKLED, frequencies, rates

@@ -22,12 +22,12 @@ from membrane_rs import (
     UnstableError,
     scenes,
 )
+from membrane_rs.check.redundancy import step_savings
 from membrane_rs.cli import app
 from membrane_rs.errors import InputError
 from membrane_rs.folding import SquareSail, Strip
-from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.simulation import integrators
-from membrane_rs.study.needs import step_savings
 from small_scenes import FILM, RUBBER, refused
 from typer.testing import CliRunner
 

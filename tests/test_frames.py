@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from membrane_rs import AirDrag, Creases, Gravity, Scene, Simulation, Spin, SpringDamping, Springs
 from membrane_rs.folding import Strip
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from small_scenes import RUBBER, Floats, rates, rotation, turned
 
 AXIS = np.array([0.0, 0.0, 1.0])

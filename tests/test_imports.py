@@ -26,7 +26,7 @@ def test_the_package_comes_with_nothing_heavy() -> None:
 def test_only_pictures_need_what_draws(tmp_path: Path) -> None:
     code = (
         "from membrane_rs import Simulation, scenes\n"
-        "from membrane_rs.output import RunFolder\n"
+        "from membrane_rs.runs import RunFolder\n"
         "sim = Simulation(scenes.load('spinning-tether'), dt=1e-5)\n"
         f"folder = RunFolder({str(tmp_path / 'run')!r}, pictures={{}})\n"
         "sim.run(until=1e-3, frames=2, samples=2, observers=(folder,))\n"

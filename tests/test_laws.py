@@ -22,8 +22,8 @@ from membrane_rs import (
     Triangles,
 )
 from membrane_rs.folding import Strip
-from membrane_rs.laws import LAWS, Law
-from membrane_rs.parts import Part
+from membrane_rs.scene.laws import LAWS, Law
+from membrane_rs.scene.parts import Part
 from small_scenes import RUBBER, Floats, rotation
 
 FILMS: list[Law] = [

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from membrane_rs.cords import cord_positions
 from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.laws import LAWS, Creases, Gravity, Springs
-from membrane_rs.parts import PARTS, Tether, Tethers
+from membrane_rs.scene.cords import cord_positions
+from membrane_rs.scene.laws import LAWS, Creases, Gravity, Springs
+from membrane_rs.scene.parts import PARTS, Tether, Tethers
 
 NEEDED: dict[str, dict[str, Any]] = {
     "mass_damping": {"rate": 1.0},

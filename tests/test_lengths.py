@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, Mesh, Scene, Simulation, SpringDamping, Springs, TipMasses, Triangles, scenes
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
-from membrane_rs.laws import Creases, Law
+from membrane_rs.scene.laws import Creases, Law
 from membrane_rs.study import FORMS, Lengths, agreeing
 from small_scenes import FILM, RUBBER, cord, refused
 

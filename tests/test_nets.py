@@ -21,8 +21,8 @@ from membrane_rs import (
     TipMasses,
 )
 from membrane_rs.folding import Disc, SquareSail
-from membrane_rs.laws import Law
-from membrane_rs.parts import Part
+from membrane_rs.scene.laws import Law
+from membrane_rs.scene.parts import Part
 from small_scenes import RUBBER, period, rotation
 
 OMEGA = 2 * math.pi * 3.0

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 from membrane_rs import Simulation, scenes
-from membrane_rs.observe import Corners
+from membrane_rs.analysis.deployment import Corners
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from marked import MarkedPart
 from membrane_rs import Simulation, scenes
 from peers import chart, deployment, measure, ours, picture, problem, report, speed
 from peers.neo_hookean import NeoHookean
@@ -117,7 +118,7 @@ def page(drawn: chart.Chart, small: Problem) -> str:
 
 
 def test_the_spread_is_read_from_the_studies() -> None:
-    spreads = deployment.spreads(deployment.STUDIES.read_text(encoding="utf-8"))
+    spreads = deployment.spreads(MarkedPart(deployment.STUDIES, "deployment-chart").read())
     assert 0.0 < spreads["rate"] < 0.1
     assert 0.0 < spreads["phase"] < 90.0
     with pytest.raises(ValueError, match="make accuracy"):

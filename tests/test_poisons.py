@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from poisoned import EACH, METHODS, ending, endings, table
+from poisoned import EACH, METHODS, ending, endings, page
 from poisons import POISONS, Dice, Poisoned
 
 
@@ -21,6 +21,6 @@ def test_no_poison_ends_quietly_wrong(poison: Callable[[Dice], Poisoned], method
 def test_there_are_two_hundred_and_the_table_is_theirs() -> None:
     assert len(POISONS) * EACH == 200
     written = (Path(__file__).parents[1] / "docs" / "poisoned.md").read_text(encoding="utf-8")
-    rows = [line for line in table(endings()).splitlines() if line.startswith("| ")]
+    rows = [line for line in page(endings()).splitlines() if line.startswith("| ")]
     counts = [line.split("|")[1:7] for line in rows]
     assert [line.split("|")[1:7] for line in written.splitlines() if line.startswith("| ")] == counts

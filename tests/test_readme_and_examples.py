@@ -12,13 +12,16 @@ from typing import Any
 import pytest
 from membrane_rs import Simulation, scenes
 from membrane_rs.cli import app
+from readme_numbers import TABLES
 from typer.testing import CliRunner
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-UPKEEP = ROOT / "examples" / "readme_numbers.py"
-"""No example: it keeps README in step with the demo."""
-EXAMPLES = sorted(set((ROOT / "examples").glob("*.py")) - {UPKEEP})
+UPKEEP = ROOT / "tools" / "docs" / "readme_numbers.py"
+"""It keeps README in step with the demo."""
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+STUDIES = [ROOT / "tools" / "docs" / f"{name}.py" for name in ("accuracy", "charts", "mesh_parameters")]
+"""They make tables of docs/, and can be tried as an example can."""
 COMMANDS = ("run", "resume", "scenes", "check", "stability", "chart", "ablate", "mesh-study")
 SHORT = 0.004
 """Where runs of README and examples are made to end [s]: to see them work, not to see them deploy."""
@@ -112,7 +115,7 @@ def test_help_names_every_command() -> None:
     assert known == set(COMMANDS)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("example", [*EXAMPLES, *STUDIES], ids=lambda path: path.stem)
 def test_examples(example: Path, tmp_path: Path) -> None:
     words = [sys.executable, str(example)]
     text = example.read_text(encoding="utf-8")
@@ -122,17 +125,15 @@ def test_examples(example: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip(), "an example should say what it did"
     assert "Traceback" not in done.stderr
-    assert list(ROOT.glob("examples/out")) == []  # it writes where it is called
+    assert not (example.parent / "out").exists()  # it writes where it is called
 
 
 def test_readme_numbers_that_are_stale_are_told(tmp_path: Path) -> None:
-    tables = re.findall(r"<!-- (\S+): begin -->\n(.*?)\n<!-- \1: end -->", README, flags=re.DOTALL)
-    assert tables
-    for name, text in tables:
-        (tmp_path / name).write_text(text, encoding="utf-8")
+    for name, part in TABLES.items():
+        (tmp_path / name).write_text(part.read(), encoding="utf-8")
     words = [sys.executable, str(UPKEEP), "--out", str(tmp_path)]
     assert subprocess.run(words, cwd=tmp_path, check=False).returncode == 0
-    (tmp_path / tables[0][0]).write_text("| other |", encoding="utf-8")
+    (tmp_path / next(iter(TABLES))).write_text("| other |", encoding="utf-8")
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "other numbers than the last demo" in done.stderr

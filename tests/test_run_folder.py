@@ -8,7 +8,7 @@ from typing import Any, cast
 import pytest
 from fake_simulation import FakeSimulation, run, small_sail, summary
 from membrane_rs import OutputError, Scene
-from membrane_rs.output import RunFolder
+from membrane_rs.runs import RunFolder
 
 
 def test_folder_with_content_is_refused(tmp_path: Path) -> None:

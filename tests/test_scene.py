@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import scenes
+from membrane_rs import Simulation, scenes
 from membrane_rs.errors import InputError, InputTypeError, SceneError
-from membrane_rs.laws import Spin, SpoolContact, Springs
-from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
-from membrane_rs.run_settings import RunSettings
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
+from membrane_rs.scene.laws import Spin, SpoolContact, Springs
+from membrane_rs.scene.parts import Bridges, Fixed, Tether, Tethers, TipMasses
+from membrane_rs.scene.run_settings import RunSettings
 from small_scenes import FILM, patch
 
 CORD = Tether((0.1, 0, 0), (0.4, 0, 0), segments=3, axial_stiffness=100.0, linear_density=1e-4, tip_mass=0.01)

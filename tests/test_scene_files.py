@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from membrane_rs.errors import MissingFileError, OutputError, SceneError
-from membrane_rs.laws import Creases, Law, Spin, SpringDamping, Springs
-from membrane_rs.parts import Fixed
 from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Creases, Law, Spin, SpringDamping, Springs
+from membrane_rs.scene.parts import Fixed
 from small_scenes import FILM, cord, patch
 
 

@@ -22,7 +22,7 @@ from membrane_rs import (
     UnstableError,
     scenes,
 )
-from membrane_rs.laws import LAWS
+from membrane_rs.scene.laws import LAWS
 from small_scenes import FILM, hanging_strip
 
 END = 0.04
@@ -265,7 +265,7 @@ def test_settling_holds_the_guide_bars_and_brings_the_sail_to_rest() -> None:
     sim = Simulation(scene)
     start, bars = sim.positions, sim.assembly.node_sets["guide_bars"]
     before = sim.energies()["springs"] + sim.energies()["creases"]
-    speed = sim.settle(duration=0.3, rate=50.0)
+    speed = sim.relax(duration=0.3, rate=50.0)
     # Half a second would take it to the next decade; the free ends are what still swings.
     assert speed < 0.05
     assert (sim.positions[bars] == start[bars]).all()
@@ -276,7 +276,7 @@ def test_settling_holds_the_guide_bars_and_brings_the_sail_to_rest() -> None:
     assert len(sim.assembly.fixed) == 4  # the bars are open again
     sim.step()
     with pytest.raises(InputError, match="before the first step"):
-        sim.settle(0.1, 50.0)
+        sim.relax(0.1, 50.0)
 
 
 def test_a_run_settles_first_if_the_scene_says_so() -> None:
@@ -284,7 +284,7 @@ def test_a_run_settles_first_if_the_scene_says_so() -> None:
     scene = replace(base, run=RunSettings(until=1e-3, samples=2, settle=0.01, settle_rate=100.0))
     ran, by_hand = Simulation(scene), Simulation(scene)
     ran.run()
-    by_hand.settle()
+    by_hand.relax()
     by_hand.run()
     assert ran.is_settled
     assert same(ran, by_hand)

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, small_sail, turned_flat
-from membrane_rs.output import RunFolder
-from membrane_rs.output.animation import MOST_FRAMES, chosen
-from membrane_rs.output.paint_matplotlib import MatplotlibPainter
-from membrane_rs.output.paint_pyvista import PyvistaPainter
-from membrane_rs.output.picture import Painter, Subject, pyvista_works
-from membrane_rs.output.snapshots import SnapshotTaker, caption, contact_sheet
-from membrane_rs.parts import Tether, Tethers, TipMasses
+from membrane_rs.plotting.animation import MOST_FRAMES, chosen
+from membrane_rs.plotting.matplotlib import MatplotlibPainter
+from membrane_rs.plotting.painter import Painter, pyvista_works
+from membrane_rs.plotting.picture import Subject
+from membrane_rs.plotting.pyvista import PyvistaPainter
+from membrane_rs.plotting.snapshots import SnapshotTaker, caption, contact_sheet
+from membrane_rs.runs import RunFolder
 from membrane_rs.scene import Scene
+from membrane_rs.scene.parts import Tether, Tethers, TipMasses
 from PIL import Image
 
 PAINTERS = [MatplotlibPainter, *([PyvistaPainter] if pyvista_works() else [])]
@@ -161,7 +162,7 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
 
 
 def test_without_graphics_matplotlib_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("membrane_rs.output.picture.PROBE_SECONDS", 0.0)
+    monkeypatch.setattr("membrane_rs.plotting.painter.PROBE_SECONDS", 0.0)
     pyvista_works.cache_clear()
     try:
         folder = RunFolder(tmp_path / "run")

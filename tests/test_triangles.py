@@ -22,7 +22,7 @@ from membrane_rs import (
     UnstableError,
 )
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
-from membrane_rs.laws import Law
+from membrane_rs.scene.laws import Law
 from small_scenes import FILM, RUBBER, Floats, hanging_strip, rates, refused, rest
 
 PLATE = Triangles(compression=1.0)

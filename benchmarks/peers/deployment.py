@@ -9,13 +9,13 @@ from __future__ import annotations
 import re
 import time
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from membrane_rs import Scene, Simulation
-from membrane_rs.study.differences import CURVES
-from membrane_rs.study.trial import course, run
+from membrane_rs.study.common.differences import CURVES
+from membrane_rs.study.common.run import course, run
+from page import DOCS, MarkedPart
 
-STUDIES = Path(__file__).resolve().parent.parent.parent / "docs" / "studies.md"
+STUDIES = DOCS / "studies.md"
 UNTIL = 0.8
 """End [s]."""
 INSTANTS = 100
@@ -68,17 +68,16 @@ def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
         processor=trial.seconds * UNTIL / until,
         finer_dt=finer.dt,
         errors={name: error(trial, finer, where.start) for name, (_, error) in CURVES.items()},
-        spreads=spreads(STUDIES.read_text(encoding="utf-8")),
+        spreads=spreads(MarkedPart(STUDIES, "deployment-chart").read()),
     )
 
 
-def spreads(studies: str) -> dict[str, float]:
+def spreads(chart: str) -> dict[str, float]:
     """By curve, the spread of perturbed starts that the chart of the deployment tells in docs/studies.md."""
-    words = re.search(r"<!-- deployment-chart: begin -->(.*?)<!-- deployment-chart: end -->", studies, re.DOTALL)
     found = {}
     for name, (label, _) in CURVES.items():
-        part = words[1].partition(f"{label}:")[2] if words else ""
-        spread = re.search(r"spread of \d+ starts shifted by \S+ m: ([\d.e+-]+)", part)
+        of_curve = chart.partition(f"{label}:")[2]
+        spread = re.search(r"spread of \d+ starts shifted by \S+ m: ([\d.e+-]+)", of_curve)
         if spread is None:
             raise ValueError(f"{STUDIES} tells no spread of {label!r}; make it anew: make accuracy PART=charts")
         found[name] = float(spread[1])

@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 from membrane_rs import Material, Mesh, Scene, TipMasses, scenes
-from membrane_rs.laws import Law, Springs, Triangles
-from membrane_rs.run_settings import RunSettings
+from membrane_rs.scene.laws import Law, Springs, Triangles
+from membrane_rs.scene.run_settings import RunSettings
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]

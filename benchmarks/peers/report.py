@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from machine import cpu
+from membrane_rs._markdown import table
 
 from peers.chart import WANTED, Chart, measured_order, seconds_at
 from peers.measure import GROWTH, TRIAL_STEPS, Ladder, nearest
@@ -13,13 +14,13 @@ from peers.picture import FILMS
 from peers.program import NEWTON_ITERATIONS
 from peers.speed import Speed
 from peers.speed_report import aims, pace
-from peers.words import bullets, paragraph, table
+from peers.words import bullets, paragraph
 
 
 def text(chart: Chart, speed: Speed, versions: dict[str, str]) -> str:
     """The whole page."""
     parts = [*_head(versions), *_same(chart), *_work(chart), _best(chart), *pace(speed), *aims(speed), _limits(chart)]
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
 
 def _head(versions: dict[str, str]) -> list[str]:
@@ -80,7 +81,7 @@ def _same(chart: Chart) -> list[str]:
             of
             {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g} s."""
         ),
-        table(head, rows, 2),
+        table(head, rows, range(2)),
         paragraph(
             f"""*Mass* and *kinetic energy* as each program holds them at the start. *Corner peak*: first maximum of the
             corners' radius, less its flat value, in the converged motion. *Model apart*: how far the converged motion
@@ -108,7 +109,7 @@ def _work(chart: Chart) -> list[str]:
     for film, laws in FILMS.items():
         ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
         head = (film, "largest step [us]", "order", *(f"{wanted:.0e}" for wanted in WANTED), "least error")
-        tables.append(table(head, [_costs(ladder) for ladder in ladders], 1))
+        tables.append(table(head, [_costs(ladder) for ladder in ladders]))
     dopri5 = next(ladder.program for ladder in chart.ladders if ladder.program.name == "membrane_rs dopri5")
     begins = 1e6 * (dopri5.limit_guess or math.nan)
     return [

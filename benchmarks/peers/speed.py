@@ -68,7 +68,7 @@ def steps(problem: Problem, programs: Sequence[Program], *, repeats: int, slice_
     tasks += [(method, lambda: None, sim.step) for method, sim in models.items()]
     times = step_times(tasks, repeats, slice_seconds)
     paces = [Pace(one.name, one.law, one.bits, times[str(k)], None) for k, one in enumerate(programs)]
-    return Steps(problem, paces, {method: times[method] for method in models}, models[METHODS[0]]._core.width)
+    return Steps(problem, paces, {method: times[method] for method in models}, models[METHODS[0]]._core.instructions)
 
 
 def measure(

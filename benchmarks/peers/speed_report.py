@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from membrane_rs._markdown import table
+
 from peers.deployment import FINER, METHOD, SHARE, SHORT_STEPS, UNTIL
 from peers.speed import Speed, Steps
-from peers.words import paragraph, table
+from peers.words import paragraph
 
 AIMS = {"RK4 step": (18, 25), "leapfrog step": (40, 40), "deployment": (60, 100)}
 """How many times faster than the peer membrane_rs was meant to be, with AVX2 and with AVX-512."""
@@ -41,7 +43,7 @@ def pace(speed: Speed) -> list[str]:
             frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
             *{UNTIL:g} s take*: processor time at the largest stable step, extrapolated from the time of a step."""
         ),
-        table(head, rows, 2),
+        table(head, rows, range(2)),
         paragraph(
             """"Particle contact on, no graph" is nearer to how Newton comes: it looks for contact between particles in
             every step, and Python calls every kernel. Its contact of triangles, also on as it comes, is off there
@@ -94,7 +96,7 @@ def aims(speed: Speed) -> list[str]:
             MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are extrapolated from the time of a
             step."""
         ),
-        table(AIMED, rows, 3),
+        table(AIMED, rows, range(3)),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Paragraphs and tables of Markdown."""
+"""Paragraphs of Markdown."""
 
 from __future__ import annotations
 
@@ -23,9 +23,3 @@ def paragraph(words: str, first: str = "", further: str = "") -> str:
 def bullets(points: Sequence[str]) -> str:
     """A list of them."""
     return "\n".join(paragraph(point, "- ", "  ") for point in points)
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> str:
-    """The first `words` columns are words, the others numbers."""
-    rule = ["---"] * words + ["---:"] * (len(head) - words)
-    return "\n".join(f"| {' | '.join(row)} |" for row in [head, rule, *rows])

@@ -22,7 +22,11 @@ from membrane_rs.errors import (
     SceneError,
     UnstableError,
 )
-from membrane_rs.laws import (
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
+from membrane_rs.runs import Simulation
+from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import (
     AirDrag,
     Creases,
     Gravity,
@@ -33,12 +37,9 @@ from membrane_rs.laws import (
     Springs,
     Triangles,
 )
-from membrane_rs.material import Material
-from membrane_rs.mesh import Mesh
-from membrane_rs.parts import Bridges, Fixed, Tether, Tethers, TipMasses
-from membrane_rs.run_settings import RunSettings
-from membrane_rs.scene import Scene
-from membrane_rs.simulation import IntegratorFacts, Simulation, integrators
+from membrane_rs.scene.parts import Bridges, Fixed, Tether, Tethers, TipMasses
+from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.simulation import IntegratorFacts, integrators
 
 __version__ = version("membrane_rs")
 

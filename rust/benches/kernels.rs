@@ -1,8 +1,8 @@
-//! Times of one evaluation of each law, of all laws, and of a step, on model 1's sail and on finer ones: by plain scalar
-//! loops (`tests/oracle`), and by the kernels for each set of vector instructions that the machine has.
+//! Times of one evaluation of each law, of all laws, and of a step, on model 1's sail and on finer ones: by plain
+//! scalar loops (`tests/oracle`), and by the kernels for each set of vector instructions that the machine has.
 //!
-//! `benchmarks/kernels.py` makes tables of what criterion finds: a group for each mesh, named by what is timed and by the
-//! number of nodes. Where a filter leaves out a mesh, that mesh is not built.
+//! `benchmarks/kernels.py` makes tables of what criterion finds: a group for each mesh, named by what is timed and by
+//! the number of nodes. Where a filter leaves out a mesh, that mesh is not built.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 #[path = "../core/tests/common/mod.rs"]

@@ -1,10 +1,10 @@
-//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one run
-//! on one thread.
+//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one
+//! run on one thread.
 //!
 //! The scalar loops are those of the tests (`tests/oracle`), compiled with the same flags. All are timed in turn, a few
-//! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike and
-//! a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes whose cells
-//! are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
+//! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike
+//! and a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes
+//! whose cells are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 mod bound;
@@ -86,7 +86,8 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
     let mut counted = scene.kernels(InstructionSet::Counted);
     let counts: Vec<Counts> = (0..PARTS).map(|part| count(|| counted.evaluate(part, scene.at()))).collect();
     println!(
-        "\n| operations on eight numbers, per batch of eight | + - | x | / | root | larger, smaller | choice | sign | read | write | batches | fillers |"
+        "\n| operations on eight numbers, per batch of eight | + - | x | / | root | larger, smaller | choice | sign | \
+         read | write | batches | padding |"
     );
     println!("|---|{}", "---:|".repeat(11));
     for (part, counts) in counts.iter().enumerate() {
@@ -103,7 +104,8 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
     }
 
     println!(
-        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | of it for fillers [us] |"
+        "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | \
+         of it for fillers [us] |"
     );
     println!("|---|---|---:|---:|---:|---|---:|");
     for part in 0..PARTS {

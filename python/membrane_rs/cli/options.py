@@ -46,7 +46,7 @@ def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     from dataclasses import asdict, replace
 
     from membrane_rs._validation import build
-    from membrane_rs.run_settings import RunSettings
+    from membrane_rs.scene.run_settings import RunSettings
 
     given = {name: value for name, value in wanted.items() if value is not None}
     return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene

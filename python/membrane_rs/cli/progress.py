@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from membrane_rs.simulation import Simulation
+    from membrane_rs.runs import Simulation
 
 
 class Bar:

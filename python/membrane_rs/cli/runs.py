@@ -27,7 +27,7 @@ from membrane_rs.cli.options import (
 from membrane_rs.cli.progress import progress_bar, terminal
 
 if TYPE_CHECKING:
-    from membrane_rs.simulation import Simulation
+    from membrane_rs.runs import Simulation
 
 
 @app.command()
@@ -47,7 +47,7 @@ def run(
 ) -> None:
     """Run a scene and write its results into a folder."""
     with told_errors():
-        from membrane_rs.simulation import Simulation
+        from membrane_rs.runs import Simulation
 
         wanted = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
@@ -71,7 +71,7 @@ def resume(
     """Continue a saved state to the end, into a folder of its own."""
     with told_errors():
         from membrane_rs.errors import InputError
-        from membrane_rs.simulation import Simulation
+        from membrane_rs.runs import Simulation
 
         sim = Simulation.restore(file)
         settings = sim.scene.run
@@ -105,8 +105,8 @@ def check(
 ) -> None:
     """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
     with told_errors():
-        from membrane_rs.simulation import Simulation
-        from membrane_rs.study.needs import idle_laws, step_savings
+        from membrane_rs.check.redundancy import idle_laws, step_savings
+        from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "short_steps": short_steps}
         chosen = with_settings(load(scene), wanted)
@@ -157,7 +157,7 @@ def _run(
     frames: int | None = None,
 ) -> None:
     """Run with a progress bar, and tell where the results are or how to go on."""
-    from membrane_rs.output import RunFolder
+    from membrane_rs.runs import RunFolder
 
     console = terminal()
     settings = sim.scene.run
@@ -166,7 +166,7 @@ def _run(
         _warn_of_step(sim)
         if settings.settle > 0 and sim.step_count == 0:
             show.settling()
-            sim.settle()
+            sim.relax()
         try:
             sim.run(until=until, frames=frames, progress=show.steps, observers=(results,))
         except KeyboardInterrupt:

@@ -7,8 +7,7 @@ from collections.abc import Sequence, Sized
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from membrane_rs._arrays import Floats, Ints
 
 MOST_NODES = 50_000_000
 """Most nodes that a pattern may make."""

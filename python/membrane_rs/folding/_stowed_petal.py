@@ -23,11 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from membrane_rs._arrays import Bools, Floats
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _MIDDLE = -np.pi / 4
 _ARC, _FILLET, _STRAIGHT = 0, 1, 2

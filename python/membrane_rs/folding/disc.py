@@ -22,7 +22,6 @@ from membrane_rs.folding._rows import MOST_NODES, cells, numbered, stitch
 from membrane_rs.mesh import Mesh
 
 Complexes = NDArray[np.complex128]
-Ints = NDArray[np.int64]
 
 _LEAST_AROUND = 7.5
 """Nodes on each circle of a ring below which its triangles are obtuse."""

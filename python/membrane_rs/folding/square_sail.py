@@ -12,17 +12,15 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal
 from membrane_rs.folding._rows import MOST_NODES
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
-from membrane_rs.mesh import Mesh, distinct
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from membrane_rs.mesh import Mesh
+from membrane_rs.mesh.queries import distinct
 
 
 @validated

@@ -7,15 +7,14 @@ from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import Count, Finite, Positive, Unit, _numbers, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._rows import cells
 from membrane_rs.mesh import Mesh
 
-Floats = NDArray[np.float64]
 Inside = Annotated[Finite, Gt(0), Lt(1)]
 
 

@@ -20,15 +20,17 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._files import output_errors, replacing, write_text
+from membrane_rs._markdown import table
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
-from membrane_rs.output.report import versions, write_summary
+from membrane_rs.results.summary import versions, write_summary
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation, integrators
-from membrane_rs.study.step_cost import cost_against
-from membrane_rs.study.trial import Course, Trial, course, ensemble, run
+from membrane_rs.simulation import integrators
+from membrane_rs.study.common.executor import Tell, together
+from membrane_rs.study.common.run import Course, Trial, course, ensemble, run
+from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
-from membrane_rs.study.workers import Tell, together
 
 INSTANTS = 100
 """How often the curves are read."""
@@ -129,11 +131,10 @@ class Ablation:
         """The rows as Markdown."""
         head: tuple[str, ...] = ("left out", "its share of a step", "step limit", "cost of the run")
         head += ("rate", "phase [deg]", "peak strain", "peak stress [Pa]", "verdict")
-        rows: list[tuple[str, ...]] = [head, ("---", *["---:"] * 7, "---")]
-        rows += [_row(item) for item in self.items]
+        rows = [_row(item) for item in self.items]
         for name, change in (("spread of perturbed starts", self.spread), ("allowed", self.allowed)):
             rows.append((f"*{name}*", "", "", "", *(text.lstrip("+") for text in _changes(change)), ""))
-        return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+        return table(head, rows, words=(0, len(head) - 1))
 
     def heading(self) -> str:
         """What was run, and to what the changes of its peaks compare."""

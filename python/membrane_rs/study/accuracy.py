@@ -24,15 +24,16 @@ import numpy as np
 from membrane_rs._files import output_errors, replacing
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError
-from membrane_rs.output.report import versions, write_summary
-from membrane_rs.output.work_precision import COSTS, Line, Row, plot_work_precision
+from membrane_rs.plotting.work_precision import COSTS, Line, Row, plot_work_precision
+from membrane_rs.results.summary import versions, write_summary
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation, integrators
-from membrane_rs.study.density import denser
-from membrane_rs.study.differences import CURVES, POINTWISE
+from membrane_rs.simulation import integrators
+from membrane_rs.study.common.density import denser
+from membrane_rs.study.common.differences import CURVES, POINTWISE
+from membrane_rs.study.common.executor import Tell, together
+from membrane_rs.study.common.run import SHIFT, Course, Trial, course, ensemble, run
 from membrane_rs.study.ladder import COARSEST, Best, Point, Rung, cheapest, ladder, line_name, measured_order
-from membrane_rs.study.trial import SHIFT, Course, Trial, course, ensemble, run
-from membrane_rs.study.workers import Tell, together
 
 REFERENCE = "rk4"
 """The method of the reference."""

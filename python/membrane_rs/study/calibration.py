@@ -13,13 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
+from membrane_rs._markdown import table
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
+from membrane_rs.study.common.executor import Tell
+from membrane_rs.study.common.variation import varied
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
 from membrane_rs.study.lengths import PAPER
 from membrane_rs.study.mesh import jobs_of, mesh_study
-from membrane_rs.study.variation import varied
-from membrane_rs.study.workers import Tell
 
 
 @dataclass(frozen=True)
@@ -50,13 +51,10 @@ class Calibration:
 
     def table(self) -> str:
         """What was tried, in Markdown, by value."""
-        text = f"| {self.parameter} | distance of the rates | of the phases [deg] | misfit |\n"
-        text += "| ---: | ---: | ---: | ---: |\n"
-        for tried in sorted(self.tried, key=lambda tried: tried.value):
-            rate, phase = (tried.distance[c] for c in CURVES)
-            text += f"| {tried.value:.3g} | {rate:.4f} | {phase:.1f} | {tried.misfit:.1f} |\n"
-        rate, phase = (self.spread[c] for c in CURVES)
-        return text + f"| *spread of the target's starts* | {rate:.4f} | {phase:.1f} | 1 |\n"
+        head = (self.parameter, "distance of the rates", "of the phases [deg]", "misfit")
+        by_value = sorted(self.tried, key=lambda tried: tried.value)
+        rows = [(f"{tried.value:.3g}", *_sizes(tried.distance), f"{tried.misfit:.1f}") for tried in by_value]
+        return table(head, [*rows, ("*spread of the target's starts*", *_sizes(self.spread), "1")], words=())
 
 
 def calibrate(
@@ -142,3 +140,9 @@ def calibrate(
         options={"maxiter": tries, "xatol": 0.05},
     )
     return Calibration(parameter, aim, spread, tuple(tried.values()))
+
+
+def _sizes(of: dict[str, float]) -> tuple[str, str]:
+    """Of the rate and of the phase [deg]."""
+    rate, phase = (of[c] for c in CURVES)
+    return f"{rate:.4f}", f"{phase:.1f}"

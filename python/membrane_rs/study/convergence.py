@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from membrane_rs.observe import Floats
-from membrane_rs.output.report import curve_features
+from membrane_rs._arrays import Floats
+from membrane_rs.results.summary import curve_features
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
 POINTS = 2001

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from membrane_rs.errors import InputError
-from membrane_rs.laws import Creases, Law, SpringDamping, Springs, Triangles
 from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Creases, Law, SpringDamping, Springs, Triangles
 
 
 @dataclass(frozen=True)

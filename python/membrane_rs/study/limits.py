@@ -19,12 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from membrane_rs._arrays import Floats
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
-
-Floats = NDArray[np.float64]
 
 STEPS = 800
 """Steps over which growth is watched: enough for 0.3 % beyond the limit to show."""

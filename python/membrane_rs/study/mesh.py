@@ -17,16 +17,17 @@ from threading import Event
 
 import numpy as np
 
+from membrane_rs._arrays import Floats
 from membrane_rs._files import output_errors, replacing
 from membrane_rs._validation import show
+from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.folding import SquareSail
-from membrane_rs.observe import Corners, Floats
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
+from membrane_rs.study.common.executor import Tell, together
+from membrane_rs.study.common.run import SHIFT, course
 from membrane_rs.study.lengths import FORMS, Lengths
-from membrane_rs.study.trial import SHIFT, course
-from membrane_rs.study.workers import Tell, together
 
 INTEGRATOR, SHARE = "leapfrog", 0.8
 """The method of all runs, and its step as a share of the stability limit."""

@@ -10,7 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from membrane_rs._files import output_errors, write_text
-from membrane_rs.output.mesh_plot import plot_meshes
+from membrane_rs._markdown import table
+from membrane_rs.plotting.mesh_study import plot_meshes
 from membrane_rs.study.convergence import CURVES, Density, densities, limit, orders, overall_order, steps
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
@@ -42,7 +43,7 @@ def _shown(forms: dict[str, list[Density]]) -> str:
             energy = f"{100 * worst:+.2f}" if stopped is None else f"stopped: {stopped}"
             sizes = [f"{1e3 * mesh.cell:.4g}", f"{first.node_count:,}", str(len(mesh.runs)), f"{1e6 * first.dt:.3g}"]
             body.append([mesh.form, *sizes, *cells, energy])
-    return _markdown(head, body)
+    return table(head, body)
 
 
 def _stepped(forms: dict[str, list[Density]]) -> str:
@@ -58,7 +59,7 @@ def _stepped(forms: dict[str, list[Density]]) -> str:
                 for c, digits in zip(CURVES, (".4f", ".1f"), strict=True)
             ]
             body.append([form, cells, f"{step.until:.3g}", *values, *(_number(ps[c][k], ".1f") for c in CURVES)])
-    return _markdown(head, body) if body else ""
+    return table(head, body) if body else ""
 
 
 def verdict(forms: dict[str, list[Density]]) -> str:
@@ -127,8 +128,3 @@ def _number(value: float, form: str) -> str:
 
 def _with_spread(value: float, spread: float, form: str) -> str:
     return _number(value, form) + (f" +- {spread:{form}}" if math.isfinite(spread) else "")
-
-
-def _markdown(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *body]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)

@@ -16,9 +16,11 @@ from pathlib import Path
 
 from membrane_rs._files import output_errors, write_text
 from membrane_rs.errors import InputError, UnstableError
+from membrane_rs.plotting.stability_map import draw_map
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation, integrators
-from membrane_rs.study.variation import varied
+from membrane_rs.simulation import integrators
+from membrane_rs.study.common.variation import varied
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
 """Refused: before the run, with words. Energy injected and blown up: stopped by the watch, at a known time."""
@@ -146,8 +148,6 @@ def write_map(cells: Sequence[Cell], parameter: str, folder: Path, title: str = 
 
     Raises OutputError where that fails.
     """
-    from membrane_rs.output.stability_map import draw_map
-
     with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
     text = io.StringIO()

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from membrane_rs.errors import InputError
-from membrane_rs.parts import Part, Tether, Tethers
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import Simulation
-from membrane_rs.study.density import denser
+from membrane_rs.scene.parts import Part, Tether, Tethers
+from membrane_rs.study.common.density import denser
 
 COARSER = 4
 """By how much the segments of a cord are fewer, where that is tried."""

@@ -1,9 +1,9 @@
-//! What the machine allows: how fast it works on eight numbers in registers and in its first cache, and the least time that
-//! counted operations need at that pace.
+//! What the machine allows: how fast it works on eight numbers in registers and in its first cache, and the least time
+//! that counted operations need at that pace.
 //!
 //! Every operation is timed at each width through the same trait that kernels are written with, in chains that do not
-//! wait for each other. A unit that works on nothing else needs count times pace; the unit that needs longest bounds the
-//! time from below, as if all others were idle meanwhile and nothing ever waited.
+//! wait for each other. A unit that works on nothing else needs count times pace; the unit that needs longest bounds
+//! the time from below, as if all others were idle meanwhile and nothing ever waited.
 #![allow(unreachable_pub)]
 
 use std::hint::black_box;
@@ -75,8 +75,8 @@ impl Pace {
     pub fn bound(&self, counts: &Counts) -> (f64, &'static str) {
         let sums = counts.additions as f64 * self.addition;
         let products = counts.multiplications as f64 * self.multiplication;
-        // Additions and multiplications have units of their own where a pair takes clearly less than both in turn. A pair may
-        // take longer than either even then: narrow registers are too few to keep both units busy.
+        // Additions and multiplications have units of their own where a pair takes clearly less than both in turn. A
+        // pair may take longer than either even then: narrow registers are too few to keep both units busy.
         let is_apart = self.pair < 0.75 * (self.addition + self.multiplication);
         let arithmetic = if is_apart { sums.max(products) } else { sums + products };
         let divider = counts.divisions as f64 * self.division + counts.roots as f64 * self.root;

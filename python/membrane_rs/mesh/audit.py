@@ -1,0 +1,308 @@
+"""What is wrong or risky with a mesh, before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import show
+from membrane_rs.errors import InputTypeError, MeshError
+from membrane_rs.material import Material
+from membrane_rs.mesh.growing_modes import growing_modes
+from membrane_rs.mesh.queries import distinct
+from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
+
+Severity = Literal["error", "warning", "info"]
+
+POLYIMIDE = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)
+"""The film of Okuizumi and others' deployment experiments (Table 1)."""
+
+SLIVER = 0.05
+"""Height over longest side below which a triangle is called a sliver."""
+STRAIN_NOTED = 0.005
+STRAIN_REFUSED = 0.1
+GROWTH_LIMIT = 50_000
+"""Most nodes for which growing modes are looked for; it takes some seconds there."""
+_SHOWN = 10
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that the audit found.
+
+    Attributes
+    ----------
+    severity : str
+        "error": it will not run, or run wrong. "warning": it may. "info": good to know.
+    kind : str
+        "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
+        "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
+    count : int
+        How many there are.
+    message, cure : str
+        What it is, in numbers; what to do.
+    where : tuple of int
+        The first ten: nodes, triangles, or rows of `mesh.edges`, as the message says.
+    """
+
+    severity: Severity
+    kind: str
+    count: int
+    message: str
+    cure: str
+    where: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        cure = f"\n    {self.cure}" if self.cure else ""
+        return f"{self.severity}: {self.message}{cure}"
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All that the audit found, errors first."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """No errors; there may be warnings."""
+        return all(finding.severity != "error" for finding in self.findings)
+
+    def find(self, kind: str) -> Finding | None:
+        """The finding of a kind, or None."""
+        return next((finding for finding in self.findings if finding.kind == kind), None)
+
+    def __str__(self) -> str:
+        number = {name: sum(f.severity == name for f in self.findings) for name in ("error", "warning")}
+        head = ", ".join(f"{count or 'no'} {name}{'' if count == 1 else 's'}" for name, count in number.items())
+        return "\n".join([head, *map(str, self.findings)])
+
+
+def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, springs: bool) -> Audit:
+    """Look a mesh over, with the `strain` of its edges, (e,). See `Mesh.audit`."""
+    if material is not None and not isinstance(material, Material):
+        raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
+    film = material or POLYIMIDE
+    findings = [
+        *_shapes(mesh),
+        *_nodes(mesh),
+        *_joints(mesh),
+        *(_springs(mesh, film) if springs else ()),
+        *_strain(mesh, strain),
+    ]
+    order = ("error", "warning", "info")
+    return Audit(tuple(sorted(findings, key=lambda finding: order.index(finding.severity))))
+
+
+def _first(found: Ints) -> tuple[int, ...]:
+    return tuple(found[:_SHOWN].tolist())
+
+
+def _groups(links: Ints, node_count: int) -> Ints:
+    """(n,) the number of the group that each node is in, when links tie nodes together."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    ones = np.ones(len(links), dtype=np.int8)
+    graph = coo_matrix((ones, (links[:, 0], links[:, 1])), shape=(node_count, node_count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _shapes(mesh: Triangulation) -> Iterator[Finding]:
+    """Triangles without area, slivers, and obtuse ones."""
+    flatness = mesh.flatness()
+    thin = np.flatnonzero(flatness < SLIVER)
+    if len(thin):
+        gone = np.flatnonzero(flatness < NO_AREA)
+        worst = thin[np.argmin(flatness[thin])]
+        yield Finding(
+            "error" if len(gone) else "warning",
+            "degenerate",
+            len(gone) or len(thin),
+            f"{len(gone)} triangles have no area and {len(thin) - len(gone)} are slivers; the height of "
+            f"triangle {worst} is {flatness[worst]:.2g} of its longest side",
+            "remove triangles without area; move the nodes of slivers apart, or the step becomes very small",
+            _first(gone if len(gone) else thin),
+        )
+    sides = np.sort(mesh.edge_lengths[mesh.triangle_edges], axis=1)
+    a, b, c = sides.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = np.nan_to_num((a**2 + b**2 - c**2) / (2.0 * a * b))
+    angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    obtuse = np.flatnonzero((angle > 90.0 + 1e-6) & (flatness >= NO_AREA))
+    if len(obtuse):
+        worst = obtuse[np.argmax(angle[obtuse])]
+        yield Finding(
+            "warning",
+            "obtuse",
+            len(obtuse),
+            f"{len(obtuse)} of {len(angle)} triangles are obtuse, at most {angle[worst]:.1f} degrees "
+            f"(triangle {worst})",
+            "the spring opposite to such an angle is weak; from about 92 degrees it can turn negative, from "
+            "125 it always does: flip diagonals or move nodes",
+            _first(obtuse),
+        )
+
+
+def _nodes(mesh: Triangulation) -> Iterator[Finding]:
+    """Nodes that nothing uses, and nodes that lie in one place."""
+    unused = np.flatnonzero(np.bincount(mesh.triangles.ravel(), minlength=mesh.node_count) == 0)
+    if len(unused):
+        yield Finding(
+            "error",
+            "unused_nodes",
+            len(unused),
+            f"{len(unused)} of {mesh.node_count} nodes belong to no triangle, first node {unused[0]}; they "
+            "have no mass",
+            "remove them and renumber the triangles",
+            _first(unused),
+        )
+    low = mesh.reference.min(axis=0)
+    size = float(np.ptp(mesh.reference, axis=0).max()) or 1.0
+    # Cells of a billionth of the size; their corner is shifted so that no regular grid lies on their sides.
+    cell = np.floor((mesh.reference - low) / (1e-9 * size) + 0.381966).astype(np.int64)
+    order = np.lexsort(cell.T)
+    same = (cell[order[1:]] == cell[order[:-1]]).all(axis=1)
+    first, second = order[:-1][same], order[1:][same]
+    if len(mesh.bridges):
+        bridged = set(map(tuple, np.sort(mesh.bridges, axis=1).tolist()))
+        pairs = np.sort(np.stack([first, second], axis=1), axis=1).tolist()
+        kept = np.array([tuple(pair) not in bridged for pair in pairs], dtype=bool)
+        first, second = first[kept], second[kept]
+    if len(first):
+        yield Finding(
+            "warning",
+            "duplicate_nodes",
+            len(first),
+            f"{len(first)} nodes lie where another one does, first nodes {first[0]} and {second[0]} at "
+            f"{mesh.reference[first[0]].tolist()} m; the membrane is not joined there",
+            "merge them, or name the pairs as bridges",
+            _first(np.sort(np.stack([first, second], axis=1).ravel())),
+        )
+
+
+def _joints(mesh: Triangulation) -> Iterator[Finding]:
+    """Triangles given twice, edges of three triangles, winding, and separate pieces."""
+    ordered = np.sort(mesh.triangles, axis=1)
+    order = np.lexsort(ordered.T)
+    again = order[1:][(ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)]
+    if len(again):
+        yield Finding(
+            "error",
+            "duplicate_triangles",
+            len(again),
+            f"{len(again)} triangles are given more than once, first triangle {again.min()}",
+            "remove the copies; mass and stiffness count twice there",
+            _first(np.sort(again)),
+        )
+    shared = np.flatnonzero(mesh.triangles_per_edge > 2)
+    if len(shared):
+        yield Finding(
+            "warning",
+            "shared_edges",
+            len(shared),
+            f"{len(shared)} edges belong to three or more triangles, first edge {shared[0]} "
+            f"(nodes {mesh.edges[shared[0]].tolist()}, {mesh.triangles_per_edge[shared[0]]} triangles)",
+            "a membrane has one or two there: remove triangles, unless a seam of several sheets is meant",
+            _first(shared),
+        )
+    first, second = mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]
+    sense = np.where(first < second, 1.0, -1.0)
+    total = np.bincount(mesh.triangle_edges.ravel(), weights=sense.ravel(), minlength=len(mesh.edges))
+    wound = np.flatnonzero((mesh.triangles_per_edge == 2) & (total != 0.0))
+    if len(wound):
+        keys = mesh.edges[wound] @ np.array([mesh.node_count, 1])
+        on_creases = int(np.isin(np.sort(mesh.creases, axis=1) @ np.array([mesh.node_count, 1]), keys).sum())
+        yield Finding(
+            "error" if on_creases else "warning",
+            "winding",
+            len(wound),
+            f"{len(wound)} edges lie between triangles wound in opposite senses, {on_creases} of them "
+            f"creases, first edge {wound[0]} (nodes {mesh.edges[wound[0]].tolist()})",
+            "reverse the order of nodes in one of the two triangles; mountain and valley depend on it",
+            _first(wound),
+        )
+    links = np.concatenate([mesh.edges, mesh.bridges])
+    label = _groups(links, mesh.node_count)
+    used = distinct(mesh.triangles)
+    names, starts = np.unique(label[used], return_index=True)
+    if len(names) > 1:
+        yield Finding(
+            "warning",
+            "pieces",
+            len(names),
+            f"the mesh is in {len(names)} separate pieces, the second one from node {used[np.sort(starts)[1]]}",
+            "merge the nodes of their seams or add bridges, if they should hold together",
+            _first(used[np.sort(starts)]),
+        )
+
+
+def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
+    """Negative spring constants, and the modes that may grow by them."""
+    if mesh.flatness().min() < NO_AREA:
+        return
+    try:
+        constants = mesh.spring_constants(material)
+    except MeshError as error:
+        yield Finding("error", "singular_springs", 1, str(error), "move the nodes of that triangle")
+        return
+    negative = np.flatnonzero(~(constants >= -1e-12 * np.nanmax(np.abs(constants))))
+    if not len(negative):
+        return
+    worst = negative[np.argmin(constants[negative])]
+    boundary = int((mesh.triangles_per_edge[negative] == 1).sum())
+    yield Finding(
+        "error",
+        "negative_springs",
+        len(negative),
+        f"{len(negative)} of {len(constants)} springs have a negative constant at nu = "
+        f"{material.poisson_ratio:g}, "
+        f"{boundary} of them on the boundary, down to {constants[worst]:.4g} N/m (edge {worst}, nodes "
+        f"{mesh.edges[worst].tolist()})",
+        "they come from obtuse triangles: use a mesh without those; clipping them to zero makes it too soft",
+        _first(negative),
+    )
+    if mesh.node_count > GROWTH_LIMIT:
+        yield Finding(
+            "info",
+            "growing_mode",
+            0,
+            f"not looked for: {mesh.node_count} nodes are more than {GROWTH_LIMIT}",
+            "audit a coarser mesh of the same kind",
+        )
+        return
+    # Bridged nodes count as one: the stiff links hardly give.
+    node = _groups(mesh.bridges, mesh.node_count)
+    masses = np.bincount(node, weights=mesh.masses(material)).astype(np.float64)
+    points = np.empty((len(masses), 3))
+    points[node] = mesh.reference
+    rate, count = growing_modes(points, node[mesh.edges], constants, masses)
+    if count:
+        modes = "mode of the unfolded membrane grows" if count == 1 else "modes of the unfolded membrane grow"
+        yield Finding(
+            "error",
+            "growing_mode",
+            count,
+            f"{count} {modes} without a load, the fastest by a factor of e in {1e3 / rate:.3g} ms",
+            "no step is small enough for that: remove the negative springs",
+        )
+
+
+def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
+    low, high = float(strain.min()), float(strain.max())
+    most = int(np.argmax(np.abs(strain)))
+    large = np.flatnonzero(np.abs(strain) > STRAIN_NOTED)
+    severity: Severity = "error" if high > STRAIN_REFUSED else "warning" if len(large) else "info"
+    yield Finding(
+        severity,
+        "strain",
+        len(large),
+        f"strain at the start from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
+        f"edges beyond {100 * STRAIN_NOTED:g} % (most at edge {most}, nodes {mesh.edges[most].tolist()})",
+        "" if severity == "info" else "check the folded positions, or settle the membrane before its release",
+        _first(large),
+    )

@@ -1,0 +1,133 @@
+"""What follows from nodes and triangles alone: edges, lengths, areas, spring constants and masses."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from membrane_rs import _core
+from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs.errors import MeshError
+from membrane_rs.material import Material
+
+T = TypeVar("T", bound=np.generic)
+
+NO_AREA = 1e-9
+"""Height over longest side below which a triangle counts as having no area."""
+
+
+class Triangulation:
+    """Nodes joined by triangles, with creases and bridges between some: plain arrays that `Mesh` has checked.
+
+    Parameters
+    ----------
+    reference : (n, 3) float64
+        Nodes of the shape without strain [m].
+    triangles : (m, 3) int64
+        Corners of each triangle.
+    creases, bridges : (c, 2), (b, 2) int64
+        Node pairs.
+    """
+
+    def __init__(self, reference: Floats, triangles: Ints, creases: Ints, bridges: Ints) -> None:
+        self.reference: Floats = reference
+        self.triangles: Ints = triangles
+        self.creases: Ints = creases
+        self.bridges: Ints = bridges
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes, n."""
+        return len(self.reference)
+
+    @cached_property
+    def edges(self) -> Ints:
+        """(e, 2) node pairs, the smaller index first, in lexicographic order: one spring each."""
+        return frozen(np.asarray(_core.edges(self.triangles, self.node_count), dtype=np.int64))
+
+    @cached_property
+    def triangle_edges(self) -> Ints:
+        """(m, 3) index in `edges` of the side opposite to each corner of each triangle."""
+        first, second = self.triangles[:, [1, 2, 0]], self.triangles[:, [2, 0, 1]]
+        return frozen(self.find_edges(np.stack([first.ravel(), second.ravel()], axis=1))[0].reshape(-1, 3))
+
+    @cached_property
+    def triangles_per_edge(self) -> Ints:
+        """(e,) number of triangles that share each edge."""
+        count: Ints = np.bincount(self.triangle_edges.ravel(), minlength=len(self.edges)).astype(np.int64)
+        return frozen(count)
+
+    @property
+    def boundary_edges(self) -> Ints:
+        """(b, 2) the edges of one triangle only."""
+        boundary: Ints = self.edges[self.triangles_per_edge == 1]
+        return boundary
+
+    @cached_property
+    def edge_lengths(self) -> Floats:
+        """(e,) lengths of the edges in the reference [m]."""
+        return frozen(self.lengths_in(self.reference))
+
+    def areas(self) -> Floats:
+        """(m,) areas of the triangles in the reference [m2]."""
+        a, b, c = (self.reference[self.triangles[:, i]] for i in range(3))
+        result: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        return result
+
+    def spring_constants(self, material: Material) -> Floats:
+        """(e,) spring constant of each edge [N/m], the sum over its triangles; it may be negative.
+
+        Raises
+        ------
+        MeshError
+            A triangle without area.
+        """
+        flat = np.flatnonzero(self.flatness() < NO_AREA)
+        if len(flat):
+            raise MeshError(
+                f"{len(flat)} of {len(self.triangles)} triangles have no area, first triangle {flat[0]} "
+                f"(nodes {self.triangles[flat[0]].tolist()}); remove them, or move their nodes apart"
+            )
+        m = material
+        return np.asarray(
+            _core.spring_constants(self.reference, self.triangles, m.youngs_modulus, m.poisson_ratio, m.thickness),
+            dtype=np.float64,
+        )
+
+    def masses(self, material: Material) -> Floats:
+        """(n,) mass of each node [kg]: a third of each triangle around it."""
+        areal_density = material.density * material.thickness
+        return np.asarray(_core.lumped_masses(self.reference, self.triangles, areal_density), dtype=np.float64)
+
+    def flatness(self) -> Floats:
+        """(m,) smallest height over longest side of each triangle; 0 without area, 0.87 equilateral."""
+        return self._flatness
+
+    @cached_property
+    def _flatness(self) -> Floats:
+        longest = self.edge_lengths[self.triangle_edges].max(axis=1)
+        ratio: Floats = 2.0 * self.areas() / np.maximum(longest**2, np.finfo(float).tiny)
+        return frozen(np.where(longest > 0.0, ratio, 0.0))
+
+    def lengths_in(self, points: Floats) -> Floats:
+        """(e,) lengths of the edges where nodes lie at `points` (n, 3) [m]."""
+        difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
+        lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
+        return lengths
+
+    def find_edges(self, pairs: Ints) -> tuple[Ints, Bools]:
+        """Index in `edges` of each node pair, and whether it is an edge at all."""
+        keys = self.edges[:, 0] * self.node_count + self.edges[:, 1]
+        first, second = pairs.T
+        wanted = np.minimum(first, second) * self.node_count + np.maximum(first, second)
+        index = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return index.astype(np.int64), keys[index] == wanted
+
+
+def frozen(array: NDArray[T]) -> NDArray[T]:
+    """The array itself, made read-only."""
+    array.setflags(write=False)
+    return array

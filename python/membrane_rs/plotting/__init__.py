@@ -1,0 +1,7 @@
+"""Pictures and curves. pyvista, matplotlib and Pillow are imported where they are used, not here."""
+
+from __future__ import annotations
+
+from membrane_rs.plotting.deployment import compare_runs, plot_deployment
+
+__all__ = ["compare_runs", "plot_deployment"]

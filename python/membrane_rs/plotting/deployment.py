@@ -1,0 +1,72 @@
+"""Curves against time: deployment rate and phase difference, as in Figs. 14 to 17 of Okuizumi et al. 2012.
+
+A dotted line marks the time at which the phase comes back through zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from membrane_rs._arrays import Floats
+from membrane_rs._files import replacing
+from membrane_rs.errors import InputError
+from membrane_rs.results.history import read_history
+from membrane_rs.results.summary import curve_features
+
+# Column, label, and the level that is full deployment.
+PANELS = (
+    ("deployment_rate", "Deployment rate", 1.0),
+    ("phase_difference_deg", "Phase difference [deg]", 0.0),
+)
+
+
+def plot_deployment(table: Mapping[str, Floats], path: Path, title: str = "") -> None:
+    """Draw one run's deployment rate and phase difference as a PNG picture.
+
+    `table` holds the columns of a history. Raises OutputError where `path` cannot be written.
+    """
+    _picture([("", table)], path, title)
+
+
+def compare_runs(folders: Sequence[Path | str], path: Path | str, labels: Sequence[str] | None = None) -> None:
+    """Draw the curves of several runs on one picture.
+
+    `labels` are the folders' names where not given. Raises InputError where their number differs from the
+    folders', MissingFileError for a folder without history, OutputError where `path` cannot be written.
+    """
+    names = [Path(folder).name for folder in folders] if labels is None else list(labels)
+    if len(names) != len(folders):
+        raise InputError(f"{len(names)} labels for {len(folders)} runs; give one for each, or none at all")
+    tables = [read_history(folder) for folder in folders]
+    _picture(list(zip(names, tables, strict=True)), Path(path), "")
+
+
+def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str) -> None:
+    """Runs, as (label, table), in two panels above each other that share the time axis."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 6.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = list(figure.subplots(2, 1, sharex=True))
+    for axes, (column, label, level) in zip(panels, PANELS, strict=True):
+        for k, (name, table) in enumerate(runs):
+            axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=name)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, level), max(high, level))
+        axes.axhline(level, color="0.5", linewidth=0.8)
+        for k, (_, table) in enumerate(runs):
+            crossing = curve_features(table)["zero_crossing_time"]
+            if crossing is not None:
+                axes.axvline(crossing, color=f"C{k}", linewidth=0.8, linestyle=":")
+        axes.set_ylabel(label)
+        axes.grid(color="0.9")
+        axes.margins(x=0.0)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[1].set_xlabel("Time [s]")
+    panels[0].set_title(title)
+    if len(runs) > 1:
+        panels[0].legend(frameon=False, loc="lower center")
+    with replacing(path) as part:
+        figure.savefig(part, format="png", dpi=120)

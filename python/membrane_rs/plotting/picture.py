@@ -1,0 +1,121 @@
+"""What a picture of a membrane shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs.mesh.queries import petal_of_triangles
+from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import SpoolContact
+from membrane_rs.scene.parts import Tether, Tethers, TipMasses
+from membrane_rs.simulation.motion import Motion
+
+Image = NDArray[np.uint8]
+Color = tuple[float, float, float]
+
+# One tone per petal; the other face has the same tone mixed with BACK.
+PETALS: tuple[Color, ...] = ((0.93, 0.72, 0.24), (0.36, 0.62, 0.80), (0.87, 0.50, 0.35), (0.50, 0.72, 0.48))
+PLAIN: Color = (0.93, 0.72, 0.24)
+BACK: Color = (0.62, 0.62, 0.66)
+BACK_SHARE = 0.6
+CREASE: Color = (0.25, 0.22, 0.20)
+CORD: Color = (0.10, 0.10, 0.10)
+SPOOL: Color = (0.55, 0.57, 0.60)
+TIP: Color = (0.75, 0.10, 0.12)
+# From where the camera looks, as a direction from the centre: from above and a little from the front.
+VIEW_DIRECTION = (0.0, -0.70, 1.0)
+VIEW_ANGLE_DEG = 24.0
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is drawn in every picture of a run, with one camera for all of them.
+
+    triangles (m, 3), petals (m,) number or -1, creases (c, 2), cords (s, 2), tips (t,): node indices.
+    spool: radius, lowest and highest z [m], or None. centre (3,) [m] is looked at; reach [m] must fit in.
+    """
+
+    triangles: Ints
+    petals: NDArray[np.int8]
+    creases: Ints
+    cords: Ints
+    tips: Ints
+    spool: tuple[float, float, float] | None
+    reach: float
+    centre: Floats = field(default_factory=lambda: np.zeros(3))
+
+    @classmethod
+    def of(cls, sim: Motion, shapes: Sequence[Floats]) -> Subject:
+        """The subject of a simulation; its `shapes`, (N, 3) [m] each and the first one first, will fit in."""
+        assembly, scene = sim.assembly, sim.scene
+        points = np.concatenate([assembly.reference, *shapes])
+        centre = np.zeros(3)
+        if scene.law("spin") is None:
+            centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        reach = float(np.linalg.norm(points - centre, axis=1).max())
+        return cls(
+            triangles=assembly.triangles,
+            petals=petal_of_triangles(assembly.triangles, assembly.node_sets),
+            creases=assembly.creases,
+            cords=assembly.cord_pairs,
+            tips=_tips(sim),
+            spool=_spool(scene, shapes[0], reach),
+            reach=reach,
+            centre=centre,
+        )
+
+    def colors(self, back: bool) -> Floats:
+        """Colour of each triangle's upper or lower face, (m, 3) in 0..1."""
+        palette = np.array([*PETALS, PLAIN])
+        number = np.where(self.petals < 0, len(PETALS), self.petals % len(PETALS))
+        colors: Floats = palette[number]
+        return (1.0 - BACK_SHARE) * colors + BACK_SHARE * np.array(BACK) if back else colors
+
+
+def turned(points: Floats, angle: float) -> Floats:
+    """Points (n, 3) turned about z by `angle` [rad]: from the turning frame to the fixed one."""
+    c, s = np.cos(angle), np.sin(angle)
+    fixed: Floats = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return fixed
+
+
+def _tips(sim: Motion) -> Ints:
+    """Nodes that carry a tip mass, (t,)."""
+    sets = sim.assembly.node_sets
+    tips: list[Ints] = [np.zeros(0, np.int64)]
+    cord_count = 0
+
+    def nodes(wanted: str | Sequence[int]) -> Ints:
+        return sets[wanted] if isinstance(wanted, str) else np.asarray(wanted, np.int64)
+
+    for part in sim.scene.parts:
+        if isinstance(part, TipMasses):
+            tips.append(nodes(part.nodes))
+        elif isinstance(part, Tethers):
+            cord_count += len(nodes(part.nodes))
+        elif isinstance(part, Tether):
+            if part.tip_mass > 0.0:
+                tips.append(sets[f"tether-{cord_count}-end"])
+            cord_count += 1
+    return np.concatenate(tips)
+
+
+def _spool(scene: Scene, stowed: Floats, reach: float) -> tuple[float, float, float] | None:
+    """Radius, lowest and highest z of the spool [m]; None for a scene without one."""
+    contact = scene.law("spool_contact")
+    radii = [part.anchor_radius for part in scene.parts if isinstance(part, Tethers)]
+    if isinstance(contact, SpoolContact):
+        radii.insert(0, contact.radius)
+        if contact.half_height is not None:
+            return contact.radius, -contact.half_height, contact.half_height
+    if not radii:
+        return None
+    z = stowed[:, 2]
+    low, high = float(z.min()), float(z.max())
+    margin = max(0.1 * (high - low), 0.01 * reach)
+    return radii[0], low - margin, high + margin

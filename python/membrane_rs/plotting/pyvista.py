@@ -1,0 +1,157 @@
+"""Pictures of a membrane by pyvista, off-screen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs.plotting.picture import (
+    CORD,
+    CREASE,
+    SPOOL,
+    TIP,
+    VIEW_ANGLE_DEG,
+    VIEW_DIRECTION,
+    Color,
+    Image,
+    Subject,
+    turned,
+)
+
+LIFT = 0.0015
+"""How far lines stand before the faces, as a share of what the picture reaches."""
+
+
+class PyvistaPainter:
+    """One plotter whose points are moved from picture to picture."""
+
+    def __init__(self, subject: Subject, size: int) -> None:
+        import pyvista
+
+        _silence_vtk()
+        self._points = np.zeros((_highest_node(subject) + 1, 3))
+        self._plotter = _plotter(size)
+        self._plotter.set_background("white")
+        self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        self._moving: list[Any] = []
+        if len(subject.triangles):
+            self._add_membrane(subject)
+        self._add_lines(subject.creases, CREASE, max(1.0, size / 500.0), subject.reach)
+        self._add_lines(subject.cords, CORD, max(1.5, size / 300.0), subject.reach)
+        if len(subject.tips):
+            tips = self._cloud(np.column_stack([np.ones(len(subject.tips), np.int64), subject.tips]), "verts")
+            self._plotter.add_mesh(
+                tips,
+                color=TIP,
+                style="points",
+                point_size=size / 55.0,
+                render_points_as_spheres=True,
+                ambient=0.5,
+            )
+        self._spool = None
+        if subject.spool is not None:
+            radius, low, high = subject.spool
+            body = pyvista.Cylinder(
+                center=(0.0, 0.0, 0.5 * (low + high)),
+                direction=(0.0, 0.0, 1.0),
+                radius=radius,
+                height=high - low,
+                resolution=60,
+            )
+            # A bar on the top shows how far the spool has turned.
+            bar = np.array((0.15, 0.9, -0.08, 0.08, 0.0, 0.05)) * radius + (0.0, 0.0, 0.0, 0.0, high, high)
+            mark = pyvista.Box(bounds=tuple(bar))
+            self._spool = [
+                self._plotter.add_mesh(body, color=SPOOL, diffuse=0.7, ambient=0.35),
+                self._plotter.add_mesh(mark, color=CORD),
+            ]
+        self._light_and_aim(subject)
+
+    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+        points = turned(positions, hub_angle)
+        for cloud in self._moving:
+            cloud.points = points[: cloud.n_points]
+        for actor in self._spool or ():
+            actor.orientation = (0.0, 0.0, float(np.degrees(hub_angle)))
+        self._plotter.render()
+        picture: Image = self._plotter.screenshot(return_img=True)[:, :, :3].copy()
+        return picture
+
+    def close(self) -> None:
+        """Free the plotter's window."""
+        self._plotter.close()
+
+    def _cloud(self, cells: Ints, kind: str) -> Any:
+        """Points that move, with cells (k, 1 + nodes) of one kind: "faces", "lines" or "verts"."""
+        import pyvista
+
+        named: dict[str, Any] = {kind: cells.ravel()}
+        cloud = pyvista.PolyData(self._points.copy(), **named)
+        self._moving.append(cloud)
+        return cloud
+
+    def _add_membrane(self, subject: Subject) -> None:
+        """The two faces, each drawn where the other is hidden, flat shaded so that folds show."""
+        faces = np.column_stack([np.full(len(subject.triangles), 3), subject.triangles])
+        for back in (False, True):
+            cloud = self._cloud(faces, "faces")
+            colors = np.round(255.0 * subject.colors(back)).astype(np.uint8)
+            self._plotter.add_mesh(
+                cloud,
+                scalars=colors,
+                rgb=True,
+                culling="front" if back else "back",
+                diffuse=0.75,
+                ambient=0.38,
+                specular=0.15,
+                specular_power=12.0,
+                smooth_shading=False,
+                show_scalar_bar=False,
+            )
+
+    def _add_lines(self, pairs: Ints, color: Color, width: float, reach: float) -> None:
+        """Straight lines between pairs of nodes, lifted towards the camera from the faces they lie in."""
+        if not len(pairs):
+            return
+        lines = self._cloud(np.column_stack([np.full(len(pairs), 2), pairs]), "lines")
+        actor = self._plotter.add_mesh(lines, color=color, line_width=width, lighting=False)
+        actor.position = tuple(LIFT * reach * np.array(VIEW_DIRECTION))
+
+    def _light_and_aim(self, subject: Subject) -> None:
+        """A bright light from the left, a weak one from the right, and the one camera."""
+        import pyvista
+
+        reach, centre = subject.reach, subject.centre
+        for direction, intensity in (((-1.0, 0.4, 1.0), 0.85), ((0.6, -1.0, 0.5), 0.40)):
+            light = pyvista.Light(position=tuple(centre + 10.0 * reach * np.array(direction)), intensity=intensity)
+            light.focal_point = tuple(centre)
+            self._plotter.add_light(light)
+        view = np.array(VIEW_DIRECTION) / np.linalg.norm(VIEW_DIRECTION)
+        distance = 1.04 * reach / np.sin(np.radians(0.5 * VIEW_ANGLE_DEG))
+        camera = self._plotter.camera
+        camera.position, camera.focal_point = tuple(centre + distance * view), tuple(centre)
+        camera.up, camera.view_angle = (0.0, 0.0, 1.0), VIEW_ANGLE_DEG
+        camera.clipping_range = (distance - 1.5 * reach, distance + 1.5 * reach)
+
+
+def _highest_node(subject: Subject) -> int:
+    """The highest node index that is drawn."""
+    parts = (subject.triangles, subject.creases, subject.cords, subject.tips)
+    return max(int(part.max()) for part in parts if len(part))
+
+
+def _plotter(size: int) -> Any:
+    """An off-screen plotter without lights, untyped: pyvista's own stubs refuse calls that it documents."""
+    import pyvista
+
+    return pyvista.Plotter(off_screen=True, window_size=[size, size], lighting="none")
+
+
+def _silence_vtk() -> None:
+    """Keep VTK from writing warnings about missing displays to the terminal."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)

@@ -1,0 +1,100 @@
+"""Pictures at chosen times, in the turning frame and as a fixed camera sees them, and their contact sheets.
+
+The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: rows of five, "(a) 0.0 sec" under each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from membrane_rs._arrays import Floats
+from membrane_rs._files import replacing
+from membrane_rs.plotting.painter import Painter
+from membrane_rs.plotting.picture import Image
+from membrane_rs.simulation.motion import Motion
+
+VIEWS = ("turning", "fixed")
+SIZE = 700
+COLUMNS = 5
+_TILE = 360
+_CAPTION = 44
+_TITLE = 56
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Positions (N, 3) [m] in the turning frame at `time` [s], and how far the hub had turned [rad]."""
+
+    time: float
+    hub_angle: float
+    positions: Floats
+
+
+class SnapshotTaker:
+    """Keeps the first state at or after each of the wanted times.
+
+    Times before the first state that is offered, as in a run that was restored, are let go.
+    """
+
+    def __init__(self, times: Iterable[float], start: float) -> None:
+        self._wanted = sorted(time for time in times if time >= start - 1e-9)
+        self.taken: list[Snapshot] = []
+
+    def offer(self, sim: Motion) -> None:
+        """Keep the state of `sim` if a wanted time has come."""
+        if not self._wanted or sim.time < self._wanted[0] - 1e-9:
+            return
+        self._wanted = [time for time in self._wanted if time > sim.time + 1e-9]
+        self.taken.append(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
+
+
+def write_snapshots(
+    folder: Path, snapshots: Sequence[Snapshot], painter: Painter, title: str, tick: Callable[[], None]
+) -> None:
+    """Write <view>-<time>s.png for each snapshot and view, and one sheet <view>.png for each view.
+
+    `tick` is called after each picture. Raises OutputError.
+    """
+    from PIL import Image as Pillow
+
+    for view in VIEWS:
+        images = []
+        for shot in snapshots:
+            image = painter.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0)
+            with replacing(folder / f"{view}-{shot.time:.3f}s.png") as part:
+                Pillow.fromarray(image).save(part, format="PNG")
+            images.append(image)
+            tick()
+        where = "turning frame" if view == "turning" else "fixed camera"
+        captions = [caption(k, shot.time) for k, shot in enumerate(snapshots)]
+        sheet = Pillow.fromarray(contact_sheet(images, captions, f"{title}, {where}"))
+        with replacing(folder / f"{view}.png") as part:
+            sheet.save(part, format="PNG")
+
+
+def caption(index: int, time: float) -> str:
+    """The paper's caption of a picture: (a) 0.0 sec, (b) 0.05 sec ..."""
+    letter = chr(ord("a") + index) if index < 26 else str(index + 1)
+    digits = f"{time:.3f}".rstrip("0")
+    return f"({letter}) {digits + '0' if digits.endswith('.') else digits} sec"
+
+
+def contact_sheet(images: Sequence[Image], captions: Sequence[str], title: str) -> Image:
+    """All pictures on one sheet, in rows of five, each with its caption below, under a title."""
+    import numpy as np
+    from PIL import Image as Pillow
+    from PIL import ImageDraw, ImageFont
+
+    columns = max(1, min(COLUMNS, len(images)))
+    rows = -(-len(images) // columns)
+    sheet = Pillow.new("RGB", (columns * _TILE, _TITLE + rows * (_TILE + _CAPTION)), "white")
+    draw = ImageDraw.Draw(sheet)
+    draw.text((sheet.width / 2, _TITLE / 2), title, "black", ImageFont.load_default(26), anchor="mm")
+    for k, (image, text) in enumerate(zip(images, captions, strict=True)):
+        left, top = k % columns * _TILE, _TITLE + k // columns * (_TILE + _CAPTION)
+        sheet.paste(Pillow.fromarray(image).resize((_TILE, _TILE), Pillow.Resampling.LANCZOS), (left, top))
+        middle = (left + _TILE / 2, top + _TILE + _CAPTION / 2 - 6)
+        draw.text(middle, text, "black", ImageFont.load_default(24), anchor="mm")
+    return np.asarray(sheet)

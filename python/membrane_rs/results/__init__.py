@@ -1,0 +1,20 @@
+"""Results of a run as data: its history, its frames, its summary, and what is measured on a scene in motion.
+
+meshio is imported where it is used, not here.
+"""
+
+from __future__ import annotations
+
+from membrane_rs.results.history import read_history
+from membrane_rs.results.measures import deployment_rate, peak_stress
+from membrane_rs.results.vtk import read_frame, read_pvd, write_frame, write_pvd
+
+__all__ = [
+    "deployment_rate",
+    "peak_stress",
+    "read_frame",
+    "read_history",
+    "read_pvd",
+    "write_frame",
+    "write_pvd",
+]

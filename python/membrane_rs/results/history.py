@@ -1,0 +1,115 @@
+"""history.csv: one line per sample, flushed as it is written, numbers that read back as the same bits.
+
+time                   [s]
+deployment_rate        mean radius of the corners over that of the flat sail
+phase_difference_deg   [deg] mean angle of the corners relative to the spool
+kinetic_energy         [J] in the turning frame
+stored_energy          [J] springs, creases, contacts, centrifugal potential, gravity
+energy_error           (energy now - energy at the start - work done) / energy turned over so far
+hub_angle              [rad] turned by the hub so far
+energy_turned_over     [J]
+energy_<law>           [J] one per law that stores energy
+work_<law>             [J] one per law of the scene: work done on the system, negative where it takes energy
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs._files import output_errors
+from membrane_rs.analysis.deployment import Corners
+from membrane_rs.errors import MissingFileError, OutputError
+from membrane_rs.simulation.motion import Motion
+
+FIRST_COLUMNS = (
+    "time",
+    "deployment_rate",
+    "phase_difference_deg",
+    "kinetic_energy",
+    "stored_energy",
+    "energy_error",
+    "hub_angle",
+    "energy_turned_over",
+)
+
+
+class History:
+    """Writes history.csv and keeps its rows.
+
+    Raises OutputError where the file cannot be written.
+    """
+
+    def __init__(self, path: Path, sim: Motion) -> None:
+        self._path = path
+        self._corners = Corners(sim.assembly)
+        self._energies = list(sim.ledger()["stored_by_law"])
+        self._works = [law.kind for law in sim.scene.laws]
+        self.columns = [
+            *FIRST_COLUMNS,
+            *(f"energy_{name}" for name in self._energies),
+            *(f"work_{name}" for name in self._works),
+        ]
+        self.rows: list[list[float]] = []
+        with output_errors(path):
+            self._file = path.open("w", encoding="utf-8", newline="")
+        self._writer = csv.writer(self._file, lineterminator="\n")
+        self._write(self.columns)
+
+    def add(self, sim: Motion) -> None:
+        """Write one sample. Raises OutputError."""
+        positions, ledger = sim.positions, sim.ledger()
+        row = [
+            sim.time,
+            self._corners.deployment_rate(positions),
+            self._corners.phase_difference(positions),
+            ledger["kinetic"],
+            ledger["stored"],
+            ledger["error"],
+            sim.hub_angle,
+            ledger["turned_over"],
+            *(ledger["stored_by_law"][name] for name in self._energies),
+            *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
+        ]
+        # Adding 0 makes 0 of -0, which a reader would take for a sign.
+        self.rows.append([float(value) + 0.0 for value in row])
+        self._write(self.rows[-1])
+
+    def table(self) -> dict[str, Floats]:
+        """The samples so far, one (samples,) array per column."""
+        values = np.array(self.rows, dtype=np.float64).reshape(-1, len(self.columns))
+        return {name: values[:, k] for k, name in enumerate(self.columns)}
+
+    def close(self) -> None:
+        """Close the file; the rows stay. Raises OutputError where what is left cannot be written."""
+        with output_errors(self._path):
+            self._file.close()
+
+    def _write(self, row: list[str] | list[float]) -> None:
+        with output_errors(self._path):
+            self._writer.writerow(row)
+            self._file.flush()
+
+
+def read_history(path: Path | str) -> dict[str, Floats]:
+    """Read a history.csv, or that of a run's folder: one (samples,) array per column.
+
+    A last line that a killed process left unfinished is dropped. Raises MissingFileError and OutputError.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / "history.csv"
+    if not path.is_file():
+        raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
+    text = path.read_text(encoding="utf-8")
+    lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+    if not lines or lines[0][: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
+        raise OutputError(f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?")
+    try:
+        values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(lines[0]))
+    except ValueError as error:
+        raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
+    return {name: values[:, k] for k, name in enumerate(lines[0])}

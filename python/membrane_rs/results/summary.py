@@ -1,0 +1,103 @@
+"""summary.json: what was run, how it went and what the curves say."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import sys
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs._files import write_text
+
+
+def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
+    """What the paper's Figs. 14 to 17 are read for; None where the run has not come that far.
+
+    The trough is the lowest phase difference; the first peak of the rate is the highest rate before the
+    trough; the zero crossing is the first rise of the phase through zero after the trough, interpolated.
+
+    `table` holds (samples,) arrays "time" [s], "deployment_rate" and "phase_difference_deg".
+    """
+    time, rate, phase = (table[name] for name in ("time", "deployment_rate", "phase_difference_deg"))
+    names = ("first_peak_rate", "first_peak_time", "phase_trough_deg", "phase_trough_time")
+    after = ("zero_crossing_time", "zero_crossing_rate")
+    features: dict[str, float | None] = dict.fromkeys((*names, *after))
+    known = np.flatnonzero(np.isfinite(rate) & np.isfinite(phase))
+    if not len(known):
+        return features
+    time, rate, phase = time[known], rate[known], phase[known]
+    features |= {
+        "initial_rate": float(rate[0]),
+        "final_rate": float(rate[-1]),
+        "highest_rate": float(rate.max()),
+        "final_phase_deg": float(phase[-1]),
+    }
+    last = len(time) - 1
+    trough = int(np.argmin(phase))
+    peak = int(np.argmax(rate[: trough + 1]))
+    if 0 < peak < last:
+        features |= {"first_peak_rate": float(rate[peak]), "first_peak_time": float(time[peak])}
+    if 0 < trough < last:
+        features |= {"phase_trough_deg": float(phase[trough]), "phase_trough_time": float(time[trough])}
+        rises = np.flatnonzero((phase[trough:-1] < 0.0) & (phase[trough + 1 :] >= 0.0))
+        if len(rises):
+            k = trough + int(rises[0])
+            part = -phase[k] / (phase[k + 1] - phase[k])
+            features["zero_crossing_time"] = float(time[k] + part * (time[k + 1] - time[k]))
+            features["zero_crossing_rate"] = float(rate[k] + part * (rate[k + 1] - rate[k]))
+    return features
+
+
+def energy_balance(table: dict[str, Floats]) -> dict[str, float | None]:
+    """Energy turned over [J]; the energy error at the end, at its lowest (lost) and its highest (created)."""
+    error, turned_over = table["energy_error"], table["energy_turned_over"]
+    if not len(error):
+        return dict.fromkeys(("turned_over", "error", "lowest_error", "highest_error"))
+    return {
+        "turned_over": float(turned_over[-1]),
+        "error": float(error[-1]),
+        "lowest_error": float(error.min()),
+        "highest_error": float(error.max()),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what took part in the numbers, and the machine's kind."""
+
+    def version(name: str) -> str:
+        try:
+            return metadata.version(name)
+        except metadata.PackageNotFoundError:
+            return "unknown"
+
+    return {
+        "membrane_rs": version("membrane-rs"),
+        "python": sys.version.split()[0],
+        "numpy": version("numpy"),
+        "platform": platform.platform(),
+    }
+
+
+def write_summary(path: Path, summary: dict[str, Any]) -> None:
+    """Write `summary` as JSON, whole or not at all; NaN and infinities become null. Raises OutputError."""
+    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    """`value` with numpy's types as Python's, and null for what JSON cannot say."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

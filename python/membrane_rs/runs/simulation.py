@@ -1,0 +1,134 @@
+"""The run of a scene: relaxed first where it asks for it, stepped to its end, its results written into a folder."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from membrane_rs._validation import number_of
+from membrane_rs.errors import InputError
+from membrane_rs.runs.run_folder import RunFolder
+from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.settling import settled
+from membrane_rs.simulation.stepper import Stepper
+
+
+class Simulation(Stepper):
+    """A scene that moves. Arrays are in the order of the scene: the mesh's nodes, then those of the cords.
+
+    Positions are [m] in the frame that turns with the hub, and velocities [m/s] are relative to it.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated.
+    integrator : str, optional
+        Name of the method. Default: the scene's own, which is "rk4" unless it says otherwise.
+    dt : float, optional
+        Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
+        the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
+        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps, and
+        at least one, lies between two samples of the scene's history.
+
+    Raises
+    ------
+    MeshError
+        A triangle without area, negative spring constants, a crease that is no hinge.
+    InputError
+        dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass.
+    """
+
+    def relax(self, duration: float | None = None, rate: float | None = None) -> float:
+        """Damp the scene to rest where its guide bars hold it, and start from there with the clock at zero.
+
+        Nodes of the set "guide_bars" (none without that set) are held, and friction F = -rate m v is added, for
+        `duration` of simulated time; then the nodes are let go, at rest. Returns the largest
+        speed left before that [m/s].
+
+        Raises
+        ------
+        InputError
+            After the first step, or with a duration or rate that is not above zero.
+        """
+        if self.step_count:
+            raise InputError(
+                f"relax at t = {self.time:.6g} s: it must come before the first step; build a new Simulation"
+            )
+        duration = None if duration is None else number_of("relax: duration", duration)
+        rate = None if rate is None else number_of("relax: rate", rate, "1/s")
+        positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
+        self._set_motion(positions, np.zeros_like(positions))
+        self.is_settled = True
+        return speed
+
+    def settle(self, duration: float | None = None, rate: float | None = None) -> float:
+        """The old name of `relax`, deprecated."""
+        warnings.warn("Simulation.settle is deprecated; call Simulation.relax", DeprecationWarning, stacklevel=2)
+        return self.relax(duration, rate)
+
+    def run(
+        self,
+        until: float | None = None,
+        frames: int | Sequence[float] | None = None,
+        out: str | Path | None = None,
+        *,
+        samples: int | None = None,
+        observers: Sequence[Observer[Simulation]] = (),
+        progress: Callable[[Simulation], None] | None = None,
+        overwrite: bool = False,
+        pictures: bool = True,
+    ) -> RunFolder | None:
+        """Step to `until`, and let observers look on at frames and samples.
+
+        Parameters
+        ----------
+        until : float, optional
+            Time at the end [s]. Default: the scene's.
+        frames : int or sequence of float, optional
+            How many shapes to keep, evenly spaced from time 0 to the end, or their times [s]. Default: the scene's.
+        out : path, optional
+            Folder of the results; see `membrane_rs.runs.RunFolder`. Default: nothing is written.
+        samples : int, optional
+            Rows of the history, evenly spaced. Default: the scene's.
+        observers : sequence of observers, optional
+            Others that look on.
+        progress : callable, optional
+            Called with this simulation now and then.
+        overwrite, pictures : bool
+            For the folder: replace an earlier run; draw pictures at the end.
+
+        Returns
+        -------
+        RunFolder or None
+            The folder, where `out` was given.
+
+        Raises
+        ------
+        UnstableError
+            The run stopped itself. What was written stays, with the last good frame.
+        KeyboardInterrupt
+            Ctrl-C. What was written stays; the simulation can go on.
+        OutputError
+            Results cannot be written.
+        """
+        end = number_of("until", self.scene.run.until if until is None else until)
+        if end < self.time:
+            raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
+        folder = None
+        if out is not None:
+            folder = RunFolder(out, overwrite, pictures=pictures)
+        watchers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
+        if self.scene.run.settle > 0 and not self.is_settled and self.step_count == 0:
+            self.relax()
+        settings = self.scene.run
+        self.march(
+            end,
+            settings.frames if frames is None else frames,
+            settings.samples if samples is None else samples,
+            watchers,
+            progress,
+        )
+        return folder

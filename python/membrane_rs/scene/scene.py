@@ -1,0 +1,179 @@
+"""A scene: what is simulated, made of what, under which laws, with which parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from membrane_rs._files import output_errors, write_text
+from membrane_rs._validation import show
+from membrane_rs.errors import InputTypeError, SceneError
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
+from membrane_rs.scene.assembly import Assembly, assemble
+from membrane_rs.scene.laws import LAWS, Law
+from membrane_rs.scene.parts import PARTS, Part
+from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, save_mesh, write_scene
+
+SCENE_FILE = "scene.toml"
+LONGEST_NAME = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Mesh, material, laws and parts, checked against each other.
+
+    Parameters
+    ----------
+    mesh : Mesh or None
+        The membrane. None: a scene of cords alone.
+    material : Material or None
+        Of the membrane; needed with a mesh.
+    laws : sequence of laws
+        At most one of each kind; see `membrane_rs.scene.laws`. A law left out costs nothing.
+    parts : sequence of parts
+        See `membrane_rs.scene.parts`.
+    name : str
+        For titles and folders: not empty, no slash or backslash, at most 100 characters.
+    run : RunSettings
+        How the scene is run unless the caller says otherwise.
+
+    Raises
+    ------
+    SceneError
+        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set
+        that is not there, a name that is none for a folder.
+    InputTypeError
+        Something that is no mesh, material, law or part.
+    """
+
+    mesh: Mesh | None
+    material: Material | None
+    laws: Sequence[Law] = ()
+    parts: Sequence[Part] = ()
+    name: str = field(default="scene", kw_only=True)
+    run: RunSettings = field(default_factory=RunSettings, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check the parts of the scene against each other."""
+        _check_type("mesh", self.mesh, (Mesh, type(None)), "a Mesh")
+        _check_type("material", self.material, (Material, type(None)), "a Material")
+        _check_type("name", self.name, (str,), "a text")
+        _check_name(self.name)
+        _check_type("run", self.run, (RunSettings,), "RunSettings")
+        object.__setattr__(self, "laws", _checked("laws", self.laws, tuple(LAWS.values())))
+        object.__setattr__(self, "parts", _checked("parts", self.parts, tuple(PARTS.values())))
+        kinds = [law.kind for law in self.laws]
+        twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
+        if twice:
+            raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
+        if "springs" in kinds and "triangles" in kinds:
+            raise SceneError("laws.triangles: stands in place of laws.springs; leave one of them out")
+        if self.mesh is not None and self.material is None:
+            raise SceneError("material: is missing; a mesh needs one")
+        if self._assembly.node_count == 0:
+            raise SceneError("mesh: is missing, and no part of kind 'tether' stands in; a scene needs nodes")
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Scene:
+        """Read a scene file, and the mesh file beside it if it names one.
+
+        Raises
+        ------
+        MissingFileError
+            No such file.
+        SceneError
+            Anything in it that is wrong, with file, key, value and allowed range.
+        """
+        path = Path(path)
+        content = read_scene(path)
+        try:
+            return cls(**vars(content))
+        except SceneError as error:
+            raise SceneError(f"{path}: {error}") from None
+
+    def to_toml(self) -> str:
+        """The scene as TOML, all values resolved. A mesh that no pattern made is named, not written."""
+        return write_scene(
+            SceneContent(self.mesh, self.material, tuple(self.laws), tuple(self.parts), self.name, self.run)
+        )
+
+    def save(self, folder: str | Path) -> None:
+        """Write scene.toml into a folder, and mesh.npz if no folding pattern made the mesh.
+
+        Raises
+        ------
+        OutputError
+            The folder cannot be written.
+        """
+        folder = Path(folder)
+        with output_errors(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+        if self.mesh is not None and pattern_name(self.mesh) is None:
+            save_mesh(self.mesh, folder / MESH_FILE)
+        write_text(folder / SCENE_FILE, self.to_toml())
+
+    def law(self, kind: str) -> Law | None:
+        """The scene's law of a kind ("springs", ...), or None."""
+        return next((law for law in self.laws if law.kind == kind), None)
+
+    def assemble(self) -> Assembly:
+        """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords."""
+        return self._assembly
+
+    def counts(self) -> dict[str, int]:
+        """How large the scene is.
+
+        Returns
+        -------
+        dict
+            "masses", "springs", "elements" as the paper counts them (the petals of a sail apart, cords
+            included), and what is there in truth: "nodes", "edges" (springs), "triangles", "hinges".
+        """
+        assembly, mesh = self._assembly, self.mesh
+        edges = 0 if mesh is None else len(mesh.edges)
+        mesh_nodes = 0 if mesh is None else len(mesh.reference)
+        own = {"masses": mesh_nodes, "springs": edges, "elements": len(assembly.triangles)}
+        paper_counts = getattr(mesh.source, "counts", None) if mesh is not None else None
+        if callable(paper_counts):
+            own = paper_counts()
+        cords = len(assembly.cord_pairs)
+        return {
+            "masses": own["masses"] + assembly.node_count - mesh_nodes,
+            "springs": own["springs"] + cords,
+            "elements": own["elements"],
+            "nodes": assembly.node_count,
+            "edges": edges + cords,
+            "triangles": len(assembly.triangles),
+            "hinges": len(assembly.creases),
+        }
+
+    @cached_property
+    def _assembly(self) -> Assembly:
+        return assemble(self.mesh, self.laws, self.parts)
+
+
+def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:
+    if not isinstance(value, kinds):
+        raise InputTypeError(f"Scene.{name} = {show(value)}: must be {wanted}")
+
+
+def _check_name(name: str) -> None:
+    """The name becomes a folder's, so it must be one plain component of a path."""
+    if name in ("", ".", "..") or len(name) > LONGEST_NAME or any(sign in name for sign in "/\\\0"):
+        raise SceneError(
+            f"Scene.name = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "
+            "backslash or NUL, and neither '.' nor '..'"
+        )
+
+
+def _checked(name: str, items: object, kinds: tuple[type, ...]) -> tuple[object, ...]:
+    if isinstance(items, (str, bytes)) or not isinstance(items, Sequence):
+        raise InputTypeError(f"Scene.{name} = {show(items)}: must be a list of {name}")
+    for i, item in enumerate(items):
+        known = ", ".join(kind.__name__ for kind in kinds)
+        _check_type(f"{name}[{i}]", item, kinds, f"one of {known}; with its brackets")
+    return tuple(items)

@@ -1,0 +1,223 @@
+"""Scene files: TOML to the parts of a scene, and back.
+
+    name = "my-scene"
+    [mesh]            pattern = "square-sail" and its dimensions, or file = "mesh.npz"
+    [material]        the fields of Material
+    [laws.springs]    one table for each law; an empty table takes the law with its defaults
+    [[parts]]         kind = "tethers" and its fields
+    [run]             the fields of RunSettings
+
+Units are SI. Every error names the file, the key, the value and the allowed range.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._files import BAD_ARCHIVE, replacing
+from membrane_rs._validation import build, nearest, show, unit_of
+from membrane_rs.errors import InputError, MeshError, MissingFileError, SceneError
+from membrane_rs.folding import PATTERNS
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
+from membrane_rs.scene.laws import LAWS, Law
+from membrane_rs.scene.parts import PARTS, Part
+from membrane_rs.scene.run_settings import RunSettings
+
+tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+
+MESH_FILE = "mesh.npz"
+"""Where a scene's folder keeps a mesh that no folding pattern made."""
+
+_NODE_SET = "node_set:"
+_ARRAYS = ("reference", "triangles", "positions", "creases", "fold_angles", "bridges")
+
+
+@dataclass(frozen=True)
+class SceneContent:
+    """What a scene file holds, field by field what `Scene` takes."""
+
+    mesh: Mesh | None
+    material: Material | None
+    laws: tuple[Law, ...]
+    parts: tuple[Part, ...]
+    name: str
+    run: RunSettings
+
+
+def read_scene(path: Path) -> SceneContent:
+    """Read a scene file.
+
+    Raises
+    ------
+    MissingFileError
+        No such file, or a mesh file that it names is not there.
+    SceneError
+        Anything in it that is wrong, with its key.
+    """
+    try:
+        text = path.read_bytes().decode()
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: there is no such scene file; give the path of a TOML file") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path}: is no UTF-8 text ({error}); a scene file is TOML") from None
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a TOML file") from None
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{path}: is no valid TOML: {error}") from None
+    except RecursionError:
+        raise SceneError(f"{path}: is nested too deeply; a scene file needs tables in tables and no more") from None
+    except ValueError as error:
+        raise SceneError(f"{path}: holds an integer of thousands of digits ({error}); shorten it") from None
+    try:
+        return _content(table, path)
+    except InputError as error:
+        raise SceneError(f"{path}: {error}") from None
+
+
+def write_scene(content: SceneContent) -> str:
+    """A scene as TOML, every value resolved and its unit beside it; None is written as a comment."""
+    lines = [f"name = {_toml(content.name)}"]
+    if content.mesh is not None:
+        pattern = pattern_name(content.mesh)
+        source = f"file = {_toml(MESH_FILE)}" if pattern is None else f"pattern = {_toml(pattern)}"
+        lines += ["", "[mesh]", source]
+        if pattern is not None:
+            lines += _table(content.mesh.source)
+    if content.material is not None:
+        lines += ["", "[material]", *_table(content.material)]
+    for law in content.laws:
+        lines += ["", f"[laws.{law.kind}]", *_table(law)]
+    for part in content.parts:
+        lines += ["", "[[parts]]", f"kind = {_toml(part.kind)}", *_table(part)]
+    lines += ["", "[run]", *_table(content.run)]
+    return "\n".join(lines) + "\n"
+
+
+def pattern_name(mesh: Mesh) -> str | None:
+    """The name of the folding pattern that made a mesh, or None."""
+    return next((name for name, kind in PATTERNS.items() if type(mesh.source) is kind), None)
+
+
+def save_mesh(mesh: Mesh, path: Path) -> None:
+    """Write a mesh as a numpy archive, whole or not at all. Raises OutputError."""
+    arrays = {name: getattr(mesh, name) for name in _ARRAYS}
+    arrays |= {_NODE_SET + name: nodes for name, nodes in mesh.node_sets.items()}
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez(file, **arrays)
+
+
+def load_mesh(path: Path) -> Mesh:
+    """Read a mesh that `save_mesh` wrote.
+
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    MeshError
+        A file that holds no mesh, or a mesh that cannot be built.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: there is no such mesh file") from None
+    except BAD_ARCHIVE as error:
+        raise MeshError(f"{path}: is no numpy archive of a mesh ({error})") from None
+    missing = [name for name in ("reference", "triangles") if name not in arrays]
+    if missing:
+        raise MeshError(f"{path}: holds no array {missing[0]!r}, so it is no mesh")
+    sets = {name.removeprefix(_NODE_SET): a for name, a in arrays.items() if name.startswith(_NODE_SET)}
+    known = {name: arrays[name] for name in _ARRAYS if name in arrays}
+    return Mesh(known.pop("reference"), known.pop("triangles"), node_sets=sets, **known)
+
+
+def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
+    for key in table:
+        if key not in ("name", "mesh", "material", "laws", "parts", "run"):
+            known = ("name", "mesh", "material", "laws", "parts", "run")
+            raise SceneError(f"{key}: no such key; {nearest(key, known)}")
+    name = table.get("name", path.stem)
+    if not isinstance(name, str):
+        raise SceneError(f"name = {show(name)}: must be a text")
+    mesh = _mesh(_as_table(table["mesh"], "mesh"), path.parent) if "mesh" in table else None
+    material = None
+    if "material" in table:
+        material = build(Material, _as_table(table["material"], "material"), "material")
+    laws = tuple(
+        build(_known(kind, LAWS, "laws"), _as_table(values, f"laws.{kind}"), f"laws.{kind}")
+        for kind, values in _as_table(table.get("laws", {}), "laws").items()
+    )
+    items = table.get("parts", [])
+    if not isinstance(items, list):
+        raise SceneError("parts: must be a list of tables; write [[parts]] above each")
+    parts = tuple(_part(_as_table(item, f"parts[{i}]"), f"parts[{i}]") for i, item in enumerate(items))
+    run = build(RunSettings, _as_table(table.get("run", {}), "run"), "run")
+    return SceneContent(mesh, material, laws, parts, name, run)
+
+
+def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
+    values = dict(table)
+    if ("pattern" in values) == ("file" in values):
+        raise SceneError(f"mesh: must hold either pattern ({', '.join(PATTERNS)}) or file (a .npz file)")
+    if "file" in values:
+        file = values.pop("file")
+        if not isinstance(file, str) or not file.endswith(".npz"):
+            raise SceneError(f"mesh.file = {show(file)}: must be the path of a .npz file")
+        if values:
+            raise SceneError(f"mesh.{next(iter(values))}: no such key beside file")
+        return load_mesh(folder / file)
+    pattern = values.pop("pattern")
+    mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()
+    return mesh
+
+
+def _part(table: Mapping[str, Any], where: str) -> Part:
+    values = dict(table)
+    if "kind" not in values:
+        raise SceneError(f"{where}.kind: is missing; must be one of {', '.join(PARTS)}")
+    part: Part = build(_known(values.pop("kind"), PARTS, f"{where}.kind"), values, where)
+    return part
+
+
+def _known(name: object, classes: Mapping[str, type[Any]], where: str) -> type[Any]:
+    if not isinstance(name, str) or name not in classes:
+        raise SceneError(f"{where} = {show(name)}: is not known; {nearest(str(name), classes)}")
+    return classes[name]
+
+
+def _as_table(value: object, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise SceneError(f"{where} = {show(value)}: must be a table; write [{where}]")
+    return value
+
+
+def _table(item: Any) -> list[str]:
+    """The fields of a validated dataclass, one line each."""
+    lines = []
+    for entry in fields(item):
+        value, unit = getattr(item, entry.name), unit_of(type(item), entry.name)
+        suffix = f"  # {unit}" if unit else ""
+        lines.append(f"# {entry.name}: not set{suffix}" if value is None else f"{entry.name} = {_toml(value)}{suffix}")
+    return lines
+
+
+def _toml(value: object) -> str:
+    """A value as TOML writes it; floats keep every bit."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)

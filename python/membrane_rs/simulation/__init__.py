@@ -1,0 +1,13 @@
+"""A scene in motion: its state, its steps, and what looks on."""
+
+from __future__ import annotations
+
+from membrane_rs._moved import Moved
+from membrane_rs.simulation.methods import IntegratorFacts, integrators
+from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.stepper import Stepper
+
+__all__ = ["IntegratorFacts", "Motion", "Observer", "Stepper", "integrators"]
+
+__getattr__ = Moved(__name__, {"membrane_rs": ("Simulation",)})

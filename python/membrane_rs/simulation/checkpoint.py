@@ -1,0 +1,79 @@
+"""A simulation in one file: the scene as its own files, and the state's numbers, in a numpy archive.
+
+Nothing in it is pickled, so that reading a stranger's file runs nothing.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._files import BAD_ARCHIVE, replacing
+from membrane_rs.errors import InputError, MembraneError, MissingFileError
+from membrane_rs.scene import Scene
+from membrane_rs.scene.scene import SCENE_FILE
+from membrane_rs.scene.toml import MESH_FILE
+
+_SCENE = "scene/"
+
+
+def write_state(path: Path, scene: Scene, state: dict[str, Any]) -> None:
+    """Write scene and state, whole or not at all. Raises OutputError."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene.save(folder)
+        arrays: dict[str, Any] = {
+            _SCENE + file.name: np.frombuffer(file.read_bytes(), np.uint8) for file in Path(folder).iterdir()
+        }
+    arrays |= {name: np.asarray(value) for name, value in state.items()}
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez(file, **arrays)
+
+
+def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
+    """Scene and state of a file that `write_state` wrote.
+
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    InputError
+        Not a saved state, or damaged.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: there is no such saved state") from None
+    except BAD_ARCHIVE as error:
+        raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
+    needed = {"integrator", "dt", "is_adaptive", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
+    missing = sorted(needed - arrays.keys())
+    if missing:
+        raise InputError(
+            f"{path}: holds no {missing[0]!r}, so it is no saved state; give a file that Simulation.save wrote"
+        )
+    members = (_SCENE + SCENE_FILE, _SCENE + MESH_FILE)
+    strange = sorted(name for name in arrays if name.startswith(_SCENE) and name not in members)
+    if strange:
+        raise InputError(f"{path}: holds {strange[0]!r}, but a saved scene is {' and '.join(members)} alone")
+    for name, value in arrays.items():
+        if value.dtype.kind == "f" and not np.isfinite(value).all():
+            raise InputError(f"{path}: {name!r} holds a value that is not finite; the file is damaged")
+    # Restoring a run that chooses its steps looks at dt no more, so it is checked here.
+    if arrays["dt"].shape or arrays["dt"].dtype.kind != "f" or not arrays["dt"] > 0:
+        raise InputError(f"{path}: 'dt' is no number above 0; the file is damaged")
+    for name in ("is_adaptive", "is_settled"):
+        if arrays[name].shape or arrays[name].dtype.kind != "b":
+            raise InputError(f"{path}: {name!r} is neither true nor false; the file is damaged")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in members:
+            if name in arrays:
+                (Path(folder) / name.removeprefix(_SCENE)).write_bytes(arrays.pop(name).tobytes())
+        try:
+            scene = Scene.from_toml(Path(folder) / SCENE_FILE)
+        except MembraneError as error:
+            raise InputError(f"{path}: its scene cannot be read ({error}); the file is damaged") from None
+    return scene, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}

@@ -1,0 +1,31 @@
+"""Methods of time integration, as the core tells of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from membrane_rs import _core
+
+
+@dataclass(frozen=True)
+class IntegratorFacts:
+    """What is known of a method of time integration.
+
+    order : of the error after a given time. evaluations : of the forces per step. evaluations_at_start : before the
+    first step. keeps_energy : whether the energy of an undamped motion stays bounded, however long it lasts.
+    is_adaptive : whether it chooses its own step where none is given. imaginary_limit : largest stable
+    omega dt of an undamped oscillation. real_limit : largest stable rate times dt of a pure decay.
+    """
+
+    order: int
+    evaluations: int
+    evaluations_at_start: int
+    keeps_energy: bool
+    is_adaptive: bool
+    imaginary_limit: float
+    real_limit: float
+
+
+def integrators() -> dict[str, IntegratorFacts]:
+    """What is known of each method, by name."""
+    return {facts[0]: IntegratorFacts(*facts[1:]) for facts in _core.integrators()}

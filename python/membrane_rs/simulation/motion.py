@@ -1,0 +1,340 @@
+"""A scene that moves, as it is now: what can be read off it, and set."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from membrane_rs import _core
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import number_of, show
+from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.scene import Scene
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.laws import Law, Springs
+
+MARGIN = 0.4
+"""Share of the stability limit that is taken as the step where none is given."""
+ENERGY_TOLERANCE = 1e-2
+"""Energy from nowhere, as a share of the energy turned over, at which a run stops."""
+
+
+class Motion:
+    """A scene in motion: its state now, and all that can be read off it. Its parameters and errors are those of
+    `Simulation`, which adds what makes it go on.
+    """
+
+    def __init__(self, scene: Scene, integrator: str | None = None, dt: float | None = None) -> None:
+        if not isinstance(scene, Scene):
+            raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene; load or build one first")
+        self.scene = scene
+        self.assembly: Assembly = scene.assemble()
+        step = _step_of(scene.run.dt if dt is None else dt)
+        self._core = _core.Simulation(
+            **_core_arguments(scene, self.assembly),
+            integrator=scene.run.integrator if integrator is None else str(integrator),
+            dt=step,
+            margin=MARGIN,
+            watch_interval=scene.run.watch,
+            energy_tolerance=ENERGY_TOLERANCE,
+            loss_tolerance=scene.run.energy_loss,
+            tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
+            spectral_radius=scene.run.spectral_radius,
+            short_steps=scene.run.short_steps,
+        )
+        if step is None and not self.is_adaptive:
+            interval = scene.run.until / (scene.run.samples - 1)
+            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
+        self.is_settled = False
+        self._motions_set = 0
+        self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]: the start plus a whole number of steps, never a running sum, unless `is_adaptive`."""
+        return self._core.time
+
+    @property
+    def dt(self) -> float:
+        """Step [s]; where `is_adaptive`, the one to be tried next."""
+        return self._core.dt
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the method chooses each step by its error; instants between two steps are then shown as they are."""
+        return self._core.is_adaptive
+
+    @property
+    def rejected_count(self) -> int:
+        """Steps that were tried and rejected because of their error; their evaluations count."""
+        return self._core.rejected_count
+
+    @property
+    def effort(self) -> dict[str, int]:
+        """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
+        of steps that it took in halves because Newton's method failed; zeros for explicit methods.
+        """
+        return dict(zip(("newton_iterations", "factorisations", "fallbacks"), self._core.effort, strict=True))
+
+    @property
+    def integrator(self) -> str:
+        """Name of the method."""
+        return self._core.integrator
+
+    @property
+    def step_count(self) -> int:
+        """Steps taken."""
+        return self._core.step_count
+
+    @property
+    def evaluation_count(self) -> int:
+        """Evaluations of the forces while stepping."""
+        return self._core.evaluation_count
+
+    @property
+    def node_count(self) -> int:
+        """N, nodes of the membrane and of the cords."""
+        return self.assembly.node_count
+
+    @property
+    def positions(self) -> Floats:
+        """(N, 3) a copy of the positions [m]. Setting them opens the energy ledger anew."""
+        return self._core.positions()
+
+    @positions.setter
+    def positions(self, values: ArrayLike) -> None:
+        self._set_motion(self._vectors(values, "positions", "m"), self.velocities)
+
+    @property
+    def velocities(self) -> Floats:
+        """(N, 3) a copy of the velocities relative to the turning frame [m/s]. Held nodes stay at rest."""
+        return self._core.velocities()
+
+    @velocities.setter
+    def velocities(self, values: ArrayLike) -> None:
+        self._set_motion(self.positions, self._vectors(values, "velocities", "m/s"))
+
+    def _set_motion(self, positions: Floats, velocities: Floats) -> None:
+        self._core.set_motion(positions, velocities)
+        self._motions_set += 1
+
+    @cached_property
+    def masses(self) -> Floats:
+        """(N,) mass of each node [kg], tip masses and cords included; read only."""
+        masses = self._core.masses()
+        masses.setflags(write=False)
+        return masses
+
+    @cached_property
+    def spring_pairs(self) -> Ints:
+        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords."""
+        edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
+        return np.vstack([edges, self.assembly.cord_pairs])
+
+    def forces(self, law: str | Law | type[Law] | None = None) -> Floats:
+        """(N, 3) forces now [N], of one law or of all.
+
+        Parameters
+        ----------
+        law : str, law or class of a law, optional
+            "springs", "creases", ... or "tethers" and "bridges", which come with those parts. Default: all.
+
+        Raises
+        ------
+        InputError
+            A law that the scene does not hold.
+        """
+        name = law if law is None or isinstance(law, str) else getattr(law, "kind", None)
+        if law is not None and name is None:
+            raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
+        return self._core.forces(name)
+
+    def energies(self) -> dict[str, float]:
+        """Energies now [J]: "kinetic", and one for each law that has a potential. Their sum is the mechanical energy.
+
+        "kinetic" is that of the motion relative to the turning frame, and "spin" the centrifugal potential.
+        """
+        kinetic, stored = self._core.energies()
+        return {"kinetic": kinetic, **dict(stored)}
+
+    def ledger(self) -> dict[str, Any]:
+        """The energy balance since the start, or since positions or velocities were last set.
+
+        Returns
+        -------
+        dict
+            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out), "turned_over"
+            (largest change of any one account so far), all [J]; "error", the energy that is there beyond what
+            was there and what work brought, as a share of the energy turned over, negative where the method loses it;
+            "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+        """
+        kinetic, stored, stored_by_law, work, turned_over, _, error = self._core.ledger()
+        by_law = dict(work)
+        return {
+            "kinetic": kinetic,
+            "stored": stored,
+            "work": math.fsum(by_law.values()),
+            "turned_over": turned_over,
+            "error": error,
+            "stored_by_law": dict(stored_by_law),
+            "work_by_law": by_law,
+        }
+
+    def spring_strains(self) -> Floats:
+        """(S,) strain of each spring, in the order of `spring_pairs`."""
+        d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
+        rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
+        lengths: Floats = np.concatenate([rest, self.assembly.cord_rest_length])
+        strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
+        return strains
+
+    def buckled(self) -> NDArray[np.bool_]:
+        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
+
+        With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
+        wrinkled or slack.
+        """
+        found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
+        edges = len(self.spring_pairs) - len(self.assembly.cord_pairs)
+        for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
+            readings = self._core.spring_readings(law)
+            if readings is not None:
+                found[rows] = readings[1]
+        films = self._core.triangle_readings()
+        if films is not None and self.scene.mesh is not None:
+            beside = np.zeros(edges, dtype=np.bool_)
+            beside[self.scene.mesh.triangle_edges[films[1] > 0]] = True
+            found[:edges] = beside & (self.spring_strains()[:edges] < 0)
+        return found
+
+    def film_states(self) -> NDArray[np.int8]:
+        """(m,) what the film does in each triangle: 0 taut, 1 wrinkled, 2 slack; -1 without the law `Triangles`."""
+        films = self._core.triangle_readings()
+        if films is None:
+            return np.full(len(self.assembly.triangles), -1, np.int8)
+        return films[1].astype(np.int8)
+
+    def crease_angles(self) -> Floats:
+        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
+        angles = self._core.crease_angles()
+        return np.full(len(self.assembly.creases), np.nan) if angles is None else angles
+
+    @property
+    def hub_angle(self) -> float:
+        """The angle that the hub has turned since time 0 [rad]."""
+        return self._core.hub_angle
+
+    @property
+    def slow_laws(self) -> list[str]:
+        """The laws that are evaluated once a step, others at each of its `short_steps`; empty without those."""
+        return self._core.slow_laws
+
+    @property
+    def shares_in_runs(self) -> dict[str, float]:
+        """By law, the share of its elements whose nodes stand in straight runs of the core's numbering.
+
+        Kernels are quick with those, and gather the nodes of the others one by one. For laws that have elements.
+        """
+        return dict(self._core.shares_in_runs())
+
+    def stable_dt(self) -> float:
+        """The largest step that this method can take here without growing modes [s]; no margin is taken off.
+
+        From the largest eigenvalue of the stiffness at the current positions, with every spring taut, every crease in
+        contact and every contact closed; infinite where nothing is stiff.
+        """
+        return self._stability()[0]
+
+    @property
+    def limiting_part(self) -> str:
+        """The law and node that set `stable_dt`, and the node set it lies in."""
+        return self._stability()[1]
+
+    @property
+    def limiting_node(self) -> int:
+        """The node that moves most in the vibration that sets `stable_dt`."""
+        return self._stability()[2]
+
+    def _stability(self) -> tuple[float, str, int]:
+        """The limit, its part in words, and its node; kept for as long as nothing moves, since it costs many steps."""
+        now = (self.step_count, self.time, self._motions_set)
+        if self._limit is None or self._limit[0] != now:
+            dt, _, _, node, words = self._core.limit()
+            sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
+            self._limit = now, (dt, f"{words} (in {', '.join(sets)})" if sets else words, node)
+        return self._limit[1]
+
+    def state(self) -> dict[str, Any]:
+        """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
+
+        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method keeps
+        from step to step, if it keeps anything.
+        """
+        return self._core.progress()
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Continue from what `state` gave, of the same scene and method.
+
+        Raises
+        ------
+        InputError
+            An entry that is missing, of the wrong type or of another scene's size, or a position that is not finite.
+        """
+        self._core.resume(state)
+        self._motions_set += 1
+
+    def _vectors(self, values: ArrayLike, name: str, unit: str) -> Floats:
+        try:
+            given = np.asarray(values)
+            array = given.astype(np.float64) if given.dtype.kind in "fiu" else None
+        except (TypeError, ValueError):
+            array = None
+        if array is None:
+            raise InputTypeError(f"{name} = {show(values)}: must be numbers [{unit}], one row x, y, z per node")
+        if array.shape != (self.node_count, 3):
+            raise InputTypeError(f"{name} has shape {array.shape}; it must be ({self.node_count}, 3), one row per node")
+        return array
+
+
+def _step_of(dt: object) -> float | None:
+    if dt is None:
+        return None
+    number = number_of("dt", dt)
+    if number <= 0:
+        raise InputError(f"dt = {number}: must be greater than 0 (s), or left out")
+    return number
+
+
+def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
+    """What the core is given, by name."""
+    mesh, material = scene.mesh, scene.material
+    springs = scene.law("springs")
+    rule = "keep" if scene.law("triangles") is None else "unused"
+    return {
+        "positions": assembly.positions,
+        "velocities": np.zeros_like(assembly.positions),
+        "reference": np.zeros((0, 3)) if mesh is None else mesh.reference,
+        "triangles": assembly.triangles,
+        "film": None
+        if material is None
+        else (material.youngs_modulus, material.poisson_ratio, material.density, material.thickness),
+        # Without the law of the springs nothing uses their constants, so nothing need be refused.
+        "negative_springs": springs.negative if isinstance(springs, Springs) else rule,
+        "creases": assembly.creases,
+        "fold_signs": assembly.fold_signs,
+        "extra_masses": assembly.extra_masses,
+        "fixed": assembly.fixed,
+        "cord_pairs": assembly.cord_pairs,
+        "cord_stiffness": assembly.cord_stiffness,
+        "cord_rest_length": assembly.cord_rest_length,
+        "cord_strain_limit": assembly.cord_strain_limit,
+        "bridges": assembly.bridges,
+        "bridge_stiffness": assembly.bridge_stiffness,
+        "contact_nodes": assembly.contact_nodes,
+        "laws": [(law.kind, asdict(law)) for law in scene.laws],
+    }

@@ -1,0 +1,40 @@
+"""The stowed sail at rest: held by its guide bars, and damped until it no longer moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.errors import InputError
+from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Law, MassDamping
+from membrane_rs.scene.parts import Fixed, Part
+from membrane_rs.simulation.stepper import Stepper
+
+GUIDE_BARS = "guide_bars"
+
+
+def held_scene(scene: Scene, rate: float) -> Scene:
+    """The scene with its guide bars closed and friction added, and without drag, which has no say at rest."""
+    laws: list[Law] = [law for law in scene.laws if law.kind not in ("mass_damping", "air_drag")]
+    parts: list[Part] = list(scene.parts)
+    if GUIDE_BARS in scene.assemble().node_sets:
+        parts.append(Fixed(nodes=GUIDE_BARS))
+    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts)
+
+
+def settled(
+    scene: Scene, integrator: str, positions: Floats, duration: float | None, rate: float | None
+) -> tuple[Floats, float]:
+    """Positions (N, 3) after `duration` of damped motion, and the largest speed left [m/s]."""
+    time = scene.run.settle if duration is None else float(duration)
+    rate = scene.run.settle_rate if rate is None else float(rate)
+    for name, value, unit in (("duration", time, "s"), ("rate", rate, "1/s")):
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
+    held = Stepper(held_scene(scene, rate), integrator)
+    held.positions = positions
+    held.reach(time if held.is_adaptive else max(1, round(time / held.dt)))
+    return held.positions, float(np.linalg.norm(held.velocities, axis=1).max())

@@ -1,0 +1,190 @@
+"""Steps of a scene in motion: single ones, a march from mark to mark on which observers look on, save and restore."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+from typing_extensions import Self
+
+from membrane_rs._validation import number_of, show
+from membrane_rs.errors import InputError, InputTypeError, UnstableError
+from membrane_rs.scene.run_settings import MOST_INSTANTS
+from membrane_rs.simulation.checkpoint import read_state, write_state
+from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.observer import Observer
+
+MOST_STEPS = 10**15
+"""More steps than this are a slip of the pen: they would take centuries."""
+PROGRESS_LOOKS = 500
+"""How often a run that is followed tells its progress, beside every sample."""
+
+
+class Stepper(Motion):
+    """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
+    `Simulation`, which adds what a run needs before and beside its steps.
+    """
+
+    def step(self, n: int = 1) -> None:
+        """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
+
+        Raises
+        ------
+        UnstableError
+            The run went wrong; the state is then that of the last check that found nothing.
+        KeyboardInterrupt
+            Ctrl-C, between two steps.
+        """
+        try:
+            count = operator.index(n)
+        except TypeError:
+            raise InputTypeError(f"n = {show(n)}: must be a whole number of steps") from None
+        if not 0 <= count <= MOST_STEPS:
+            raise InputError(f"n = {show(count)}: must be a whole number of steps, from 0 to {MOST_STEPS:.0e}")
+        self._core.step(count)
+
+    def march(
+        self,
+        end: float,
+        frames: int | Sequence[float],
+        samples: int | Sequence[float],
+        observers: Sequence[Observer[Self]],
+        progress: Callable[[Self], None] | None = None,
+    ) -> None:
+        """Step to `end` [s]; let observers look on at frames, samples and the scene's snapshots.
+
+        Parameters
+        ----------
+        end : float
+            Time at the end [s], not before now.
+        frames, samples : int or sequence of float
+            How many, evenly spaced from time 0 to the end, or their times [s].
+        observers : sequence of observers
+            All finish, in their order, whatever one of them raises.
+        progress : callable, optional
+            Called with this stepper now and then.
+
+        Raises
+        ------
+        UnstableError
+            The motion went wrong; observers have seen the last good state.
+        """
+        frame_marks = self._marks_of(frames, end, "frames")
+        shots = [time for time in self.scene.run.snapshots if time <= end]
+        marks = frame_marks | self._marks_of(shots, end, "snapshots")
+        marks |= self._marks_of(samples, end, "samples")
+        looks = np.linspace(min(marks), max(marks), PROGRESS_LOOKS if progress else 0)
+        whole = float if self.is_adaptive else int
+        started: list[Observer[Self]] = []
+        error: BaseException | None = None
+        try:
+            for observer in observers:
+                observer.start(self)
+                started.append(observer)
+            for mark in sorted(marks.union(map(whole, looks))):
+                self.reach(mark)
+                if mark in marks:
+                    self._core.check()
+                    self._show(observers, is_frame=mark in frame_marks)
+                if progress is not None:
+                    progress(self)
+        except BaseException as caught:
+            error = caught
+            if isinstance(caught, UnstableError):
+                self._show(observers, is_frame=True)  # the last good state
+            raise
+        finally:
+            # All finish, in their order, whatever one of them raises.
+            with ExitStack() as ending:
+                for observer in reversed(started):
+                    ending.callback(observer.finish, self, error)
+
+    def _show(self, observers: Sequence[Observer[Self]], *, is_frame: bool) -> None:
+        for observer in observers:
+            observer.sample(self)
+            if is_frame:
+                observer.frame(self)
+
+    def reach(self, mark: float) -> None:
+        """Go to a time [s] where steps are chosen, and else to a step count."""
+        if self.is_adaptive:
+            self._core.reach(mark)
+        else:
+            self._core.step(int(mark) - self.step_count)
+
+    def _marks_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[float]:
+        """Marks for `reach`: the wanted instants that are not past, or the step counts nearest to them; now and the
+        end are among them.
+        """
+        ahead = (end - self.time) / self.dt
+        if ahead > MOST_STEPS and not self.is_adaptive:
+            raise InputError(
+                f"until = {end} s: that is {ahead:.1e} steps of dt = {self.dt:.3g} s; give an earlier time"
+            )
+        if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes):
+            times = np.asarray([number_of(name, t) for t in wanted], dtype=np.float64)
+        else:
+            try:
+                count = operator.index(wanted)  # type: ignore[arg-type]
+            except TypeError:
+                raise InputTypeError(
+                    f"{name} = {show(wanted)}: must be a whole number or a list of times (s)"
+                ) from None
+            if not 2 <= count <= MOST_INSTANTS:
+                raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
+            times = np.linspace(0.0, end, count)
+        if self.is_adaptive:
+            # Twelve digits, so that a frame and a sample of the same instant are one mark.
+            later = [float(f"{time:.12g}") for time in times[(times > self.time) & (times < end)]]
+            return {self.time, end, *later}
+        last = round(ahead)
+        steps = np.round(np.clip((times - self.time) / self.dt, -1.0, last + 1.0)).astype(np.int64)
+        steps = np.array([0, last, *steps[(steps > 0) & (steps <= last)]]) + self.step_count
+        return set(steps.tolist())
+
+    def save(self, path: str | Path) -> None:
+        """Write scene and state into one file (.npz), from which `restore` continues with the same bits.
+
+        Raises
+        ------
+        OutputError
+            It cannot be written.
+        """
+        state = {
+            "integrator": self.integrator,
+            "dt": self.dt,
+            "is_adaptive": self.is_adaptive,
+            "is_settled": self.is_settled,
+            **self.state(),
+        }
+        write_state(Path(path), self.scene, state)
+
+    @classmethod
+    def restore(cls, path: str | Path) -> Self:
+        """What `save` wrote, ready to go on.
+
+        Raises
+        ------
+        MissingFileError
+            No such file.
+        InputError
+            Not a saved state, or damaged.
+        """
+        scene, state = read_state(Path(path))
+        try:
+            dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
+            if not isinstance(is_adaptive, bool):
+                raise ValueError("is_adaptive is not true or false")
+            sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
+            if is_adaptive:
+                sim._core.set_dt(number_of("dt", dt))
+            sim.is_settled = bool(state.pop("is_settled"))
+            sim.set_state(state)
+        except ValueError as error:
+            raise InputError(
+                f"{path}: is a damaged saved state ({error}); give one that Simulation.save wrote"
+            ) from None
+        return sim

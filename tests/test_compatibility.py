@@ -1,0 +1,86 @@
+"""What docs/compatibility.md says of older and newer files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from membrane_rs import InputError, RunSettings, Scene, SceneError, Simulation, SpringDamping, scenes
+
+SCENE = scenes.load("spinning-tether")
+SPARE = """
+[[parts]]
+kind = "tether"
+start = [0, 0, 0]
+end = [1, 0, 0]
+segments = 2
+axial_stiffness = 10.0
+linear_density = 1e-3
+[laws.spring_damping]
+[run]
+until = 1.0
+"""
+Entries = dict[str, np.ndarray]
+
+
+def saved(folder: Path, change: Callable[[Entries], object]) -> Path:
+    """A saved state with other entries."""
+    sim = Simulation(SCENE)
+    sim.step(3)
+    sim.save(folder / "state.npz")
+    with np.load(folder / "state.npz") as file:
+        entries: Entries = dict(file)
+    change(entries)
+    np.savez(folder / "state.npz", **entries)  # type: ignore[arg-type]
+    return folder / "state.npz"
+
+
+def test_an_older_scene_takes_defaults_for_keys_that_came_later(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(SPARE, encoding="utf-8")
+    scene = Scene.from_toml(file)
+    assert scene.law("spring_damping") == SpringDamping()
+    assert scene.run.tolerance == RunSettings(until=1.0).tolerance
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_a_written_scene_holds_every_value(name: str, tmp_path: Path) -> None:
+    scene = scenes.load(name)
+    scene.save(tmp_path)
+    text = (tmp_path / "scene.toml").read_text(encoding="utf-8")
+    held = {line.removeprefix("# ").split(" = ")[0].split(":")[0] for line in text.splitlines()}
+    for item in (scene.material, *scene.laws, *scene.parts, scene.run):
+        if item is not None:
+            assert {entry.name for entry in fields(item)} <= held
+
+
+def test_a_newer_scene_is_refused_by_the_key_that_is_not_known(tmp_path: Path) -> None:
+    SCENE.save(tmp_path)
+    file = tmp_path / "scene.toml"
+    file.write_text(file.read_text(encoding="utf-8") + "until_rest = 1.0\n", encoding="utf-8")
+    with pytest.raises(SceneError, match=r"run\.until_rest: no such key"):
+        Scene.from_toml(file)
+
+
+def test_an_older_state_is_refused_by_the_entry_that_it_lacks(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="origin is missing"):
+        Simulation.restore(saved(tmp_path, lambda entries: entries.pop("origin")))
+
+
+def test_an_entry_of_a_newer_state_is_passed_over(tmp_path: Path) -> None:
+    sim = Simulation.restore(saved(tmp_path, lambda entries: entries.update(later=np.zeros(2))))
+    plain = Simulation(SCENE)
+    plain.step(3)
+    np.testing.assert_array_equal(sim.positions, plain.positions)
+
+
+def test_a_newer_state_is_refused_by_a_key_of_its_scene(tmp_path: Path) -> None:
+    def change(entries: Entries) -> None:
+        text = entries["scene/scene.toml"].tobytes() + b"until_rest = 1.0\n"
+        entries["scene/scene.toml"] = np.frombuffer(text, np.uint8)
+
+    with pytest.raises(InputError, match=r"run\.until_rest: no such key"):
+        Simulation.restore(saved(tmp_path, change))

@@ -1,0 +1,44 @@
+"""Old public places of names: each leads to the new one, and says it."""
+
+from __future__ import annotations
+
+import pkgutil
+from importlib import import_module
+
+import membrane_rs
+import pytest
+from membrane_rs import Simulation, scenes
+from membrane_rs._moved import Moved
+
+OLD = {
+    info.name: getattr(import_module(info.name), "__getattr__", None)
+    for info in pkgutil.iter_modules(membrane_rs.__path__, "membrane_rs.")
+}
+NAMES = [
+    (old, name, place)
+    for old, moved in OLD.items()
+    if isinstance(moved, Moved)
+    for name, place in moved.place_of.items()
+]
+
+
+@pytest.mark.parametrize(("old", "name", "place"), NAMES)
+def test_an_old_place_leads_to_the_new_one(old: str, name: str, place: str) -> None:
+    with pytest.warns(DeprecationWarning, match=f"import {name} from {place}$") as told:
+        found = getattr(import_module(old), name)
+    assert found is getattr(import_module(place), name)
+    assert found is not None
+    assert [warning.filename for warning in told] == [__file__]
+
+
+def test_other_names_are_not_there() -> None:
+    with pytest.raises(AttributeError, match=r"'membrane_rs\.observe' has no attribute 'nothing'"):
+        Moved("membrane_rs.observe", {})("nothing")
+
+
+def test_settle_is_now_relax() -> None:
+    by_new_name, by_old_name = (Simulation(scenes.load("spinning-tether")) for _ in range(2))
+    speed = by_new_name.relax(1e-4, 50.0)
+    with pytest.warns(DeprecationWarning, match=r"call Simulation\.relax"):
+        assert by_old_name.settle(1e-4, 50.0) == speed
+    assert (by_old_name.positions == by_new_name.positions).all()

@@ -1,0 +1,63 @@
+"""Parts of pages that scripts write: what stands between two marks.
+
+In a page of Markdown `<!-- name: begin -->` and `<!-- name: end -->` stand on lines of their own. Each script names the
+parts that it writes as constants of its module; `tests/test_marked.py` holds them against the marks of all pages.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from membrane_rs._files import write_text
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+README = ROOT / "README.md"
+DOCS = ROOT / "docs"
+
+
+@dataclass(frozen=True)
+class MarkedPart:
+    """The part of `page` between the marks of this name."""
+
+    page: Path
+    name: str
+
+    @property
+    def marks(self) -> tuple[str, str]:
+        """The line before it and the line after it."""
+        return f"<!-- {self.name}: begin -->", f"<!-- {self.name}: end -->"
+
+    def read(self) -> str:
+        """What stands there, without the blank lines around it.
+
+        Raises SystemExit where the page lacks a mark, has it twice, or has them in the wrong order.
+        """
+        return self._split()[1].strip()
+
+    def write(self, text: str) -> None:
+        """Put `text` there; the page is written whole or stays as it is.
+
+        Raises SystemExit as `read` does, OutputError where the page cannot be written.
+        """
+        write_text(self.page, self.replaced(text))
+
+    def replaced(self, text: str) -> str:
+        """The page with `text` there. Raises SystemExit as `read` does."""
+        before, _, after = self._split()
+        begin, end = self.marks
+        return f"{before}{begin}\n\n{text.strip()}\n\n{end}{after}"
+
+    def _split(self) -> tuple[str, str, str]:
+        """The page before the first mark, between the two, and after the second."""
+        page = self.page.read_text(encoding="utf-8")
+        for mark in self.marks:
+            if (count := page.count(mark)) != 1:
+                fault = f"has {count} times the mark" if count else "lacks the mark"
+                raise SystemExit(f"{self.page} {fault} {mark}; it stands once, where the part of that name belongs")
+        begin, end = self.marks
+        before, _, rest = page.partition(begin)
+        between, found, after = rest.partition(end)
+        if not found:
+            raise SystemExit(f"{self.page} has the mark {end} before {begin}; exchange them")
+        return before, between, after

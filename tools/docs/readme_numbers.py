@@ -1,0 +1,53 @@
+"""Keep the README's numbers and pictures in step with what the demo and accuracy.py have left in `out`.
+
+Without --write it only tells whether they are, by its exit code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from marked import DOCS, README, ROOT, MarkedPart
+from PIL import Image
+
+TABLES = {name: MarkedPart(README, name) for name in ("summary.md", "accuracy.md")}
+"""By the file that the demo or accuracy.py leaves."""
+SOURCES = {
+    "deployment.png": "okuizumi-model-1/snapshots/turning.png",
+    "comparison.png": "comparison.png",
+}
+WIDTH = 1500
+"""Pictures in docs/ are at most this wide [px]."""
+
+
+def copy_pictures(out: Path) -> None:
+    """The demo's pictures into docs/, in few colours, so that the repository stays small."""
+    for name, source in SOURCES.items():
+        with Image.open(out / source) as picture:
+            size = (min(WIDTH, picture.width), round(picture.height * min(1.0, WIDTH / picture.width)))
+            small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+        small.quantize(128, dither=Image.Dither.NONE).save(DOCS / name, optimize=True)
+
+
+def main() -> None:
+    """Compare, or write."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--out", type=Path, default=ROOT / "out", help="what demo.py and accuracy.py left")
+    parser.add_argument("--write", action="store_true", help="write README.md and docs/*.png")
+    parser.add_argument("--tables", nargs="+", choices=TABLES, help="these alone, without the pictures")
+    options = parser.parse_args()
+
+    tables = {name: (options.out / name).read_text(encoding="utf-8") for name in options.tables or TABLES}
+    if options.write:
+        for name, text in tables.items():
+            TABLES[name].write(text)
+        if not options.tables:
+            copy_pictures(options.out)
+    elif any(TABLES[name].read() != text.strip() for name, text in tables.items()):
+        sys.exit("README.md holds other numbers than the last demo; run `make readme`")
+
+
+if __name__ == "__main__":
+    main()
