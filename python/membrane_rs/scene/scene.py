@@ -11,6 +11,7 @@ from typing import TypeVar, overload
 from membrane_rs._files import output_errors, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, SceneError
+from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
@@ -148,9 +149,8 @@ class Scene:
         edges = 0 if mesh is None else len(mesh.edges)
         mesh_nodes = 0 if mesh is None else len(mesh.reference)
         own = {"masses": mesh_nodes, "springs": edges, "elements": len(assembly.triangles)}
-        paper_counts = getattr(mesh.source, "counts", None) if mesh is not None else None
-        if callable(paper_counts):
-            own = paper_counts()
+        pattern = pattern_of(mesh)
+        own |= (pattern.counts() if pattern is not None else None) or {}
         cords = len(assembly.cord_pairs)
         return {
             "masses": own["masses"] + assembly.node_count - mesh_nodes,
