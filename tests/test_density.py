@@ -8,34 +8,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from example_of import example_of
 from membrane_rs import Fixed, InputError, Mesh, Scene, TipMasses, scenes
-from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, SquareSail, Strip
+from membrane_rs.folding import PATTERNS, SquareSail
 from membrane_rs.study.common.density import denser
 from small_scenes import RUBBER, UNBUCKLED, hanging_strip, refused
 
-SMALL: dict[str, Any] = {
-    "square-sail": SquareSail(fold_lines=3),
-    "disc": Disc(0.1, rings=4),
-    "strip": Strip(0.1, 0.04, 6, 2),
-    "lattice": EquilateralLattice(0.01, 4, 4),
-}
 
-
-def test_every_pattern_is_walked() -> None:
-    assert SMALL.keys() == PATTERNS.keys()
-
-
-@pytest.mark.parametrize("name", SMALL)
-@pytest.mark.parametrize("density", [0.5, 2.0])
-def test_triangles_go_with_the_square_of_the_density(name: str, density: float) -> None:
-    scene = Scene(SMALL[name].mesh(), RUBBER, [UNBUCKLED])
-    found = denser(scene, density)
-    assert scene.mesh is not None
-    assert found.mesh is not None
-    assert len(found.mesh.triangles) == pytest.approx(density**2 * len(scene.mesh.triangles), rel=0.1)
-    size, before = (np.ptp(mesh.reference, axis=0) for mesh in (found.mesh, scene.mesh))
-    assert size == pytest.approx(before, rel=0.15)
-    assert found.mesh.node_sets.keys() == scene.mesh.node_sets.keys()
+@pytest.mark.parametrize("name", PATTERNS)
+def test_triangles_go_with_the_square_of_the_density(name: str) -> None:
+    scene = Scene(example_of(PATTERNS[name]).mesh(), RUBBER, [UNBUCKLED])
+    finer = denser(scene, 2.0)
+    meshes = [one.mesh for one in (scene, finer, denser(finer, 0.5))]
+    plain, fine, back = (mesh for mesh in meshes if mesh is not None)
+    assert len(fine.triangles) == pytest.approx(4 * len(plain.triangles), rel=0.1)
+    assert len(back.triangles) == len(plain.triangles)
+    assert np.ptp(fine.reference, axis=0) == pytest.approx(np.ptp(plain.reference, axis=0), rel=0.15)
+    assert fine.node_sets.keys() == plain.node_sets.keys()
 
 
 def test_the_same_density_is_the_same_scene() -> None:

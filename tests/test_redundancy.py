@@ -136,7 +136,7 @@ def test_wrong_parameters(parameter: str, value: float, kind: type[Exception], w
 
 def test_parameters_of_every_part_of_a_scene() -> None:
     whole = scenes.load("okuizumi-model-1")
-    assert varied(whole, "parts.1.segments", 5.0).parts[1].segments == 5  # type: ignore[union-attr]
+    assert varied(whole, "parts.1.segments", 5.0).parts[1].segments == 5  # type: ignore[attr-defined]
     assert varied(whole, "material.thickness", 1e-5).material.thickness == 1e-5  # type: ignore[union-attr]
     assert varied(whole, "run.until", 0.5).run.until == 0.5
     coarse = varied(whole, "mesh.rows", 8)

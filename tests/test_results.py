@@ -28,6 +28,7 @@ from membrane_rs import (
 from membrane_rs.mesh.queries import find_pairs
 from membrane_rs.plotting import compare_runs, plot_deployment
 from membrane_rs.results import read_frame, read_history, read_pvd, write_frame, write_pvd
+from membrane_rs.results.history import History
 from membrane_rs.runs import RunFolder
 from numpy.testing import assert_array_equal
 from PIL import Image
@@ -216,8 +217,9 @@ def test_summary_is_closed_where_the_history_cannot_be(tmp_path: Path) -> None:
         sim: Any = FakeSimulation()
         folder = RunFolder(tmp_path / name, pictures=False)
         folder.start(sim)
-        folder._history._file.close()
-        folder._history._file = cast(Any, NoRoom())
+        history = next(writer for writer in folder._writers if isinstance(writer, History))
+        history._file.close()
+        history._file = cast(Any, NoRoom())
         if error is None:
             with pytest.raises(OutputError, match=r"history\.csv: No space left"):
                 folder.finish(sim, error)

@@ -11,6 +11,7 @@ second order in the size of its triangles.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._rows import MOST_NODES, cells, numbered, stitch
+from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
 Complexes = NDArray[np.complex128]
@@ -28,7 +30,7 @@ _LEAST_AROUND = 7.5
 
 
 @validated
-class Disc:
+class Disc(Pattern):
     """A disc at z = 0 about the origin, or a ring, of triangles that differ in size but little in shape.
 
     A disc has circles of 6, 12, 18 ... nodes about one in the middle. With s = radius/rings, the sides of its
@@ -95,6 +97,10 @@ class Disc:
             node_sets={"centre": index[0], "rim": index[-1]},
             source=self,
         )
+
+    def refined(self, density: float) -> Disc:
+        """The disc with `density` times as many rings. Raises InputError as `Pattern.refined` does."""
+        return replace(self, rings=multiplied(self, density, "rings", self.rings))
 
     def _circles_of_disc(self) -> list[Complexes]:
         """Nodes x + iy: those of a hexagon of `rings` triangles to a side, circle after circle, mapped."""

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 
 from membrane_rs._validation import Count, Positive, Unit, validated
 from membrane_rs.folding._rows import cells
+from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
 
 @validated
-class EquilateralLattice:
+class EquilateralLattice(Pattern):
     """Rows of equilateral triangles at z = 0, every other row half a side further along y.
 
     Parameters
@@ -42,3 +44,9 @@ class EquilateralLattice:
         triangles = np.concatenate([cells(index[i], index[i + 1], lean[i]) for i in range(self.rows)])
         sets = {"start": index[0], "end": index[-1], "inside": index[1:-1, 1:-1].ravel()}
         return Mesh(np.stack([x, y, np.zeros_like(x)], axis=1), triangles, node_sets=sets, source=self)
+
+    def refined(self, density: float) -> EquilateralLattice:
+        """The patch with triangles of 1/`density` of the side. Raises InputError as `Pattern.refined` does."""
+        columns = multiplied(self, density, "columns", self.columns)
+        rows = multiplied(self, density, "rows", self.rows)
+        return replace(self, side=self.side / density, columns=columns, rows=rows)

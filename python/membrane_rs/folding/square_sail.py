@@ -9,6 +9,7 @@ origin, its petals at 0, 90, 180 and 270 degrees, its diagonals between them. St
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -19,12 +20,13 @@ from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal
 from membrane_rs.folding._rows import MOST_NODES
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
+from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
 
 
 @validated
-class SquareSail:
+class SquareSail(Pattern):
     """A square sail and its folds.
 
     Parameters
@@ -116,6 +118,11 @@ class SquareSail:
             return self.rows // self.strips
         return math.ceil((16 if self.layout == "ruled" else 8) / self.strips)
 
+    @property
+    def row_height(self) -> float:
+        """Height of a row of cells in the flat sail [m]."""
+        return self.strip_height / self.rows_per_strip
+
     def counts(self) -> dict[str, int]:
         """Masses, springs and elements of the four petals, each petal counted by itself."""
         petal = self._petal()
@@ -170,10 +177,19 @@ class SquareSail:
             source=self,
         )
 
+    def refined(self, density: float) -> SquareSail:
+        """The sail with `density` times as many rows and columns. Raises InputError as `Pattern.refined` does."""
+        rows = self.strips * multiplied(self, density, "rows_per_strip", self.rows_per_strip)
+        columns = None if self.columns is None else multiplied(self, density, "columns", self.columns)
+        return replace(self, rows=rows, columns=columns)
+
+    def with_rows(self, rows: int) -> SquareSail:
+        """The sail with so many rows of cells in each petal. Raises MeshError for no multiple of the strips."""
+        return replace(self, rows=rows)
+
     def _petal(self) -> FlatPetal:
         rows = self.strips * self.rows_per_strip
-        row_height = self.strip_height / self.rows_per_strip
-        columns = self.columns or default_columns(self.layout, self.inner_width, row_height, rows)
+        columns = self.columns or default_columns(self.layout, self.inner_width, self.row_height, rows)
         return flat_petal(self.layout, self.inner_width / 2, self.outer_width / 2, rows, columns)
 
     def _path(self) -> StowedPath:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -13,13 +14,14 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import Count, Finite, Positive, Unit, _numbers, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._rows import cells
+from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
 Inside = Annotated[Finite, Gt(0), Lt(1)]
 
 
 @validated
-class Strip:
+class Strip(Pattern):
     """A strip along x from the origin, its width along y from -width/2 to width/2, flat at z = 0.
 
     Parameters
@@ -89,6 +91,11 @@ class Strip:
             node_sets=sets | {f"crease-{k}": index[i] for k, i in enumerate(lines)},
             source=self,
         )
+
+    def refined(self, density: float) -> Strip:
+        """The strip with `density` times as many columns and rows. Raises InputError as `Pattern.refined` does."""
+        columns = multiplied(self, density, "columns", self.columns)
+        return replace(self, columns=columns, rows=multiplied(self, density, "rows", self.rows))
 
     def _lines(self) -> list[int]:
         return sorted(round(fraction * self.columns) for fraction in self.creases)

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from membrane_rs._files import replacing
-from membrane_rs.plotting.painter import Painter
+from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
 from membrane_rs.results.vtk import read_frame
+from membrane_rs.simulation.stepper import Stepper
 
 if TYPE_CHECKING:
     from PIL import Image as Pillow
@@ -23,6 +25,26 @@ SECONDS_PER_PICTURE = 0.06
 SECONDS_AT_END = 1.5
 
 
+class Animation(Drawing):
+    """Draws the frames that were written, where there are two or more."""
+
+    own_files = ("animation.gif",)
+
+    def count(self) -> int:
+        """One for each frame that is shown."""
+        return len(self._frames())
+
+    def draw(self, sim: Stepper) -> None:
+        """Draw them."""
+        frames = self._frames()
+        if len(frames) > 1:
+            with painter(self.subject(sim), SIZE) as artist:
+                write_animation(self.record.path / "animation.gif", frames, artist, self.record.tick)
+
+    def _frames(self) -> list[tuple[float, Path]]:
+        return chosen([(time, self.record.path / file) for time, file in self.record.frames])
+
+
 def chosen(frames: Sequence[tuple[float, Path]]) -> list[tuple[float, Path]]:
     """The frames to show: all, or MOST_FRAMES of them evenly spread, first and last among them."""
     picks = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), MOST_FRAMES)).round().astype(int))
@@ -30,7 +52,7 @@ def chosen(frames: Sequence[tuple[float, Path]]) -> list[tuple[float, Path]]:
 
 
 def write_animation(
-    path: Path, frames: Sequence[tuple[float, Path]], painter: Painter, tick: Callable[[], None]
+    path: Path, frames: Sequence[tuple[float, Path]], artist: Painter, tick: Callable[[], None]
 ) -> None:
     """Draw VTU frames, given as (time [s], file), into a GIF that repeats for ever.
 
@@ -40,7 +62,7 @@ def write_animation(
 
     images = []
     for time, file in frames:
-        images.append(_labelled(painter.paint(read_frame(file)), time))
+        images.append(_labelled(artist.paint(read_frame(file)), time))
         tick()
     # One palette for all, from pictures spread over the run: no flicker, and a small file.
     some = images[:: max(1, len(images) // 6)]

@@ -11,14 +11,27 @@ from pathlib import Path
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
 from membrane_rs.errors import InputError
+from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.results.history import read_history
 from membrane_rs.results.summary import curve_features
+from membrane_rs.simulation.stepper import Stepper
 
 # Column, label, and the level that is full deployment.
 PANELS = (
     ("deployment_rate", "Deployment rate", 1.0),
     ("phase_difference_deg", "Phase difference [deg]", 0.0),
 )
+
+
+class DeploymentPicture(Drawing):
+    """Draws deployment.png from the history, where that has two samples or more."""
+
+    own_files = ("deployment.png",)
+
+    def draw(self, sim: Stepper) -> None:
+        """Draw it."""
+        if len(self.record.table["time"]) > 1:
+            plot_deployment(self.record.table, self.record.path / "deployment.png", sim.scene.name)
 
 
 def plot_deployment(table: Mapping[str, Floats], path: Path, title: str = "") -> None:

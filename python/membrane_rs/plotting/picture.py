@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh.queries import petal_of_triangles
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import SpoolContact
-from membrane_rs.scene.parts import Tether, Tethers, TipMasses
 from membrane_rs.simulation.motion import Motion
 
 Image = NDArray[np.uint8]
@@ -63,7 +61,7 @@ class Subject:
             petals=petal_of_triangles(assembly.triangles, assembly.node_sets),
             creases=assembly.creases,
             cords=assembly.cord_pairs,
-            tips=_tips(sim),
+            tips=assembly.tips,
             spool=_spool(scene, shapes[0], reach),
             reach=reach,
             centre=centre,
@@ -84,38 +82,16 @@ def turned(points: Floats, angle: float) -> Floats:
     return fixed
 
 
-def _tips(sim: Motion) -> Ints:
-    """Nodes that carry a tip mass, (t,)."""
-    sets = sim.assembly.node_sets
-    tips: list[Ints] = [np.zeros(0, np.int64)]
-    cord_count = 0
-
-    def nodes(wanted: str | Sequence[int]) -> Ints:
-        return sets[wanted] if isinstance(wanted, str) else np.asarray(wanted, np.int64)
-
-    for part in sim.scene.parts:
-        if isinstance(part, TipMasses):
-            tips.append(nodes(part.nodes))
-        elif isinstance(part, Tethers):
-            cord_count += len(nodes(part.nodes))
-        elif isinstance(part, Tether):
-            if part.tip_mass > 0.0:
-                tips.append(sets[f"tether-{cord_count}-end"])
-            cord_count += 1
-    return np.concatenate(tips)
-
-
 def _spool(scene: Scene, stowed: Floats, reach: float) -> tuple[float, float, float] | None:
     """Radius, lowest and highest z of the spool [m]; None for a scene without one."""
-    contact = scene.law("spool_contact")
-    radii = [part.anchor_radius for part in scene.parts if isinstance(part, Tethers)]
-    if isinstance(contact, SpoolContact):
-        radii.insert(0, contact.radius)
-        if contact.half_height is not None:
-            return contact.radius, -contact.half_height, contact.half_height
-    if not radii:
+    described = (*(law.spool for law in scene.laws), *(part.spool for part in scene.parts))
+    spool = next((spool for spool in described if spool is not None), None)
+    if spool is None:
         return None
+    radius, half_height = spool
+    if half_height is not None:
+        return radius, -half_height, half_height
     z = stowed[:, 2]
     low, high = float(z.min()), float(z.max())
     margin = max(0.1 * (high - low), 0.01 * reach)
-    return radii[0], low - margin, high + margin
+    return radius, low - margin, high + margin

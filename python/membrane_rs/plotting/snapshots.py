@@ -11,9 +11,12 @@ from pathlib import Path
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
-from membrane_rs.plotting.painter import Painter
+from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
+from membrane_rs.results.record import Record
 from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.stepper import Stepper
 
 VIEWS = ("turning", "fixed")
 SIZE = 700
@@ -32,6 +35,33 @@ class Snapshot:
     positions: Floats
 
 
+class Snapshots(Drawing):
+    """Keeps the shapes at the times that the scene names, and draws them."""
+
+    own_files = tuple(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s"))
+
+    def start(self, sim: Stepper, record: Record) -> None:
+        """Wait for the times that are still to come."""
+        super().start(sim, record)
+        self._taker = SnapshotTaker(sim.scene.run.snapshots, sim.time)
+
+    def sample(self, sim: Stepper) -> None:
+        """Keep the state if a snapshot is due."""
+        if self._taker.offer(sim):
+            self.record.shapes.append(self._taker.taken[-1].positions)
+
+    def count(self) -> int:
+        """One for each view and time."""
+        return len(VIEWS) * len(self._taker.taken)
+
+    def draw(self, sim: Stepper) -> None:
+        """Draw each, and the sheets."""
+        if self._taker.taken:
+            with painter(self.subject(sim), SIZE) as artist:
+                folder = self.record.path / "snapshots"
+                write_snapshots(folder, self._taker.taken, artist, sim.scene.name, self.record.tick)
+
+
 class SnapshotTaker:
     """Keeps the first state at or after each of the wanted times.
 
@@ -42,16 +72,17 @@ class SnapshotTaker:
         self._wanted = sorted(time for time in times if time >= start - 1e-9)
         self.taken: list[Snapshot] = []
 
-    def offer(self, sim: Motion) -> None:
-        """Keep the state of `sim` if a wanted time has come."""
+    def offer(self, sim: Motion) -> bool:
+        """Keep the state of `sim` if a wanted time has come, and say whether one has."""
         if not self._wanted or sim.time < self._wanted[0] - 1e-9:
-            return
+            return False
         self._wanted = [time for time in self._wanted if time > sim.time + 1e-9]
         self.taken.append(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
+        return True
 
 
 def write_snapshots(
-    folder: Path, snapshots: Sequence[Snapshot], painter: Painter, title: str, tick: Callable[[], None]
+    folder: Path, snapshots: Sequence[Snapshot], artist: Painter, title: str, tick: Callable[[], None]
 ) -> None:
     """Write <view>-<time>s.png for each snapshot and view, and one sheet <view>.png for each view.
 
@@ -62,7 +93,7 @@ def write_snapshots(
     for view in VIEWS:
         images = []
         for shot in snapshots:
-            image = painter.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0)
+            image = artist.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0)
             with replacing(folder / f"{view}-{shot.time:.3f}s.png") as part:
                 Pillow.fromarray(image).save(part, format="PNG")
             images.append(image)

@@ -23,8 +23,11 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import output_errors
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
-from membrane_rs.simulation.motion import Motion
+from membrane_rs.results.record import Record
+from membrane_rs.results.writer import Writer
+from membrane_rs.simulation.stepper import Stepper
 
+HISTORY = "history.csv"
 FIRST_COLUMNS = (
     "time",
     "deployment_rate",
@@ -37,14 +40,14 @@ FIRST_COLUMNS = (
 )
 
 
-class History:
-    """Writes history.csv and keeps its rows.
+class History(Writer):
+    """Writes history.csv and keeps its rows."""
 
-    Raises OutputError where the file cannot be written.
-    """
+    own_files = (HISTORY,)
 
-    def __init__(self, path: Path, sim: Motion) -> None:
-        self._path = path
+    def start(self, sim: Stepper, record: Record) -> None:
+        """Begin the file with the names of its columns."""
+        self._record, self._path = record, record.path / HISTORY
         self._corners = Corners(sim.assembly)
         self._energies = list(sim.ledger()["stored_by_law"])
         self._works = [law.kind for law in sim.scene.laws]
@@ -54,13 +57,19 @@ class History:
             *(f"work_{name}" for name in self._works),
         ]
         self.rows: list[list[float]] = []
-        with output_errors(path):
-            self._file = path.open("w", encoding="utf-8", newline="")
+        with output_errors(self._path):
+            self._file = self._path.open("w", encoding="utf-8", newline="")
         self._writer = csv.writer(self._file, lineterminator="\n")
         self._write(self.columns)
 
-    def add(self, sim: Motion) -> None:
-        """Write one sample. Raises OutputError."""
+    def sample(self, sim: Stepper) -> None:
+        """Write one sample.
+
+        A state that is not later than the last one is passed over: a run that went wrong steps back to its last good
+        state, which may have been written already.
+        """
+        if self.rows and sim.time <= self.rows[-1][0]:
+            return
         positions, ledger = sim.positions, sim.ledger()
         row = [
             sim.time,
@@ -83,8 +92,9 @@ class History:
         values = np.array(self.rows, dtype=np.float64).reshape(-1, len(self.columns))
         return {name: values[:, k] for k, name in enumerate(self.columns)}
 
-    def close(self) -> None:
-        """Close the file; the rows stay. Raises OutputError where what is left cannot be written."""
+    def finish(self, sim: Stepper, error: BaseException | None) -> None:
+        """Give the samples to other outputs, and close the file."""
+        self._record.table = self.table()
         with output_errors(self._path):
             self._file.close()
 
@@ -101,7 +111,7 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     """
     path = Path(path)
     if path.is_dir():
-        path = path / "history.csv"
+        path = path / HISTORY
     if not path.is_file():
         raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
     text = path.read_text(encoding="utf-8")

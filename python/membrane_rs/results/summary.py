@@ -9,12 +9,75 @@ import sys
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import write_text
+from membrane_rs.errors import UnstableError
+from membrane_rs.results.record import Record
+from membrane_rs.results.writer import Writer
+from membrane_rs.simulation.stepper import Stepper
+
+SUMMARY = "summary.json"
+
+
+class Summary(Writer):
+    """Writes what is known before the first step, and at the end what the run has shown."""
+
+    own_files = (SUMMARY,)
+
+    def start(self, sim: Stepper, record: Record) -> None:
+        """Write a first summary."""
+        self._record, self._began = record, perf_counter()
+        record.summary |= {
+            "scene": sim.scene.name,
+            "outcome": "running",
+            "counts": sim.scene.counts(),
+            "integrator": sim.integrator,
+            "dt": sim.dt,
+            "stable_dt": sim.stable_dt(),
+            "limiting_part": sim.limiting_part,
+            "start_time": sim.time,
+            "versions": versions(),
+        }
+        self.write()
+
+    def finish(self, sim: Stepper, error: BaseException | None) -> None:
+        """Add how the run went, and what its curves show."""
+        table = self._record.table
+        self._record.summary |= {
+            "outcome": outcome(error),
+            "time": sim.time,
+            "steps": sim.step_count,
+            "rejected_steps": sim.rejected_count,
+            "evaluations": sim.evaluation_count,
+            **({key: count for key, count in sim.effort.items() if any(sim.effort.values())}),
+            "wall_time": perf_counter() - self._began,
+            "frames": len(self._record.frames),
+            "samples": len(table["time"]),
+            "energy_balance": energy_balance(table),
+            "curves": curve_features(table),
+            "pictures": "none",
+        }
+        self.write()
+
+    def write(self) -> None:
+        """Write what all outputs have added so far. Raises OutputError."""
+        write_summary(self._record.path / SUMMARY, self._record.summary)
+
+
+def outcome(error: BaseException | None) -> str:
+    """How a run ended, in a word, and the reason where it went wrong."""
+    if error is None:
+        return "finished"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
+    if isinstance(error, UnstableError):
+        return f"unstable: {error}"
+    return f"failed: {type(error).__name__}: {error}"
 
 
 def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:

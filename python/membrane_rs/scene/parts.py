@@ -1,22 +1,33 @@
 """The parts that a scene may hold beside its membrane: tethers, tip masses, what is held fast.
 
-Parts are plain checked values; `assembly` makes nodes, masses and cords of them. Units are SI.
+Parts are plain checked values, which add nodes, masses and cords to a scene's arrays. Units are SI.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, TypeAlias
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, ClassVar
+
+import numpy as np
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, SceneError
+from membrane_rs.scene.builder import Builder, Cord
+from membrane_rs.scene.part import Part
+from membrane_rs.scene.spool import Spool
+
+__all__ = ["PARTS", "Bridges", "Fixed", "Part", "Tether", "Tethers", "TipMasses"]
 
 SHORTEST = 1e-12
 """Ends of a cord that are nearer to each other than this are one point [m]."""
+ALONE = 20.0
+"""Gain of step from which cords count as the only stiff part."""
 
 
 @validated
-class TipMasses:
+class TipMasses(Part):
     """The same mass added to each of some nodes.
 
     Parameters
@@ -31,9 +42,18 @@ class TipMasses:
     mass: Annotated[Positive, Unit("kg")]
     nodes: Nodes = "corners"
 
+    def add_loads(self, builder: Builder, where: str) -> None:
+        """Add the masses. Raises SceneError for nodes that are not there."""
+        builder.add_mass(builder.nodes(self.nodes, where), self.mass)
+
+    def resized(self, sizes: Mapping[str, tuple[int, int]]) -> TipMasses:
+        """Masses on a node set keep their sum."""
+        before, now = sizes.get(self.nodes, (1, 1)) if isinstance(self.nodes, str) else (1, 1)
+        return replace(self, mass=self.mass * before / now) if before != now else self
+
 
 @validated
-class Tethers:
+class Tethers(Part):
     """Cords from the rim of the spool to nodes of the membrane, one for each node.
 
     Each starts on the rim, at z = 0 and at the azimuth that its node has in the flat sail, where it is
@@ -66,9 +86,48 @@ class Tethers:
     linear_density: Annotated[Positive, Unit("kg/m")] = 1.004e-4
     strain_limit: Positive = 0.1
 
+    def add_nodes(self, builder: Builder, where: str) -> None:
+        """Add the cords, and hold their nodes on the rim.
+
+        Raises
+        ------
+        SceneError
+            Nodes that are not there, on the axis or on the rim; cords of too many nodes; slack cords of one segment.
+        """
+        held = builder.nodes(self.nodes, where, of_mesh=True)
+        builder.check_room(where, self.segments, len(held) * self.segments)
+        for node in held.tolist():
+            flat = builder.reference[node]
+            radius = float(np.hypot(flat[0], flat[1]))
+            if radius == 0:
+                raise SceneError(f"{where}.nodes: node {node} lies on the axis, so its tether has no azimuth")
+            anchor = np.array([*(flat[:2] * (self.anchor_radius / radius)), 0.0])
+            length = self.length or float(np.linalg.norm(flat - anchor))
+            if length == 0:
+                raise SceneError(f"{where}.anchor_radius = {self.anchor_radius}: node {node} lies on the rim")
+            nodes = builder.add_cord(_cord(self, length), where, anchor, node)
+            builder.fix(nodes[:1])
+
+    @property
+    def spool(self) -> Spool:
+        """The spool whose rim the cords start on."""
+        return Spool(self.anchor_radius)
+
+    def softened(self, factor: float) -> Tethers:
+        """Cords of `factor` times the axial stiffness."""
+        return replace(self, axial_stiffness=self.axial_stiffness * factor)
+
+    def step_advice(self, gain: float) -> str:
+        """A smaller stiffness or fewer segments."""
+        return _step_advice(self, gain)
+
+    def coarser(self, factor: int) -> tuple[str, Part] | None:
+        """Cords of fewer segments."""
+        return _coarser(self, factor)
+
 
 @validated
-class Tether:
+class Tether(Part):
     """A cord of its own between two points, with or without a mass at its end.
 
     It adds the node sets "tether-<k>" (all nodes in order), "tether-<k>-start" and "tether-<k>-end",
@@ -111,9 +170,31 @@ class Tether:
         if math.dist(self.start, self.end) < SHORTEST:
             raise InputError(f"Tether.end = {self.end}: must differ from start, by {SHORTEST:g} or more (m)")
 
+    def add_nodes(self, builder: Builder, where: str) -> None:
+        """Add the cord, its support and its tip mass. Raises SceneError: too many nodes, or slack with one segment."""
+        builder.check_room(where, self.segments, self.segments + 1)
+        start, end = np.array(self.start), np.array(self.end)
+        length = self.length or float(np.linalg.norm(end - start))
+        nodes = builder.add_cord(_cord(self, length), where, start, end)
+        if self.fixed:
+            builder.fix(nodes[:1])
+        builder.add_mass(nodes[-1:], self.tip_mass)
+
+    def softened(self, factor: float) -> Tether:
+        """A cord of `factor` times the axial stiffness."""
+        return replace(self, axial_stiffness=self.axial_stiffness * factor)
+
+    def step_advice(self, gain: float) -> str:
+        """A smaller stiffness or fewer segments."""
+        return _step_advice(self, gain)
+
+    def coarser(self, factor: int) -> tuple[str, Part] | None:
+        """A cord of fewer segments."""
+        return _coarser(self, factor)
+
 
 @validated
-class Fixed:
+class Fixed(Part):
     """Nodes held at rest in the turning frame.
 
     Parameters
@@ -125,9 +206,13 @@ class Fixed:
     kind: ClassVar[str] = "fixed"
     nodes: Nodes
 
+    def add_loads(self, builder: Builder, where: str) -> None:
+        """Hold the nodes. Raises SceneError for nodes that are not there."""
+        builder.fix(builder.nodes(self.nodes, where))
+
 
 @validated
-class Bridges:
+class Bridges(Part):
     """Stiff links of no length that join the node pairs `Mesh.bridges`.
 
     Parameters
@@ -139,8 +224,39 @@ class Bridges:
     kind: ClassVar[str] = "bridges"
     stiffness: Annotated[Positive, Unit("N/m")]
 
+    def add_nodes(self, builder: Builder, where: str) -> None:
+        """Give the links their stiffness. Raises SceneError where another part has."""
+        builder.link_bridges(self.stiffness, where)
 
-Part: TypeAlias = TipMasses | Tethers | Tether | Fixed | Bridges
+    def softened(self, factor: float) -> Bridges:
+        """Links of `factor` times the stiffness."""
+        return replace(self, stiffness=self.stiffness * factor)
+
+    def step_advice(self, gain: float) -> str:
+        """A smaller stiffness."""
+        return f"a stiffness of {self.stiffness / gain**2:.3g} N/m or less would take it out of the limit"
+
+
+def _cord(part: Tether | Tethers, length: float) -> Cord:
+    return Cord(part.segments, length, part.axial_stiffness, part.linear_density, part.strain_limit)
+
+
+def _step_advice(part: Tether | Tethers, gain: float) -> str:
+    if gain > ALONE:
+        return "nothing else comes near: with half of its segments the step is twice as long"
+    fewer = max(1, math.floor(part.segments / gain))
+    return (
+        f"an axial_stiffness of {part.axial_stiffness / gain**2:.3g} N in place of {part.axial_stiffness:g} N, "
+        f"or {fewer} segments in place of {part.segments}, would take it out of the limit"
+    )
+
+
+def _coarser(part: Tether | Tethers, factor: int) -> tuple[str, Part] | None:
+    if part.segments == 1:
+        return None
+    segments = max(1, part.segments // factor)
+    return f"all but {segments} of {part.segments} segments", replace(part, segments=segments)
+
 
 PARTS: dict[str, type[Part]] = {part.kind: part for part in (TipMasses, Tethers, Tether, Fixed, Bridges)}
 """The one list of parts: its `kind` in a scene file, and its class."""

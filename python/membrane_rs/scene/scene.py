@@ -6,13 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar, overload
 
 from membrane_rs._files import output_errors, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, SceneError
+from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.scene.assembly import Assembly, assemble
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
@@ -20,6 +23,8 @@ from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_s
 
 SCENE_FILE = "scene.toml"
 LONGEST_NAME = 100
+
+L = TypeVar("L", bound=Law)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,9 +121,16 @@ class Scene:
             save_mesh(self.mesh, folder / MESH_FILE)
         write_text(folder / SCENE_FILE, self.to_toml())
 
-    def law(self, kind: str) -> Law | None:
-        """The scene's law of a kind ("springs", ...), or None."""
-        return next((law for law in self.laws if law.kind == kind), None)
+    @overload
+    def law(self, kind: type[L]) -> L | None: ...
+
+    @overload
+    def law(self, kind: str) -> Law | None: ...
+
+    def law(self, kind: str | type[Law]) -> Law | None:
+        """The scene's law of a kind ("springs", ... or `Springs`, ...), or None."""
+        name = kind if isinstance(kind, str) else kind.kind
+        return next((law for law in self.laws if law.kind == name), None)
 
     def assemble(self) -> Assembly:
         """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords."""
@@ -137,9 +149,8 @@ class Scene:
         edges = 0 if mesh is None else len(mesh.edges)
         mesh_nodes = 0 if mesh is None else len(mesh.reference)
         own = {"masses": mesh_nodes, "springs": edges, "elements": len(assembly.triangles)}
-        paper_counts = getattr(mesh.source, "counts", None) if mesh is not None else None
-        if callable(paper_counts):
-            own = paper_counts()
+        pattern = pattern_of(mesh)
+        own |= (pattern.counts() if pattern is not None else None) or {}
         cords = len(assembly.cord_pairs)
         return {
             "masses": own["masses"] + assembly.node_count - mesh_nodes,
@@ -153,7 +164,15 @@ class Scene:
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return assemble(self.mesh, self.laws, self.parts)
+        builder = Builder(self.mesh)
+        for k, part in enumerate(self.parts):
+            part.add_nodes(builder, f"parts[{k}]")
+        for k, part in enumerate(self.parts):
+            part.add_loads(builder, f"parts[{k}]")
+        builder.check_links()
+        for law in self.laws:
+            law.add_contacts(builder)
+        return builder.assembly()
 
 
 def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +15,7 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.laws import Law, Springs
+from membrane_rs.scene.laws import Law
 
 MARGIN = 0.4
 """Share of the stability limit that is taken as the step where none is given."""
@@ -313,8 +312,7 @@ def _step_of(dt: object) -> float | None:
 def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
     """What the core is given, by name."""
     mesh, material = scene.mesh, scene.material
-    springs = scene.law("springs")
-    rule = "keep" if scene.law("triangles") is None else "unused"
+    rules = [law.negative_springs for law in scene.laws]
     return {
         "positions": assembly.positions,
         "velocities": np.zeros_like(assembly.positions),
@@ -323,8 +321,7 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
         "film": None
         if material is None
         else (material.youngs_modulus, material.poisson_ratio, material.density, material.thickness),
-        # Without the law of the springs nothing uses their constants, so nothing need be refused.
-        "negative_springs": springs.negative if isinstance(springs, Springs) else rule,
+        "negative_springs": next((rule for rule in rules if rule is not None), "keep"),
         "creases": assembly.creases,
         "fold_signs": assembly.fold_signs,
         "extra_masses": assembly.extra_masses,
@@ -336,5 +333,5 @@ def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
         "bridges": assembly.bridges,
         "bridge_stiffness": assembly.bridge_stiffness,
         "contact_nodes": assembly.contact_nodes,
-        "laws": [(law.kind, asdict(law)) for law in scene.laws],
+        "laws": [(law.kind, law.core_parameters()) for law in scene.laws],
     }

@@ -9,8 +9,8 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import Law, MassDamping
-from membrane_rs.scene.parts import Fixed, Part
+from membrane_rs.scene.laws import MassDamping
+from membrane_rs.scene.parts import Fixed
 from membrane_rs.simulation.stepper import Stepper
 
 GUIDE_BARS = "guide_bars"
@@ -18,11 +18,9 @@ GUIDE_BARS = "guide_bars"
 
 def held_scene(scene: Scene, rate: float) -> Scene:
     """The scene with its guide bars closed and friction added, and without drag, which has no say at rest."""
-    laws: list[Law] = [law for law in scene.laws if law.kind not in ("mass_damping", "air_drag")]
-    parts: list[Part] = list(scene.parts)
-    if GUIDE_BARS in scene.assemble().node_sets:
-        parts.append(Fixed(nodes=GUIDE_BARS))
-    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=parts)
+    laws = [law for law in scene.laws if law.acts_while_relaxing]
+    held = [Fixed(nodes=GUIDE_BARS)] if GUIDE_BARS in scene.assemble().node_sets else []
+    return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=[*scene.parts, *held])
 
 
 def settled(

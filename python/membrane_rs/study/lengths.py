@@ -14,7 +14,7 @@ import numpy as np
 
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import Creases, Law, SpringDamping, Springs, Triangles
+from membrane_rs.scene.laws import Springs
 
 
 @dataclass(frozen=True)
@@ -43,18 +43,8 @@ class Lengths:
 
     def of(self, scene: Scene) -> Scene:
         """The scene with these lengths in its laws."""
-        changed: list[Law] = []
-        for law in scene.laws:
-            if isinstance(law, Springs | Triangles):
-                film = replace(law, buckling_length=self.buckling, crease_length=self.crease)
-                changed.append(replace(film, buckling=0.0, buckling_on_creases=0.0) if self.tension_only else film)
-            elif isinstance(law, Creases):
-                changed.append(replace(law, length_scale=self.wing))
-            elif isinstance(law, SpringDamping):
-                changed.append(replace(law, length=self.damping))
-            else:
-                changed.append(law)
-        return replace(scene, laws=changed)
+        laws = [law.with_lengths(vars(self)) for law in scene.laws]
+        return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)
 
 
 PAPER = Lengths()
@@ -86,8 +76,8 @@ def agreeing(scene: Scene) -> Lengths:
     InputError
         A scene without film, springs, creases or damping, or whose creases are no stronger than its film.
     """
-    mesh, film, springs, damping = scene.mesh, scene.material, scene.law("springs"), scene.law("spring_damping")
-    if mesh is None or film is None or not isinstance(springs, Springs) or damping is None or not len(mesh.creases):
+    mesh, film, springs, damping = scene.mesh, scene.material, scene.law(Springs), scene.law("spring_damping")
+    if mesh is None or film is None or springs is None or damping is None or not len(mesh.creases):
         raise InputError(f"scene {scene.name!r}: agreeing lengths need a film of springs, with creases and damping")
     alpha, more = springs.buckling, springs.buckling_on_creases - springs.buckling
     if alpha <= 0.0 or more <= 0.0:

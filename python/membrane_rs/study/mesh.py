@@ -22,7 +22,7 @@ from membrane_rs._files import output_errors, replacing
 from membrane_rs._validation import show
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
-from membrane_rs.folding import SquareSail
+from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, together
@@ -125,7 +125,7 @@ def mesh_study(
     Parameters
     ----------
     scene : Scene
-        Its mesh must be of the pattern "square-sail".
+        Its mesh must be of a pattern in rows, such as "square-sail".
     jobs : sequence of Job
         What to run; the long ones first.
     folder : path
@@ -150,7 +150,7 @@ def mesh_study(
     """
     sail = _sail(scene)
     for job in jobs:
-        replace(sail, rows=job.rows)  # what does not fit is refused before anything runs
+        sail.with_rows(job.rows)  # what does not fit is refused before anything runs
     folder = Path(folder)
     with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -173,14 +173,14 @@ def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
     return [job for job in jobs if _place(scene, sail, job, Path(folder))[1].is_file()]
 
 
-def _sail(scene: Scene) -> SquareSail:
-    sail = scene.mesh.source if scene.mesh is not None else None
-    if not isinstance(sail, SquareSail):
+def _sail(scene: Scene) -> RowPattern:
+    sail = pattern_of(scene.mesh)
+    if not isinstance(sail, RowPattern):
         raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
     return sail
 
 
-def _place(scene: Scene, sail: SquareSail, job: Job, folder: Path) -> tuple[Scene, Path]:
+def _place(scene: Scene, sail: RowPattern, job: Job, folder: Path) -> tuple[Scene, Path]:
     """What to run for a job, and the file of the run."""
     end = scene.run.until if job.until is None else job.until
     samples = max(2, round(end / SAMPLE_INTERVAL) + 1)
@@ -188,12 +188,12 @@ def _place(scene: Scene, sail: SquareSail, job: Job, folder: Path) -> tuple[Scen
         scene.run, until=end, samples=samples, frames=2, snapshots=(), dt=None, integrator=INTEGRATOR,
         energy_loss=ENERGY_LOSS,
     )  # fmt: skip
-    finer = job.lengths.of(replace(scene, mesh=replace(sail, rows=job.rows).mesh(), run=settings))
+    finer = job.lengths.of(replace(scene, mesh=sail.with_rows(job.rows).mesh(), run=settings))
     mark = hashlib.sha256(f"{finer.to_toml()}\n{SHARE} {SHIFT} {job.member}".encode()).hexdigest()[:12]
     return finer, folder / f"{scene.name}-{job.name}-{mark}.npz"
 
 
-def _kept(scene: Scene, sail: SquareSail, job: Job, folder: Path, stop: Event) -> MeshRun:
+def _kept(scene: Scene, sail: RowPattern, job: Job, folder: Path, stop: Event) -> MeshRun:
     """The run out of its file, or made and put there."""
     finer, path = _place(scene, sail, job, folder)
     if path.is_file():
@@ -231,7 +231,7 @@ class _Curves:
         return {name: values[:, k] for k, name in enumerate(COLUMNS)}
 
 
-def _run(job: Job, sail: SquareSail, scene: Scene, stop: Event) -> MeshRun:
+def _run(job: Job, sail: RowPattern, scene: Scene, stop: Event) -> MeshRun:
     where = course(scene, None, 1)
     if job.member:
         where = where.shifted(job.member - 1)
@@ -244,11 +244,10 @@ def _run(job: Job, sail: SquareSail, scene: Scene, stop: Event) -> MeshRun:
         sim.run(observers=[curves])
     except UnstableError as error:
         stopped = str(error)
-    finer = replace(sail, rows=job.rows)
     return MeshRun(
         form=job.form,
         rows=job.rows,
-        cell=finer.strip_height / finer.rows_per_strip,
+        cell=sail.with_rows(job.rows).row_height,
         member=job.member,
         node_count=sim.node_count,
         dt=sim.dt,

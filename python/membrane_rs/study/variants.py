@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from membrane_rs.errors import InputError
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.scene.parts import Part, Tether, Tethers
+from membrane_rs.scene.parts import Part
 from membrane_rs.study.common.density import denser
 
 COARSER = 4
@@ -53,10 +53,9 @@ def variants(scene: Scene) -> list[Variant]:
     for k, part in enumerate(scene.parts):
         number = f" {kinds[:k].count(part.kind)}" if kinds.count(part.kind) > 1 else ""
         found.append(Variant(f"part {part.kind}{number}", ("parts", k)))
-        if isinstance(part, (Tether, Tethers)) and part.segments > 1:
-            segments = max(1, part.segments // COARSER)
-            name = f"all but {segments} of {part.segments} segments in part {part.kind}{number}"
-            found.append(Variant(name, ("parts", k), other=replace(part, segments=segments)))
+        if (coarser := part.coarser(COARSER)) is not None:
+            gone, other = coarser
+            found.append(Variant(f"{gone} in part {part.kind}{number}", ("parts", k), other=other))
     if scene.mesh is not None:
         found.append(Variant("every other line of the mesh", ("mesh", 0), density=0.5))
         found.append(Variant("nothing, and the mesh twice as dense", ("mesh", 0), density=2.0))

@@ -1,0 +1,67 @@
+"""What a folding pattern is: a few dimensions from which a mesh follows."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from typing_extensions import Self
+
+from membrane_rs.errors import InputError
+from membrane_rs.mesh import Mesh
+
+
+@runtime_checkable
+class Pattern(Protocol):
+    """Makes a flat mesh, its creases and its folded shape. A class that derives from it needs `mesh` alone."""
+
+    def mesh(self) -> Mesh:
+        """The mesh, whose `source` is this pattern."""
+
+    def refined(self, density: float) -> Pattern:
+        """The pattern with `density` times as many cells along each direction.
+
+        Raises
+        ------
+        InputError
+            A density that gives no whole number of cells, or a pattern whose cells cannot be counted so.
+        """
+        raise InputError(f"density = {density:g}: the pattern {type(self).__name__} cannot be made coarser or finer")
+
+    def counts(self) -> dict[str, int] | None:
+        """ "masses", "springs" and "elements" as the literature counts them; None: as the mesh has them."""
+        return None
+
+
+@runtime_checkable
+class RowPattern(Pattern, Protocol):
+    """A pattern in rows of cells, from an inner to an outer edge, whose number can be chosen."""
+
+    def with_rows(self, rows: int) -> Self:
+        """The pattern with so many rows in all. Raises InputError for a number that it cannot have."""
+
+    @property
+    def row_height(self) -> float:
+        """Height of a row in the flat mesh [m]."""
+
+
+def pattern_of(mesh: Mesh | None) -> Pattern | None:
+    """The pattern that made a mesh; None without one."""
+    source = None if mesh is None else mesh.source
+    return source if isinstance(source, Pattern) else None
+
+
+def multiplied(pattern: Pattern, density: float, name: str, count: int) -> int:
+    """A count of a pattern's cells, called `name`, times `density`.
+
+    Raises
+    ------
+    InputError
+        It would be no whole number; the message says the nearest density that has one.
+    """
+    many = count * density
+    if round(many) < 1 or abs(many - round(many)) > 1e-9 * many:
+        raise InputError(
+            f"density = {density:g}: {type(pattern).__name__}.{name} = {count} would become {many:g}, which is no "
+            f"whole number; take {max(1, round(many)) / count:g}"
+        )
+    return round(many)

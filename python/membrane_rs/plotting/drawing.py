@@ -1,0 +1,43 @@
+"""Pictures of a run, drawn when it has ended."""
+
+from __future__ import annotations
+
+from membrane_rs.errors import UnstableError
+from membrane_rs.plotting.painter import begin_probe, pyvista_works
+from membrane_rs.plotting.picture import Subject
+from membrane_rs.results.record import Record
+from membrane_rs.results.writer import Writer
+from membrane_rs.simulation.stepper import Stepper
+
+
+class Drawing(Writer):
+    """An output that draws, if anything, at the end.
+
+    A run that went unstable is drawn as far as it came. After an interruption, or any other error, nothing is drawn, so
+    that the program stops at once.
+    """
+
+    draws = True
+
+    def start(self, sim: Stepper, record: Record) -> None:
+        """Keep what the outputs share."""
+        self.record = record
+        record.picture_counts.append(self.count)
+        begin_probe()
+
+    def finish(self, sim: Stepper, error: BaseException | None) -> None:
+        """Draw."""
+        if error is None or isinstance(error, UnstableError):
+            self.draw(sim)
+            self.record.summary["pictures"] = "pyvista" if pyvista_works() else "matplotlib"
+
+    def count(self) -> int:
+        """How many pictures of a membrane it will draw; each calls `record.tick`."""
+        return 0
+
+    def draw(self, sim: Stepper) -> None:
+        """Draw all. Raises OutputError."""
+
+    def subject(self, sim: Stepper) -> Subject:
+        """What all pictures of the run show, with one camera."""
+        return Subject.of(sim, self.record.shapes or [sim.positions])

@@ -1,0 +1,233 @@
+"""Arrays of a scene, grown part by part.
+
+Parts add nodes, cords and links first, then masses and supports; laws name what they act on at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import nearest, show
+from membrane_rs.errors import InputError, SceneError
+from membrane_rs.mesh import Mesh
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.cords import cord_positions
+
+MOST_CORD_NODES = 10**7
+"""More nodes than this in the cords of a scene would not fit into memory."""
+
+
+@dataclass(frozen=True)
+class Cord:
+    """A chain of equal segments, each a spring that buckles at once."""
+
+    segments: int
+    length: float
+    """Without load [m]."""
+    axial_stiffness: float
+    """EA [N]."""
+    linear_density: float
+    """Mass per length [kg/m]."""
+    strain_limit: float
+    """Of a segment; a run stops beyond it."""
+
+    @property
+    def rest_length(self) -> float:
+        """Of a segment without load [m]."""
+        return self.length / self.segments
+
+
+class Builder:
+    """A scene's arrays while they grow.
+
+    Attributes
+    ----------
+    mesh : Mesh or None
+        The membrane.
+    reference, positions : (n, 3) float
+        Of the membrane alone: flat, and at the start [m].
+    mesh_count, node_count : int
+        Nodes of the membrane; nodes so far.
+    node_sets : dict of str to (k,) int
+        Those of the mesh, and those of the cords so far.
+    """
+
+    def __init__(self, mesh: Mesh | None) -> None:
+        self.mesh = mesh
+        self.reference: Floats = np.zeros((0, 3)) if mesh is None else np.asarray(mesh.reference)
+        self.positions: Floats = np.zeros((0, 3)) if mesh is None else np.asarray(mesh.positions)
+        self.node_sets: dict[str, Ints] = {}
+        if mesh is not None:
+            self.node_sets = {name: np.array(nodes, np.int64) for name, nodes in mesh.node_sets.items()}
+        self.mesh_count = self.node_count = len(self.reference)
+        self._reference, self._positions = [self.reference], [self.positions]
+        self._cords: list[tuple[Cord, Ints]] = []
+        self._fixed: list[int] = []
+        self._masses: list[tuple[Ints, float]] = []
+        self._contacts: list[Ints] = []
+        self._bridge_stiffness = 0.0
+
+    def nodes(self, wanted: str | Sequence[int], where: str, *, of_mesh: bool = False) -> Ints:
+        """Node indices from a set's name or from themselves, of the whole scene so far or of the mesh alone.
+
+        Raises
+        ------
+        SceneError
+            A node set or a node that is not there.
+        """
+        limit = self.mesh_count if of_mesh else self.node_count
+        if isinstance(wanted, str):
+            if wanted not in self.node_sets:
+                hint = nearest(wanted, self.node_sets) if self.node_sets else "this scene has none"
+                raise SceneError(f"{where}.nodes = {wanted!r}: no such node set; {hint}")
+            found = self.node_sets[wanted]
+        else:
+            found = np.array(wanted, np.int64)
+        if found.size and found.max() >= limit:
+            allowed = f"from 0 to {limit - 1}" if limit else "none, for there is no mesh"
+            raise SceneError(f"{where}.nodes = {show(wanted)}: node {found.max()} is not there; must be {allowed}")
+        return found
+
+    @property
+    def cord_nodes(self) -> Ints:
+        """Nodes of all cords so far, those that they share with the membrane among them."""
+        return np.concatenate([np.zeros(0, np.int64), *(nodes for _, nodes in self._cords)])
+
+    def check_room(self, where: str, segments: int, new_nodes: int) -> None:
+        """Refuse cords too fine to be held in memory, before anything is allocated. Raises SceneError."""
+        total = self.node_count - self.mesh_count + new_nodes
+        if total > MOST_CORD_NODES:
+            raise SceneError(
+                f"{where}.segments = {segments}: makes {total} cord nodes in this scene; "
+                f"must be at most {MOST_CORD_NODES}; take fewer segments"
+            )
+
+    def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int) -> Ints:
+        """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.
+
+        It starts at a point (3,) [m] and ends at a point, or at a node of the membrane. At the start of a run it is
+        straight if taut, and else hangs below.
+
+        Raises
+        ------
+        SceneError
+            A slack cord of one segment; a mesh with node sets of these names.
+        """
+        shared = isinstance(end, int)
+        flat, stowed = (self.reference[end], self.positions[end]) if isinstance(end, int) else (end, end)
+        count = cord.segments + (not shared)
+        nodes = np.arange(self.node_count, self.node_count + count)
+        if shared:
+            nodes = np.append(nodes, end)
+        try:
+            positions = cord_positions(start, stowed, cord.length, cord.segments)
+        except InputError as error:
+            raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
+        name = f"tether-{len(self._cords)}"
+        for key, value in {name: nodes, f"{name}-start": nodes[:1], f"{name}-end": nodes[-1:]}.items():
+            if key in self.node_sets:
+                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a tether; rename the set")
+            self.node_sets[key] = value
+        self._reference.append(np.linspace(start, flat, cord.segments + 1)[:count])
+        self._positions.append(positions[:count])
+        self.node_count += count
+        self._cords.append((cord, nodes))
+        return nodes
+
+    def add_mass(self, nodes: Ints, mass: float) -> None:
+        """Add a mass [kg] to each of some nodes."""
+        self._masses.append((nodes, mass))
+
+    def fix(self, nodes: Ints) -> None:
+        """Hold nodes at rest in the turning frame."""
+        self._fixed.extend(nodes.tolist())
+
+    def add_contacts(self, nodes: Ints) -> None:
+        """Look for contact with the spool at these nodes; those that are held need none."""
+        self._contacts.append(nodes)
+
+    def link_bridges(self, stiffness: float, where: str) -> None:
+        """Give the links of the mesh their stiffness [N/m]. Raises SceneError where they have one already."""
+        if self._bridge_stiffness:
+            raise SceneError(f"{where}: a scene holds one part of kind 'bridges'")
+        self._bridge_stiffness = stiffness
+
+    def check_links(self) -> None:
+        """Refuse links without stiffness, and a stiffness without links. Raises SceneError."""
+        count = 0 if self.mesh is None else len(self.mesh.bridges)
+        if bool(count) != bool(self._bridge_stiffness):
+            state = f"has {count} bridges" if count else "has no bridges"
+            remedy = "add a part of kind 'bridges' with their stiffness" if count else "leave that part out"
+            raise SceneError(f"parts: the mesh {state}; {remedy}")
+
+    def assembly(self) -> Assembly:
+        """The arrays as they are now.
+
+        Raises
+        ------
+        SceneError
+            A node that can move and has no mass.
+        """
+        mesh = self.mesh
+        none = np.zeros((0, 2), np.int64)
+        angles = np.zeros(0) if mesh is None else np.asarray(mesh.fold_angles)
+        touched = np.unique(np.concatenate([np.zeros(0, np.int64), *self._contacts]))
+        assembly = Assembly(
+            node_count=self.node_count,
+            reference=np.vstack(self._reference),
+            positions=np.vstack(self._positions),
+            triangles=np.zeros((0, 3), np.int64) if mesh is None else np.array(mesh.triangles, np.int64),
+            creases=none if mesh is None else np.array(mesh.creases, np.int64),
+            fold_signs=np.where(angles < 0, -1.0, 1.0),
+            extra_masses=self._extra_masses(),
+            tips=np.concatenate([np.zeros(0, np.int64), *(nodes for nodes, mass in self._masses if mass > 0.0)]),
+            fixed=np.unique(np.array(self._fixed, np.int64)),
+            bridges=none if mesh is None else np.array(mesh.bridges, np.int64),
+            bridge_stiffness=self._bridge_stiffness,
+            contact_nodes=np.setdiff1d(touched, self._fixed),
+            node_sets=self.node_sets,
+            **self._segments(),
+        )
+        _check_masses(assembly)
+        return assembly
+
+    def _extra_masses(self) -> Floats:
+        masses = np.zeros(self.node_count)
+        for cord, nodes in self._cords:
+            half = 0.5 * cord.linear_density * cord.rest_length
+            masses[nodes[:-1]] += half
+            masses[nodes[1:]] += half
+        for nodes, mass in self._masses:
+            masses[nodes] += mass
+        return masses
+
+    def _segments(self) -> dict[str, Any]:
+        """The cords' segments, one after the other."""
+        cords = [cord for cord, _ in self._cords]
+        counts = [cord.segments for cord in cords]
+        pairs = [np.column_stack([nodes[:-1], nodes[1:]]) for _, nodes in self._cords]
+        rest = np.repeat([cord.rest_length for cord in cords], counts)
+        return {
+            "cord_pairs": np.vstack([np.zeros((0, 2), np.int64), *pairs]),
+            "cord_stiffness": np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
+            "cord_rest_length": rest,
+            "cord_strain_limit": np.repeat([cord.strain_limit for cord in cords], counts),
+        }
+
+
+def _check_masses(assembly: Assembly) -> None:
+    """Every node that can move needs a mass."""
+    bare = assembly.extra_masses <= 0
+    bare[assembly.triangles.ravel()] = False
+    bare[assembly.fixed] = False
+    if bare.any():
+        node = int(np.flatnonzero(bare)[0])
+        raise SceneError(
+            f"node {node} has no mass ({int(bare.sum())} such nodes): give its tether a linear_density, "
+            "add a tip mass, hold it fixed, or remove it from the mesh"
+        )

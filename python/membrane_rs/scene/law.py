@@ -1,0 +1,89 @@
+"""What every law of force has, with neutral answers to what is asked of some."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any, ClassVar, Literal, Protocol, TypeAlias
+
+from typing_extensions import Self
+
+from membrane_rs._validation import validated
+from membrane_rs.mesh import Mesh
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.spool import Spool
+
+StiffThrough: TypeAlias = Literal["law", "film"] | None
+"""What a stiffness or damping that may limit the step goes with: the law's values, or Young's modulus of the film."""
+
+
+class Surroundings(Protocol):
+    """What a law may ask of the scene that holds it."""
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """The membrane."""
+
+    @property
+    def laws(self) -> Sequence[Law]:
+        """All laws of the scene."""
+
+    def assemble(self) -> Assembly:
+        """The scene as arrays."""
+
+
+@validated
+class Law:
+    """A law of force as checked values. A law overrides what is not neutral in it; no caller asks for its class."""
+
+    kind: ClassVar[str]
+    """Its name in scene files and in the core."""
+    stiff_through: ClassVar[StiffThrough] = None
+    """None: it limits no step."""
+    acts_while_relaxing: ClassVar[bool] = True
+    """Whether it acts while a scene is damped to rest before its start."""
+    length_fields: ClassVar[Mapping[str, str]] = {}
+    """Fields that hold a physical length in place of one of the mesh, by what the length is of: "buckling", ..."""
+
+    def core_parameters(self) -> dict[str, Any]:
+        """What the core is given of it, by name."""
+        return asdict(self)
+
+    @property
+    def negative_springs(self) -> str | None:
+        """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no say."""
+        return None
+
+    @property
+    def edge_strain_limit(self) -> float | None:
+        """Strain beyond which no edge of the membrane is stretched while a run goes on; None: no limit."""
+        return None
+
+    @property
+    def spool(self) -> Spool | None:
+        """The spool, where the law describes it."""
+        return None
+
+    def add_contacts(self, builder: Builder) -> None:
+        """Name the nodes that its contact is looked for at."""
+
+    def why_idle(self, scene: Surroundings) -> str | None:
+        """Why it changes nothing in this scene but the cost; None where it may matter."""
+        return None
+
+    def step_advice(self, gain: float) -> str:
+        """What would take it out of the limit of the step, which grows by the factor `gain` without it."""
+        return "leave it out, or make it softer"
+
+    def for_modulus(self, factor: float) -> Law:
+        """The law that is as strong as this one where Young's modulus of the film is `factor` times as large."""
+        return self
+
+    def with_lengths(self, lengths: Mapping[str, float | None]) -> Self:
+        """The law with physical lengths [m] in its `length_fields`; None: the mesh's own."""
+        return replace(self, **{field: lengths[name] for name, field in self.length_fields.items()})
+
+    def without_compression(self) -> Law:
+        """The law of a film that bears no compression."""
+        return self

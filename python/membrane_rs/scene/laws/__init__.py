@@ -1,0 +1,41 @@
+"""The laws of force that a scene may hold, as plain checked values.
+
+A law here says what a scene wants; the core holds the kernel of the same name, with its equation and its
+energy. A law that a scene leaves out costs nothing. Units are SI; angles are in radians.
+
+The model is that of Okuizumi et al. (Trans. JSASS Aerospace Tech. Japan 10, 2012); where the paper leaves a choice
+open, the docstring says what was chosen.
+"""
+
+from __future__ import annotations
+
+from membrane_rs.scene.law import Law
+from membrane_rs.scene.laws.air_drag import AirDrag
+from membrane_rs.scene.laws.creases import Creases
+from membrane_rs.scene.laws.gravity import Gravity
+from membrane_rs.scene.laws.mass_damping import MassDamping
+from membrane_rs.scene.laws.spin import Spin
+from membrane_rs.scene.laws.spool_contact import SpoolContact
+from membrane_rs.scene.laws.spring_damping import SpringDamping
+from membrane_rs.scene.laws.springs import Springs
+from membrane_rs.scene.laws.triangles import Triangles
+
+LAWS: dict[str, type[Law]] = {
+    law.kind: law
+    for law in (Springs, Triangles, SpringDamping, Creases, AirDrag, Spin, Gravity, SpoolContact, MassDamping)
+}
+"""The one list of laws: the name of its table in a scene file, and its class."""
+
+__all__ = [
+    "LAWS",
+    "AirDrag",
+    "Creases",
+    "Gravity",
+    "Law",
+    "MassDamping",
+    "Spin",
+    "SpoolContact",
+    "SpringDamping",
+    "Springs",
+    "Triangles",
+]

@@ -1,0 +1,43 @@
+"""Damping of springs, or of a film of triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
+
+from membrane_rs._validation import NonNegative, Positive, Unit, validated
+from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+
+
+@validated
+class SpringDamping(Law):
+    """A dashpot along each spring: c = 2 zeta sqrt(k m), with m the mean of the two nodes' masses.
+
+    With `Triangles` in place of springs, a stress that goes with the rate of strain, of the same strength.
+
+    Parameters
+    ----------
+    ratio : float
+        zeta [-], 0 or above.
+    length : float or None
+        Length l0 [m] of the film's dashpots: m = rho h l0^2, the mass of a square of film of that side, in place of
+        the nodes' masses, so that a rate of strain loses the same on every mesh. Where each node has that mass the two
+        forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form, whose damping
+        fades as the mesh gets finer.
+    """
+
+    kind: ClassVar[str] = "spring_damping"
+    stiff_through: ClassVar[StiffThrough] = "law"
+    length_fields: ClassVar[Mapping[str, str]] = {"damping": "length"}
+    ratio: NonNegative = 0.02
+    length: Annotated[Positive | None, Unit("m")] = None
+
+    def why_idle(self, scene: Surroundings) -> str | None:
+        """Without springs, or a ratio, there is no dashpot."""
+        if scene.mesh is None and len(scene.assemble().cord_pairs) == 0:
+            return "the scene has no springs"
+        return "its ratio is 0" if self.ratio == 0 else None
+
+    def step_advice(self, gain: float) -> str:
+        """A smaller ratio."""
+        return "a smaller ratio makes the step longer"

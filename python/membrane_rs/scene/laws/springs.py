@@ -1,0 +1,70 @@
+"""The film as springs along the edges of the membrane."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, ClassVar, Literal
+
+from membrane_rs._validation import NonNegative, Positive, Unit, validated
+from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+
+
+@validated
+class Springs(Law):
+    """Springs along the edges of the membrane, which buckle.
+
+    N = k (max(l, l_cr) - L), with l_cr = L - alpha pi^2 h^2 / (12 L): below the critical length the
+    force is constant (Euler's strain of a slender column).
+
+    Parameters
+    ----------
+    buckling : float
+        alpha [-] of edges that are no creases, 0 or above. 0: no compression at all.
+    buckling_on_creases : float
+        alpha [-] of crease edges, 0 or above.
+    buckling_length : float or None
+        Length in place of L in the critical strain, alpha pi^2 h^2 / (12 L^2) [m]: the same critical strain on
+        every edge, and on every mesh. None: each spring's own L, the paper's form, which belongs to one mesh.
+    crease_length : float or None
+        Length l_c [m] that makes a crease a line with a buckling force of its own beside the film's: it shortens by
+        (buckling_on_creases - buckling) pi^2 h^2 / (12 l_c) more than the film before it buckles, at the same force
+        on every mesh. None: buckling_on_creases in place of buckling, a force that goes with the mesh.
+    strain_limit : float
+        A run stops when a spring is stretched beyond this strain [-].
+    negative : str
+        What to do with negative spring constants, which obtuse triangles make: "refuse" (an error),
+        "clip" (to zero) or "keep".
+    """
+
+    kind: ClassVar[str] = "springs"
+    stiff_through: ClassVar[StiffThrough] = "film"
+    length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
+    buckling: NonNegative = 100.0
+    buckling_on_creases: NonNegative = 1000.0
+    buckling_length: Annotated[Positive | None, Unit("m")] = None
+    crease_length: Annotated[Positive | None, Unit("m")] = None
+    strain_limit: Positive = 0.1
+    negative: Literal["refuse", "clip", "keep"] = "refuse"
+
+    @property
+    def negative_springs(self) -> str:
+        """As the law says."""
+        return self.negative
+
+    @property
+    def edge_strain_limit(self) -> float:
+        """Every edge is a spring."""
+        return self.strain_limit
+
+    def why_idle(self, scene: Surroundings) -> str | None:
+        """Without a membrane there is no edge."""
+        return "the scene has no membrane" if scene.mesh is None else None
+
+    def step_advice(self, gain: float) -> str:
+        """A coarser mesh."""
+        return "a coarser mesh of the membrane has a longer step in proportion to its springs"
+
+    def without_compression(self) -> Springs:
+        """Springs that buckle at once."""
+        return replace(self, buckling=0.0, buckling_on_creases=0.0)

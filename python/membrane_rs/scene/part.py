@@ -1,0 +1,50 @@
+"""What every part of a scene has, with neutral answers to what is asked of some."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from membrane_rs._validation import validated
+from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.spool import Spool
+
+
+@validated
+class Part:
+    """A part as checked values. A part overrides what is not neutral in it; no caller asks for its class."""
+
+    kind: ClassVar[str]
+    """Its name in scene files."""
+
+    def add_nodes(self, builder: Builder, where: str) -> None:
+        """Add its own nodes, cords and links; `where` is its place in the scene, for errors."""
+
+    def add_loads(self, builder: Builder, where: str) -> None:
+        """Add masses and supports to nodes, which may be those of a part that stands later in the scene."""
+
+    @property
+    def spool(self) -> Spool | None:
+        """The spool, where the part describes it."""
+        return None
+
+    @property
+    def numbers_nodes(self) -> bool:
+        """Whether it names nodes by their numbers, which belong to one mesh."""
+        return not isinstance(getattr(self, "nodes", ""), str)
+
+    def resized(self, sizes: Mapping[str, tuple[int, int]]) -> Part:
+        """The part for another mesh, whose node sets have the second of these sizes in place of the first."""
+        return self
+
+    def softened(self, factor: float) -> Part:
+        """The part with its stiffness multiplied by `factor`; equal to itself where it has none."""
+        return self
+
+    def step_advice(self, gain: float) -> str:
+        """What would take it out of the limit of the step, which grows by the factor `gain` once it is softened."""
+        return "make it softer"
+
+    def coarser(self, factor: int) -> tuple[str, Part] | None:
+        """The part with `factor` times fewer elements, and how many are gone, in words; None where it has too few."""
+        return None
