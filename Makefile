@@ -39,6 +39,7 @@ lint-python: $(VENV)/built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest membrane_rs._core
 	$(BIN)/lint-imports --no-logo
 
 # Whether a change has changed a bit of any motion, at every width of vector instructions; it may: WRITE=--write.

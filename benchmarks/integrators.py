@@ -277,7 +277,8 @@ def stretching_table() -> str:
     rows = []
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
-        limit, omega = sim._core.limit()[:2]
+        found = sim._core.limit()
+        limit, omega = found.dt, found.largest_frequency
         rows.append((name, f"{limit:.3g}", f"{limit * omega:.2f}", f"{100 * (1 - limit * omega / 2):.1f} %"))
     return table(("scene", "leapfrog's limit [s]", "times the highest frequency", "taken by damping"), rows)
 

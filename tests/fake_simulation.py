@@ -58,7 +58,7 @@ class FakeSimulation:
         self.positions: Floats = self.assembly.positions.copy()
         self.velocities: Floats = np.zeros_like(self.positions)
         assert self.scene.mesh is not None
-        self.spring_pairs: Ints = np.vstack([self.scene.mesh.edges, self.assembly.cord_pairs])
+        self.spring_pairs: Ints = np.vstack([self.scene.mesh.edges, self.assembly.cords.nodes])
         self.stored = {"springs": 0.1, "creases": 0.2, "spin": -0.5, "tethers": 0.0}
 
     def show(self, time: float, positions: Floats) -> None:

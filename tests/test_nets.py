@@ -61,8 +61,8 @@ def pull_times_length(sim: Simulation) -> float:
     rest, long = mesh.edge_lengths, lengths[:edges]
     critical = rest - law.buckling * math.pi**2 * material.thickness**2 / (12 * rest)
     tension = mesh.spring_constants(material) * (np.maximum(long, critical) - rest)
-    stretch = np.maximum(lengths[edges:] - assembly.cord_rest_length, 0.0)
-    return float(np.sum(tension * long) + np.sum(assembly.cord_stiffness * stretch * lengths[edges:]))
+    stretch = np.maximum(lengths[edges:] - assembly.cords.rest_length, 0.0)
+    return float(np.sum(tension * long) + np.sum(assembly.cords.stiffness * stretch * lengths[edges:]))
 
 
 @pytest.mark.parametrize("make", [flat_sail, clamped_disc])

@@ -49,11 +49,11 @@ def test_counts_of_table_2(name: str) -> None:
 @pytest.mark.parametrize("name", ["okuizumi-model-1", "okuizumi-model-2"])
 def test_tethers_of_the_sail(name: str) -> None:
     assembly = scenes.load(name).assemble()
-    ends = assembly.positions[assembly.cord_pairs]
+    ends = assembly.positions[assembly.cords.nodes]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    assert lengths == pytest.approx(assembly.cord_rest_length, rel=1e-12)  # no strain when stowed
-    assert assembly.cord_rest_length * 19 == pytest.approx(47.8e-3, abs=0.05e-3)  # Table 1
-    assert np.hypot(*assembly.positions[assembly.contact_nodes, :2].T).min() > 0.025
+    assert lengths == pytest.approx(assembly.cords.rest_length, rel=1e-12)  # no strain when stowed
+    assert assembly.cords.rest_length * 19 == pytest.approx(47.8e-3, abs=0.05e-3)  # Table 1
+    assert np.hypot(*assembly.positions[assembly.contacts.nodes, :2].T).min() > 0.025
     anchors = assembly.positions[assembly.fixed]
     assert np.hypot(anchors[:, 0], anchors[:, 1]) == pytest.approx(0.025)
     assert np.degrees(np.arctan2(anchors[:, 1], anchors[:, 0])) % 360 == pytest.approx([45, 135, 225, 315])
@@ -77,12 +77,12 @@ def test_assembly_of_mesh_and_cord() -> None:
     scene = Scene(patch(), FILM, [SpoolContact()], [CORD, Fixed([0]), TipMasses(1.0), TipMasses(2.0, "tether-0-end")])
     assembly = scene.assemble()
     assert assembly.node_count == 8
-    assert assembly.cord_pairs.tolist() == [[4, 5], [5, 6], [6, 7]]
-    assert assembly.cord_rest_length == pytest.approx(0.1)
-    assert assembly.cord_stiffness == pytest.approx(1000.0)
+    assert assembly.cords.nodes.tolist() == [[4, 5], [5, 6], [6, 7]]
+    assert assembly.cords.rest_length == pytest.approx(0.1)
+    assert assembly.cords.stiffness == pytest.approx(1000.0)
     assert assembly.fixed.tolist() == [0, 4]
-    assert assembly.fold_signs.tolist() == [-1.0]
-    assert assembly.contact_nodes.tolist() == [5, 6, 7]
+    assert assembly.creases.fold_signs.tolist() == [-1.0]
+    assert assembly.contacts.nodes.tolist() == [5, 6, 7]
     assert assembly.extra_masses == pytest.approx([0, 1, 0, 1, 0.5e-5, 1e-5, 1e-5, 2.01 + 0.5e-5])
     assert assembly.node_sets["tether-0"].tolist() == [4, 5, 6, 7]
     assert not assembly.positions.flags.writeable
@@ -97,12 +97,12 @@ def test_assembly_of_mesh_and_cord() -> None:
         "hinges": 1,
     }
     touched = Scene(patch(), FILM, [SpoolContact(membrane=True)], [CORD]).assemble()
-    assert touched.contact_nodes.tolist() == [0, 1, 2, 3, 5, 6, 7]
+    assert touched.contacts.nodes.tolist() == [0, 1, 2, 3, 5, 6, 7]
 
 
 def test_tethers_hold_mesh_nodes() -> None:
     assembly = Scene(patch(), FILM, (), [Tethers([0, 2], anchor_radius=0.02, segments=2)]).assemble()
-    assert assembly.cord_pairs.tolist() == [[4, 5], [5, 0], [6, 7], [7, 2]]
+    assert assembly.cords.nodes.tolist() == [[4, 5], [5, 0], [6, 7], [7, 2]]
     assert assembly.fixed.tolist() == [4, 6]
     assert assembly.positions[6] == pytest.approx(0.02 * np.array([2, 1, 0]) / np.sqrt(5))
     assert assembly.node_sets["tether-1-end"].tolist() == [2]
@@ -110,7 +110,7 @@ def test_tethers_hold_mesh_nodes() -> None:
 
 def test_bridges_need_their_stiffness_and_the_other_way_round() -> None:
     bridged = patch(bridges=[[1, 3]])
-    assert Scene(bridged, FILM, (), [Bridges(1e4)]).assemble().bridge_stiffness == 1e4
+    assert Scene(bridged, FILM, (), [Bridges(1e4)]).assemble().bridges.stiffness == 1e4
     with pytest.raises(SceneError, match="1 bridges; add a part of kind 'bridges'"):
         Scene(bridged, FILM)
     with pytest.raises(SceneError, match="no bridges; leave that part out"):

@@ -4,10 +4,25 @@ Shapes: n nodes, m triangles, e edges. Arrays are C-contiguous or not, of exactl
 caller's, in and out. Raises the package's own errors: MeshError, InputTypeError, InputError, UnstableError.
 """
 
-from typing import Any, final
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "EnergyBalance",
+    "MethodFacts",
+    "NewtonStatistics",
+    "Simulation",
+    "SpringReadings",
+    "StepLimit",
+    "TriangleReadings",
+    "edges",
+    "hinge_count",
+    "integrators",
+    "lumped_masses",
+    "spring_constants",
+]
 
 def edges(triangles: NDArray[np.int64], node_count: int) -> NDArray[np.int64]:
     """Unique edges (e, 2) of triangles (m, 3): lower node first, sorted."""
@@ -29,10 +44,234 @@ def lumped_masses(
 def hinge_count(reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]) -> int:
     """Number of creases (c, 2), after checking that each is an edge with two triangles of one winding."""
 
-def integrators() -> list[tuple[str, int, int, int, bool, bool, float, float]]:
-    """Of each method: name, order, evaluations per step and at the start, whether it keeps energy, whether it
-    can choose its own step, limits on the imaginary and the negative real axis.
-    """
+def integrators() -> list[MethodFacts]:
+    """What is known of each method, in the order in which they are listed."""
+
+class _Nodes(Protocol):
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def velocities(self) -> NDArray[np.float64]: ...
+    @property
+    def extra_masses(self) -> NDArray[np.float64]: ...
+    @property
+    def fixed(self) -> NDArray[np.int64]: ...
+
+class _Surface(Protocol):
+    @property
+    def reference(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.int64]: ...
+
+class _Film(Protocol):
+    @property
+    def youngs_modulus(self) -> float: ...
+    @property
+    def poisson_ratio(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+    @property
+    def thickness(self) -> float: ...
+    @property
+    def negative_springs(self) -> str: ...
+
+class _Creases(Protocol):
+    @property
+    def nodes(self) -> NDArray[np.int64]: ...
+    @property
+    def fold_signs(self) -> NDArray[np.float64]: ...
+
+class _Cords(Protocol):
+    @property
+    def nodes(self) -> NDArray[np.int64]: ...
+    @property
+    def stiffness(self) -> NDArray[np.float64]: ...
+    @property
+    def rest_length(self) -> NDArray[np.float64]: ...
+    @property
+    def strain_limit(self) -> NDArray[np.float64]: ...
+
+class _Links(Protocol):
+    @property
+    def nodes(self) -> NDArray[np.int64]: ...
+    @property
+    def stiffness(self) -> float: ...
+
+class _ContactSet(Protocol):
+    @property
+    def nodes(self) -> NDArray[np.int64]: ...
+
+class _Model(Protocol):
+    """The components of a scene; what each holds is said in `membrane_rs.scene.components`."""
+
+    @property
+    def nodes(self) -> _Nodes: ...
+    @property
+    def surface(self) -> _Surface: ...
+    @property
+    def film(self) -> _Film | None: ...
+    @property
+    def creases(self) -> _Creases: ...
+    @property
+    def cords(self) -> _Cords: ...
+    @property
+    def bridges(self) -> _Links: ...
+    @property
+    def contacts(self) -> _ContactSet: ...
+
+class _Settings(Protocol):
+    """How a run is monitored and stepped; what each value means is said in `membrane_rs.simulation.core_input`."""
+
+    @property
+    def margin(self) -> float: ...
+    @property
+    def check_interval(self) -> int: ...
+    @property
+    def energy_tolerance(self) -> float: ...
+    @property
+    def loss_tolerance(self) -> float: ...
+    @property
+    def tolerance(self) -> float: ...
+    @property
+    def tolerance_length(self) -> float: ...
+    @property
+    def tolerance_speed(self) -> float: ...
+    @property
+    def spectral_radius(self) -> float: ...
+    @property
+    def substeps(self) -> int: ...
+
+@final
+class MethodFacts:
+    """What is known of a method of time integration."""
+
+    @property
+    def name(self) -> str:
+        """The name that scenes use."""
+
+    @property
+    def order(self) -> int:
+        """Of the error after a given time."""
+
+    @property
+    def evaluations_per_step(self) -> int:
+        """Of the forces."""
+
+    @property
+    def evaluations_at_start(self) -> int:
+        """Of the forces, before the first step."""
+
+    @property
+    def conserves_energy(self) -> bool:
+        """Whether the energy of an undamped motion stays bounded."""
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether it can choose its own step."""
+
+    @property
+    def imaginary_limit(self) -> float:
+        """Largest stable omega dt of an undamped oscillation."""
+
+    @property
+    def real_limit(self) -> float:
+        """Largest stable rate times dt of a pure decay."""
+
+@final
+class EnergyBalance:
+    """The energy balance since the ledger was opened, in joules."""
+
+    @property
+    def kinetic(self) -> float:
+        """In the turning frame."""
+
+    @property
+    def stored(self) -> float:
+        """Of all laws that have a potential."""
+
+    @property
+    def stored_by_law(self) -> dict[str, float]:
+        """Of each law that has a potential."""
+
+    @property
+    def work_by_law(self) -> dict[str, float]:
+        """Work done on the system by each law that has done some."""
+
+    @property
+    def reference_energy(self) -> float:
+        """The largest single exchange so far."""
+
+    @property
+    def residual(self) -> float:
+        """Energy that appeared without work done on the system; negative where it was lost."""
+
+    @property
+    def error(self) -> float:
+        """The residual over the reference energy [-]."""
+
+@final
+class StepLimit:
+    """The limit of the step at some positions."""
+
+    @property
+    def dt(self) -> float:
+        """The largest stable step [s]; infinite where nothing is stiff."""
+
+    @property
+    def largest_frequency(self) -> float:
+        """[rad/s]."""
+
+    @property
+    def law(self) -> str:
+        """The law that sets the limit."""
+
+    @property
+    def node(self) -> int:
+        """The node that moves most in the limiting mode."""
+
+    @property
+    def part(self) -> str:
+        """Law and node in words."""
+
+@final
+class NewtonStatistics:
+    """What an implicit method has spent; zeros of others."""
+
+    @property
+    def iterations(self) -> int:
+        """Corrections of Newton's method."""
+
+    @property
+    def factorisations(self) -> int:
+        """Of the tangent."""
+
+    @property
+    def fallbacks(self) -> int:
+        """Steps, or parts of steps, that were halved."""
+
+@final
+class SpringReadings:
+    """Readings of s springs."""
+
+    @property
+    def strain(self) -> NDArray[np.float64]:
+        """(s,) engineering strain."""
+
+    @property
+    def buckled(self) -> NDArray[np.bool_]:
+        """(s,) whether shorter than the critical length."""
+
+@final
+class TriangleReadings:
+    """Readings of m triangles."""
+
+    @property
+    def strain(self) -> NDArray[np.float64]:
+        """(m, 2) principal Green strains, the larger first."""
+
+    @property
+    def state(self) -> NDArray[np.uint8]:
+        """(m,) 0 taut, 1 wrinkled, 2 slack."""
 
 @final
 class Simulation:
@@ -40,77 +279,118 @@ class Simulation:
 
     def __new__(
         cls,
-        *,
-        positions: NDArray[np.float64],
-        velocities: NDArray[np.float64],
-        reference: NDArray[np.float64],
-        triangles: NDArray[np.int64],
-        film: tuple[float, float, float, float] | None,
-        negative_springs: str,
-        creases: NDArray[np.int64],
-        fold_signs: NDArray[np.float64],
-        extra_masses: NDArray[np.float64],
-        fixed: NDArray[np.int64],
-        cord_pairs: NDArray[np.int64],
-        cord_stiffness: NDArray[np.float64],
-        cord_rest_length: NDArray[np.float64],
-        cord_strain_limit: NDArray[np.float64],
-        bridges: NDArray[np.int64],
-        bridge_stiffness: float,
-        contact_nodes: NDArray[np.int64],
+        model: _Model,
         laws: list[tuple[str, dict[str, Any]]],
         integrator: str,
         dt: float | None,
-        margin: float,
-        watch_interval: int,
-        energy_tolerance: float,
-        loss_tolerance: float,
-        tolerance: tuple[float, float, float],
-        spectral_radius: float,
-        short_steps: int,
-        width: str | None = None,
-    ) -> Simulation: ...
+        settings: _Settings,
+        instructions: str | None = None,
+    ) -> Simulation:
+        """Assemble a scene.
+
+        laws : kind and parameters of each. dt : the step [s]; None: from the limit of the step, or chosen by the
+        method. instructions : "baseline", "avx2" or "avx512"; None: the widest that the machine has. Results have the
+        same bits.
+        """
+
     @property
-    def time(self) -> float: ...
+    def time(self) -> float:
+        """[s]."""
+
     @property
-    def dt(self) -> float: ...
-    def set_dt(self, dt: float) -> None: ...
+    def dt(self) -> float:
+        """The step [s]; the one to be tried next, where steps are chosen by their error."""
+
+    def set_dt(self, dt: float) -> None:
+        """Change the step [s]; steps are counted anew."""
+
     @property
-    def step_count(self) -> int: ...
+    def step_count(self) -> int:
+        """Steps since the time from which they are counted."""
+
     @property
-    def evaluation_count(self) -> int: ...
+    def evaluation_count(self) -> int:
+        """Evaluations of the forces while stepping."""
+
     @property
-    def integrator(self) -> str: ...
+    def integrator(self) -> str:
+        """Name of the method."""
+
     @property
-    def is_adaptive(self) -> bool: ...
+    def is_adaptive(self) -> bool:
+        """Whether steps are chosen by their error."""
+
     @property
-    def rejected_count(self) -> int: ...
+    def rejected_count(self) -> int:
+        """Steps that were rejected because of their error."""
+
     @property
-    def effort(self) -> tuple[int, int, int]: ...
+    def statistics(self) -> NewtonStatistics:
+        """What an implicit method has spent."""
+
     @property
-    def hub_angle(self) -> float: ...
+    def hub_angle(self) -> float:
+        """The angle that the hub has turned since t = 0 [rad]."""
+
     @property
-    def instructions(self) -> str: ...
-    def shares_in_runs(self) -> list[tuple[str, float]]: ...
+    def instructions(self) -> str:
+        """The vector instructions that the kernels run with."""
+
+    def contiguous_shares(self) -> dict[str, float]:
+        """By law, the share of its elements in contiguous or split batches."""
+
     @property
-    def slow_laws(self) -> list[str]: ...
+    def slow_laws(self) -> list[str]:
+        """Laws that are evaluated once a step, others at each substep."""
+
     @property
-    def law_names(self) -> list[str]: ...
-    def positions(self) -> NDArray[np.float64]: ...
-    def velocities(self) -> NDArray[np.float64]: ...
-    def set_motion(self, positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> None: ...
-    def masses(self) -> NDArray[np.float64]: ...
-    def forces(self, law: str | None = None) -> NDArray[np.float64]: ...
-    def energies(self) -> tuple[float, list[tuple[str, float]]]: ...
-    def ledger(
-        self,
-    ) -> tuple[float, float, list[tuple[str, float]], list[tuple[str, float]], float, float, float]: ...
-    def spring_readings(self, law: str) -> tuple[NDArray[np.float64], NDArray[np.bool_]] | None: ...
-    def triangle_readings(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]] | None: ...
-    def crease_angles(self) -> NDArray[np.float64] | None: ...
-    def limit(self) -> tuple[float, float, str, int, str]: ...
-    def step(self, count: int) -> None: ...
-    def reach(self, time: float) -> None: ...
-    def check(self) -> None: ...
-    def progress(self) -> dict[str, Any]: ...
-    def resume(self, saved: dict[str, Any]) -> None: ...
+    def law_names(self) -> list[str]:
+        """All laws, tethers and bridges among them."""
+
+    def positions(self) -> NDArray[np.float64]:
+        """(n, 3) [m]."""
+
+    def velocities(self) -> NDArray[np.float64]:
+        """(n, 3) relative to the turning frame [m/s]."""
+
+    def set_motion(self, positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> None:
+        """Set positions (n, 3) [m] and velocities (n, 3) [m/s], and open the ledger anew."""
+
+    def masses(self) -> NDArray[np.float64]:
+        """(n,) [kg]."""
+
+    def forces(self, law: str | None = None) -> NDArray[np.float64]:
+        """(n, 3) forces of one law or of all [N]."""
+
+    def energies(self) -> dict[str, float]:
+        """Energies [J]: "kinetic", and one for each law that has a potential."""
+
+    def ledger(self) -> EnergyBalance:
+        """The energy balance now."""
+
+    def spring_readings(self, law: str) -> SpringReadings | None:
+        """Readings of the springs of a law; None without it."""
+
+    def triangle_readings(self) -> TriangleReadings | None:
+        """Readings of the triangles; None without the law."""
+
+    def crease_angles(self) -> NDArray[np.float64] | None:
+        """(c,) [rad]: pi flat, 0 shut; None without the law."""
+
+    def limit(self) -> StepLimit:
+        """The limit of the step at the current positions."""
+
+    def step(self, count: int) -> None:
+        """Take steps; Ctrl-C stops between two."""
+
+    def reach(self, time: float) -> None:
+        """Step a run whose steps are chosen by their error to a time [s]."""
+
+    def check(self) -> None:
+        """Look for a fault now, beside the regular checks."""
+
+    def progress(self) -> dict[str, Any]:
+        """What `resume` continues from with the same bits."""
+
+    def resume(self, saved: dict[str, Any]) -> None:
+        """Continue from what `progress` gave."""

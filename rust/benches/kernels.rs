@@ -122,7 +122,7 @@ fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) 
                     }
                     Some(instructions) => {
                         let settings = Settings {
-                            watch_interval: u64::MAX,
+                            check_interval: u64::MAX,
                             energy_tolerance: 1e9,
                             instructions,
                             ..Settings::default()

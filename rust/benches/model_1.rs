@@ -142,7 +142,7 @@ fn main() {
         let title = if fineness == 1 {
             let model = &scene.assembly.model;
             let springs = scene.assembly.mesh.edges.len() + model.cords.len();
-            let (creases, triangles) = (model.creases.len(), model.triangles.len());
+            let (creases, triangles) = (model.creases.nodes.len(), model.triangles.len());
             println!("{nodes} nodes, {springs} springs, {creases} creases, {triangles} triangles\n");
             rows.push(("all, per node [ns]".to_owned(), scaled(&times[PARTS - 1], 1e3 / nodes as f64)));
             "one evaluation [us]".to_owned()

@@ -59,8 +59,8 @@ class Subject:
         return cls(
             triangles=assembly.triangles,
             petals=petal_of_triangles(assembly.triangles, assembly.node_sets),
-            creases=assembly.creases,
-            cords=assembly.cord_pairs,
+            creases=assembly.creases.nodes,
+            cords=assembly.cords.nodes,
             tips=assembly.tips,
             spool=_spool(scene, shapes[0], reach),
             reach=reach,

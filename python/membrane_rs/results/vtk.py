@@ -62,7 +62,7 @@ class FrameWriter:
         self._reference = sim.assembly.reference
         self._triangles = sim.assembly.triangles
         pairs = np.asarray(sim.spring_pairs, dtype=np.int64)
-        rows = find_pairs(pairs, sim.assembly.creases)
+        rows = find_pairs(pairs, sim.assembly.creases.nodes)
         self._creases, self._crease_rows = rows >= 0, rows[rows >= 0]
         self._triangle_count, self._spring_count = len(self._triangles), len(pairs)
         # Half the bytes, where they hold the numbers of the nodes.

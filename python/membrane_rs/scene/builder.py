@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.components import ContactSet, Cords, Creases, Links
 from membrane_rs.scene.cords import cord_positions
 
 MOST_CORD_NODES = 10**7
@@ -182,16 +182,19 @@ class Builder:
             reference=np.vstack(self._reference),
             positions=np.vstack(self._positions),
             triangles=np.zeros((0, 3), np.int64) if mesh is None else np.array(mesh.triangles, np.int64),
-            creases=none if mesh is None else np.array(mesh.creases, np.int64),
-            fold_signs=np.where(angles < 0, -1.0, 1.0),
+            creases=Creases(
+                nodes=none if mesh is None else np.array(mesh.creases, np.int64),
+                fold_signs=np.where(angles < 0, -1.0, 1.0),
+            ),
             extra_masses=self._extra_masses(),
             tips=np.concatenate([np.zeros(0, np.int64), *(nodes for nodes, mass in self._masses if mass > 0.0)]),
             fixed=np.unique(np.array(self._fixed, np.int64)),
-            bridges=none if mesh is None else np.array(mesh.bridges, np.int64),
-            bridge_stiffness=self._bridge_stiffness,
-            contact_nodes=np.setdiff1d(touched, self._fixed),
+            cords=self._segments(),
+            bridges=Links(
+                nodes=none if mesh is None else np.array(mesh.bridges, np.int64), stiffness=self._bridge_stiffness
+            ),
+            contacts=ContactSet(np.setdiff1d(touched, self._fixed)),
             node_sets=self.node_sets,
-            **self._segments(),
         )
         _check_masses(assembly)
         return assembly
@@ -206,18 +209,18 @@ class Builder:
             masses[nodes] += mass
         return masses
 
-    def _segments(self) -> dict[str, Any]:
+    def _segments(self) -> Cords:
         """The cords' segments, one after the other."""
         cords = [cord for cord, _ in self._cords]
         counts = [cord.segments for cord in cords]
         pairs = [np.column_stack([nodes[:-1], nodes[1:]]) for _, nodes in self._cords]
         rest = np.repeat([cord.rest_length for cord in cords], counts)
-        return {
-            "cord_pairs": np.vstack([np.zeros((0, 2), np.int64), *pairs]),
-            "cord_stiffness": np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
-            "cord_rest_length": rest,
-            "cord_strain_limit": np.repeat([cord.strain_limit for cord in cords], counts),
-        }
+        return Cords(
+            nodes=np.vstack([np.zeros((0, 2), np.int64), *pairs]),
+            stiffness=np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
+            rest_length=rest,
+            strain_limit=np.repeat([cord.strain_limit for cord in cords], counts),
+        )
 
 
 def _check_masses(assembly: Assembly) -> None:

@@ -18,15 +18,15 @@ def nearest_radii(assembly: Assembly, mesh: Mesh | None, edge_strain_limit: floa
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import dijkstra
 
-    pairs: list[Ints] = [assembly.cord_pairs]
-    lengths: list[Floats] = [assembly.cord_rest_length * (1.0 + assembly.cord_strain_limit)]
+    pairs: list[Ints] = [assembly.cords.nodes]
+    lengths: list[Floats] = [assembly.cords.rest_length * (1.0 + assembly.cords.strain_limit)]
     if mesh is not None and edge_strain_limit is not None:
         pairs.append(mesh.edges)
         lengths.append(mesh.edge_lengths * (1.0 + edge_strain_limit))
     ends, longest = np.concatenate(pairs), np.concatenate(lengths)
     graph = coo_matrix((longest, (ends[:, 0], ends[:, 1])), shape=(assembly.node_count,) * 2)
     anchors = assembly.fixed
-    away = dijkstra(graph.tocsr(), directed=False, indices=anchors)[:, assembly.contact_nodes]
+    away = dijkstra(graph.tocsr(), directed=False, indices=anchors)[:, assembly.contacts.nodes]
     radii = np.hypot(assembly.positions[anchors, 0], assembly.positions[anchors, 1])
     nearest: Floats = (radii[:, None] - away).max(axis=0)
     return nearest

@@ -151,7 +151,7 @@ class Scene:
         own = {"masses": mesh_nodes, "springs": edges, "elements": len(assembly.triangles)}
         pattern = pattern_of(mesh)
         own |= (pattern.counts() if pattern is not None else None) or {}
-        cords = len(assembly.cord_pairs)
+        cords = len(assembly.cords)
         return {
             "masses": own["masses"] + assembly.node_count - mesh_nodes,
             "springs": own["springs"] + cords,
@@ -159,7 +159,7 @@ class Scene:
             "nodes": assembly.node_count,
             "edges": edges + cords,
             "triangles": len(assembly.triangles),
-            "hinges": len(assembly.creases),
+            "hinges": len(assembly.creases.nodes),
         }
 
     @cached_property

@@ -28,4 +28,15 @@ class IntegratorFacts:
 
 def integrators() -> dict[str, IntegratorFacts]:
     """What is known of each method, by name."""
-    return {facts[0]: IntegratorFacts(*facts[1:]) for facts in _core.integrators()}
+    return {
+        facts.name: IntegratorFacts(
+            order=facts.order,
+            evaluations=facts.evaluations_per_step,
+            evaluations_at_start=facts.evaluations_at_start,
+            keeps_energy=facts.conserves_energy,
+            is_adaptive=facts.is_adaptive,
+            imaginary_limit=facts.imaginary_limit,
+            real_limit=facts.real_limit,
+        )
+        for facts in _core.integrators()
+    }

@@ -16,11 +16,7 @@ from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
-
-MARGIN = 0.4
-"""Share of the stability limit that is taken as the step where none is given."""
-ENERGY_TOLERANCE = 1e-2
-"""Energy from nowhere, as a share of the energy turned over, at which a run stops."""
+from membrane_rs.simulation.core_input import laws_of, model_of, settings_of
 
 
 class Motion:
@@ -35,16 +31,11 @@ class Motion:
         self.assembly: Assembly = scene.assemble()
         step = _step_of(scene.run.dt if dt is None else dt)
         self._core = _core.Simulation(
-            **_core_arguments(scene, self.assembly),
-            integrator=scene.run.integrator if integrator is None else str(integrator),
-            dt=step,
-            margin=MARGIN,
-            watch_interval=scene.run.watch,
-            energy_tolerance=ENERGY_TOLERANCE,
-            loss_tolerance=scene.run.energy_loss,
-            tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
-            spectral_radius=scene.run.spectral_radius,
-            short_steps=scene.run.short_steps,
+            model_of(scene, self.assembly),
+            laws_of(scene),
+            scene.run.integrator if integrator is None else str(integrator),
+            step,
+            settings_of(scene),
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
@@ -78,7 +69,12 @@ class Motion:
         """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
         of steps that it took in halves because Newton's method failed; zeros for explicit methods.
         """
-        return dict(zip(("newton_iterations", "factorisations", "fallbacks"), self._core.effort, strict=True))
+        spent = self._core.statistics
+        return {
+            "newton_iterations": spent.iterations,
+            "factorisations": spent.factorisations,
+            "fallbacks": spent.fallbacks,
+        }
 
     @property
     def integrator(self) -> str:
@@ -133,7 +129,7 @@ class Motion:
     def spring_pairs(self) -> Ints:
         """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords."""
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
-        return np.vstack([edges, self.assembly.cord_pairs])
+        return np.vstack([edges, self.assembly.cords.nodes])
 
     def forces(self, law: str | Law | type[Law] | None = None) -> Floats:
         """(N, 3) forces now [N], of one law or of all.
@@ -158,8 +154,7 @@ class Motion:
 
         "kinetic" is that of the motion relative to the turning frame, and "spin" the centrifugal potential.
         """
-        kinetic, stored = self._core.energies()
-        return {"kinetic": kinetic, **dict(stored)}
+        return self._core.energies()
 
     def ledger(self) -> dict[str, Any]:
         """The energy balance since the start, or since positions or velocities were last set.
@@ -172,23 +167,22 @@ class Motion:
             was there and what work brought, as a share of the energy turned over, negative where the method loses it;
             "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
         """
-        kinetic, stored, stored_by_law, work, turned_over, _, error = self._core.ledger()
-        by_law = dict(work)
+        balance = self._core.ledger()
         return {
-            "kinetic": kinetic,
-            "stored": stored,
-            "work": math.fsum(by_law.values()),
-            "turned_over": turned_over,
-            "error": error,
-            "stored_by_law": dict(stored_by_law),
-            "work_by_law": by_law,
+            "kinetic": balance.kinetic,
+            "stored": balance.stored,
+            "work": math.fsum(balance.work_by_law.values()),
+            "turned_over": balance.reference_energy,
+            "error": balance.error,
+            "stored_by_law": balance.stored_by_law,
+            "work_by_law": balance.work_by_law,
         }
 
     def spring_strains(self) -> Floats:
         """(S,) strain of each spring, in the order of `spring_pairs`."""
         d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
         rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
-        lengths: Floats = np.concatenate([rest, self.assembly.cord_rest_length])
+        lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
         strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
         return strains
 
@@ -199,15 +193,15 @@ class Motion:
         wrinkled or slack.
         """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
-        edges = len(self.spring_pairs) - len(self.assembly.cord_pairs)
+        edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
         for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
             readings = self._core.spring_readings(law)
             if readings is not None:
-                found[rows] = readings[1]
+                found[rows] = readings.buckled
         films = self._core.triangle_readings()
         if films is not None and self.scene.mesh is not None:
             beside = np.zeros(edges, dtype=np.bool_)
-            beside[self.scene.mesh.triangle_edges[films[1] > 0]] = True
+            beside[self.scene.mesh.triangle_edges[films.state > 0]] = True
             found[:edges] = beside & (self.spring_strains()[:edges] < 0)
         return found
 
@@ -216,12 +210,12 @@ class Motion:
         films = self._core.triangle_readings()
         if films is None:
             return np.full(len(self.assembly.triangles), -1, np.int8)
-        return films[1].astype(np.int8)
+        return films.state.astype(np.int8)
 
     def crease_angles(self) -> Floats:
         """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
         angles = self._core.crease_angles()
-        return np.full(len(self.assembly.creases), np.nan) if angles is None else angles
+        return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles
 
     @property
     def hub_angle(self) -> float:
@@ -239,7 +233,7 @@ class Motion:
 
         Kernels are quick with those, and gather the nodes of the others one by one. For laws that have elements.
         """
-        return dict(self._core.shares_in_runs())
+        return self._core.contiguous_shares()
 
     def stable_dt(self) -> float:
         """The largest step that this method can take here without growing modes [s]; no margin is taken off.
@@ -263,16 +257,17 @@ class Motion:
         """The limit, its part in words, and its node; kept for as long as nothing moves, since it costs many steps."""
         now = (self.step_count, self.time, self._motions_set)
         if self._limit is None or self._limit[0] != now:
-            dt, _, _, node, words = self._core.limit()
-            sets = [name for name, nodes in self.assembly.node_sets.items() if node in nodes]
-            self._limit = now, (dt, f"{words} (in {', '.join(sets)})" if sets else words, node)
+            limit = self._core.limit()
+            sets = [name for name, nodes in self.assembly.node_sets.items() if limit.node in nodes]
+            part = f"{limit.part} (in {', '.join(sets)})" if sets else limit.part
+            self._limit = now, (limit.dt, part, limit.node)
         return self._limit[1]
 
     def state(self) -> dict[str, Any]:
         """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
 
-        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method keeps
-        from step to step, if it keeps anything.
+        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
+        keeps from step to step, if it keeps anything.
         """
         return self._core.progress()
 
@@ -307,31 +302,3 @@ def _step_of(dt: object) -> float | None:
     if number <= 0:
         raise InputError(f"dt = {number}: must be greater than 0 (s), or left out")
     return number
-
-
-def _core_arguments(scene: Scene, assembly: Assembly) -> dict[str, Any]:
-    """What the core is given, by name."""
-    mesh, material = scene.mesh, scene.material
-    rules = [law.negative_springs for law in scene.laws]
-    return {
-        "positions": assembly.positions,
-        "velocities": np.zeros_like(assembly.positions),
-        "reference": np.zeros((0, 3)) if mesh is None else mesh.reference,
-        "triangles": assembly.triangles,
-        "film": None
-        if material is None
-        else (material.youngs_modulus, material.poisson_ratio, material.density, material.thickness),
-        "negative_springs": next((rule for rule in rules if rule is not None), "keep"),
-        "creases": assembly.creases,
-        "fold_signs": assembly.fold_signs,
-        "extra_masses": assembly.extra_masses,
-        "fixed": assembly.fixed,
-        "cord_pairs": assembly.cord_pairs,
-        "cord_stiffness": assembly.cord_stiffness,
-        "cord_rest_length": assembly.cord_rest_length,
-        "cord_strain_limit": assembly.cord_strain_limit,
-        "bridges": assembly.bridges,
-        "bridge_stiffness": assembly.bridge_stiffness,
-        "contact_nodes": assembly.contact_nodes,
-        "laws": [(law.kind, law.core_parameters()) for law in scene.laws],
-    }

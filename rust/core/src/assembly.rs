@@ -2,9 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::Renumbering;
-use crate::model::checks::positive;
 use crate::model::input::{Model, NegativeSprings};
-use crate::model::mesh::{Hinge, Mesh, check_finite, check_indices};
+use crate::model::mesh::{Hinge, Mesh};
 use crate::simd::dispatch::InstructionSet;
 
 /// A model with its connectivity, masses and numbering worked out: what laws are built from.
@@ -35,34 +34,8 @@ impl Assembly {
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
     /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`.
     pub fn new(model: Model, instructions: InstructionSet) -> Result<Self> {
+        model.check()?;
         let n = model.positions.len();
-        same_length("velocities", model.velocities.len(), n, "node")?;
-        same_length("extra_masses", model.extra_masses.len(), n, "node")?;
-        same_length("fold_signs", model.fold_signs.len(), model.creases.len(), "crease")?;
-        if model.reference.len() > n {
-            return Err(Error::LengthMismatch {
-                what: "positions",
-                found: n,
-                expected: model.reference.len(),
-                per: "node of the mesh",
-            });
-        }
-        check_finite("the position", &model.positions)?;
-        check_finite("the velocity", &model.velocities)?;
-        check_indices("fixed node", &wrap(&model.fixed), n)?;
-        check_indices("contact node", &wrap(&model.contact_nodes), n)?;
-        check_indices("bridge", &model.bridges, n)?;
-        let ends: Vec<[u32; 2]> = model.cords.iter().map(|cord| cord.nodes).collect();
-        check_indices("cord", &ends, n)?;
-        for cord in &model.cords {
-            positive("stiffness of a cord [N/m]", cord.stiffness)?;
-            positive("rest length of a cord [m]", cord.rest_length)?;
-            positive("strain limit of a cord", cord.strain_limit)?;
-        }
-        if !model.bridges.is_empty() {
-            positive("stiffness of the bridges [N/m]", model.bridge_stiffness)?;
-        }
-
         let mesh = Mesh::new(model.reference.clone(), model.triangles.clone())?;
         let mut masses = model.extra_masses.clone();
         let mut edge_stiffness = Vec::new();
@@ -77,8 +50,8 @@ impl Assembly {
                 treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
             }
         }
-        let hinges = mesh.hinges(&model.creases)?;
-        let links = [&mesh.edges[..], &ends, &model.bridges].concat();
+        let hinges = mesh.hinges(&model.creases.nodes)?;
+        let links = [&mesh.edges[..], &model.cord_nodes(), &model.bridges.nodes].concat();
         let numbering = Renumbering::new(n, mesh.reference.len(), &mesh.edges, &links);
 
         let mut held = vec![false; n];
@@ -117,12 +90,4 @@ fn treat_negative(stiffness: &mut [f64], edges: &[[u32; 2]], rule: NegativeSprin
             Err(Error::NegativeSprings { count, spring_count: edges.len(), worst: stiffness[worst], edge })
         }
     }
-}
-
-fn wrap(nodes: &[u32]) -> Vec<[u32; 1]> {
-    nodes.iter().map(|&node| [node]).collect()
-}
-
-fn same_length(what: &'static str, found: usize, expected: usize, per: &'static str) -> Result<()> {
-    if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
 }

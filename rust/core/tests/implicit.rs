@@ -12,7 +12,7 @@ use membrane_core::simulation::{Settings, Simulation};
 const NAME: &str = "generalized_alpha";
 
 fn unwatched() -> Settings {
-    Settings { watch_interval: u64::MAX, ..Settings::default() }
+    Settings { check_interval: u64::MAX, ..Settings::default() }
 }
 
 fn method(spectral_radius: f64) -> Box<dyn Integrator> {

@@ -34,7 +34,7 @@ fn oscillator(offset: f64) -> Model {
 }
 
 fn unwatched() -> Settings {
-    Settings { watch_interval: u64::MAX, ..Settings::default() }
+    Settings { check_interval: u64::MAX, ..Settings::default() }
 }
 
 fn amplitude(simulation: &Simulation) -> f64 {

@@ -11,7 +11,7 @@ use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
 use membrane_core::laws::{CreaseParameters, Law, LawSpec, Properties, WorkClass, spin_of};
-use membrane_core::model::input::Model;
+use membrane_core::model::input::{Bridges, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
 /// The sum of |a| |b|, component by component.
@@ -175,7 +175,7 @@ fn every_law_goes_with_every_method_and_restarts_with_the_same_bits() {
 #[test]
 fn a_law_with_a_state_goes_back_with_the_run_that_is_stopped() {
     let more = |assembly: &Assembly| -> Vec<Box<dyn Law>> { vec![Box::new(WearingFriction::new(assembly))] };
-    let settings = Settings { watch_interval: 16, ..Settings::default() };
+    let settings = Settings { check_interval: 16, ..Settings::default() };
     let mut simulation = simulation_of(moving(), &[common::springs()], METHODS[0], Some(1e-7), settings, more);
     simulation.step(32).unwrap();
     let good = simulation.progress();
@@ -201,7 +201,7 @@ fn a_rigid_motion_of_the_flat_sheet_meets_no_resistance() {
     let strong = common::FILM.youngs_modulus * common::FILM.thickness * 0.01;
     for film in films() {
         let laws = [film, LawSpec::SpringDamping(0.02.into())];
-        let mut bench = Bench::new(Model { cords: Vec::new(), bridges: Vec::new(), ..model.clone() }, &laws);
+        let mut bench = Bench::new(Model { cords: Vec::new(), bridges: Bridges::default(), ..model.clone() }, &laws);
         let (time, state) = (bench.time, bench.state.clone());
         for row in (0..bench.laws.len()).filter(|&row| bench.laws[row].properties().is_internal).collect::<Vec<_>>() {
             let most = bench.evaluate(row, time, &state).0.amax();

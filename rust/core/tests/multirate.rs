@@ -29,7 +29,7 @@ fn swinging(name: &str, substeps: u32, dt: f64) -> Simulation {
         MassDampingParameters { rate: 0.05 }.into(),
         common::gravity([0.3, -0.2, 0.4]),
     ];
-    let settings = Settings { substeps, watch_interval: u64::MAX, ..Settings::default() };
+    let settings = Settings { substeps, check_interval: u64::MAX, ..Settings::default() };
     Simulation::new(model, &laws, name, Some(dt), settings).unwrap()
 }
 

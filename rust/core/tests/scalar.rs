@@ -7,7 +7,7 @@ mod oracle;
 use common::{Dice, sail, sheet};
 use membrane_core::arrays::blocks::TILE;
 use membrane_core::assembly::Assembly;
-use membrane_core::model::input::Model;
+use membrane_core::model::input::{Creases, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 use oracle::steps::{METHODS, Stepper};
@@ -46,12 +46,12 @@ fn unstructured() -> Model {
     model.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
     model.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
     // Creases wherever two triangles still share an inner edge of a row.
-    let mut creases: Vec<[u32; 2]> = model.creases.iter().map(|pair| pair.map(renamed)).collect();
+    let mut creases: Vec<[u32; 2]> = model.creases.nodes.iter().map(|pair| pair.map(renamed)).collect();
     creases
         .retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
-    model.fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
-    model.creases = creases;
-    model.bridges.clear();
+    let fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
+    model.creases = Creases { nodes: creases, fold_signs };
+    model.bridges.nodes.clear();
     // Nodes that lost all their triangles have no mass of film.
     model.extra_masses.fill(1e-6);
     model.velocities = dice.vectors(model.positions.len(), 0.3);
@@ -99,7 +99,7 @@ fn on_the_sail_of_model_1() {
     let sail = sail::sail(1);
     let assembly = Assembly::new(sail.clone(), InstructionSet::Baseline).unwrap();
     let springs = assembly.mesh.edges.len() + sail.cords.len();
-    let counts = [sail.positions.len(), springs, sail.creases.len(), sail.triangles.len()];
+    let counts = [sail.positions.len(), springs, sail.creases.nodes.len(), sail.triangles.len()];
     assert_eq!(counts, [1912, 5368, 756, 3456]);
     widths().for_each(|instructions| agree(sail.clone(), instructions));
 }

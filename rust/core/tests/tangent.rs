@@ -149,8 +149,7 @@ fn the_stiffness_of_every_law_is_symmetric_and_the_stiffest_that_it_shows() {
             law.add_stiffness_product(bench.instant(), p, &mut out);
             out
         };
-        let is_conservative = |law: &&Box<dyn Law>| law.properties().work_class == WorkClass::Conservative;
-        let laws = bench.laws.iter().filter(is_conservative);
+        let laws = bench.laws.iter().filter(|law| law.properties().work_class == WorkClass::Conservative);
         for (law, seed) in laws.flat_map(|law| (0..6).map(move |seed| (law, seed))) {
             let Some(linear) = law.linearisation() else { continue };
             let [p, q] = [2 * seed, 2 * seed + 1].map(|seed| bench.vectors(seed, 1.0));

@@ -105,8 +105,8 @@ fn the_callers_numbering_changes_no_force() {
         other.positions[new as usize] = plain.positions[old];
     }
     other.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
-    other.creases.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
-    other.bridges.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.creases.nodes.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.bridges.nodes.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
     other.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
     let new = |model| Simulation::new(model, &every_law(), "rk4", Some(1e-6), Settings::default()).unwrap();
     let (mut plain, mut other) = (new(plain), new(other));

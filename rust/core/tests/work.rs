@@ -46,7 +46,7 @@ fn simulation(fineness: usize, integrator: &str, settings: Settings) -> Simulati
 #[test]
 fn a_step_asks_for_no_memory() {
     for (integrator, evaluations) in [("rk4", 4), ("leapfrog", 1)] {
-        let settings = Settings { watch_interval: u64::MAX, ..Settings::default() };
+        let settings = Settings { check_interval: u64::MAX, ..Settings::default() };
         let mut simulation = simulation(1, integrator, settings);
         simulation.step(1).unwrap();
         let (asked, evaluated) = (ASKED.get(), simulation.evaluation_count());

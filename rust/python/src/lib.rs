@@ -1,10 +1,12 @@
 //! The Python module `membrane_rs._core`: registration only.
 
 mod arrays;
+mod components;
 mod errors;
 mod laws;
 mod mesh;
 mod progress;
+mod results;
 mod simulation;
 
 use membrane_core::simd::aligned::Aligned;
@@ -18,6 +20,8 @@ static ALLOCATOR: Aligned = Aligned;
 mod _core {
     #[pymodule_export]
     use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
+    #[pymodule_export]
+    use super::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
     #[pymodule_export]
     use super::simulation::{Simulation, integrators};
 }

@@ -3,54 +3,27 @@
 use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
-use membrane_core::integrators::{METHODS, Method, Options, Properties, Statistics, Tolerance};
+use membrane_core::integrators::METHODS;
 use membrane_core::laws::{Readings, WorkClass};
-use membrane_core::model::input::{Cord, Film, Model, NegativeSprings};
-use membrane_core::simd::dispatch::InstructionSet;
-use membrane_core::simulation::{Settings, Simulation as Core};
-use membrane_core::stability::axis_limits;
+use membrane_core::simulation::Simulation as Core;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{checked, index_rows, indices, numbers, rows, vectors};
+use crate::arrays::{checked, matrix, rows, vectors};
+use crate::components::{model_of, settings_of};
 use crate::errors::wrong_value;
 use crate::laws::law_of;
 use crate::progress::{progress_of, saved_of};
-
-/// One number for each law that has one.
-type ByLaw = Vec<(&'static str, f64)>;
-/// Strain and whether buckled, per spring.
-type SpringArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
-/// Principal strains and state, per triangle.
-type TriangleArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>);
+use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
 
 /// How long the core steps between two looks for Ctrl-C.
 const BREATH: Duration = Duration::from_millis(20);
 
-/// Name, order, evaluations per step and at the start, whether energy is kept, whether the error is known, limits on the axes.
-type Facts = (&'static str, u32, u32, u32, bool, bool, f64, f64);
-
-/// What is known of each integrator.
+/// What is known of each method, in the order of the list.
 #[pyfunction]
-pub(crate) fn integrators() -> PyResult<Vec<Facts>> {
-    let facts = |method: &Method| {
-        let mut made = (method.make)(&Options::default());
-        let [imaginary, real] = axis_limits(made.as_ref());
-        let is_embedded = made.embedded().is_some();
-        let Properties { order, evaluations_per_step, evaluations_at_start, conserves_energy, .. } = made.properties();
-        Ok((
-            method.name,
-            order,
-            evaluations_per_step,
-            evaluations_at_start,
-            conserves_energy,
-            is_embedded,
-            imaginary,
-            real,
-        ))
-    };
-    METHODS.iter().map(facts).collect()
+pub(crate) fn integrators() -> Vec<MethodFacts> {
+    METHODS.iter().map(MethodFacts::of).collect()
 }
 
 /// A scene in the core's hands. Arrays go in and come out in the caller's numbering.
@@ -91,108 +64,18 @@ fn in_breaths(py: Python<'_>, batch: &mut u64, mut go: impl FnMut(u64) -> Result
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (*, positions, velocities, reference, triangles, film, negative_springs, creases, fold_signs,
-        extra_masses, fixed, cord_pairs, cord_stiffness, cord_rest_length, cord_strain_limit, bridges, bridge_stiffness, contact_nodes,
-        laws, integrator, dt, margin, watch_interval, energy_tolerance, loss_tolerance, tolerance, spectral_radius,
-        short_steps, instructions=None))]
-    #[allow(clippy::too_many_arguments)] // Named on the Python side; this is the one place where a scene crosses over.
+    #[pyo3(signature = (model, laws, integrator, dt, settings, instructions=None))]
     fn new(
-        positions: &Bound<'_, PyAny>,
-        velocities: &Bound<'_, PyAny>,
-        reference: &Bound<'_, PyAny>,
-        triangles: &Bound<'_, PyAny>,
-        film: Option<(f64, f64, f64, f64)>,
-        negative_springs: &str,
-        creases: &Bound<'_, PyAny>,
-        fold_signs: &Bound<'_, PyAny>,
-        extra_masses: &Bound<'_, PyAny>,
-        fixed: &Bound<'_, PyAny>,
-        cord_pairs: &Bound<'_, PyAny>,
-        cord_stiffness: &Bound<'_, PyAny>,
-        cord_rest_length: &Bound<'_, PyAny>,
-        cord_strain_limit: &Bound<'_, PyAny>,
-        bridges: &Bound<'_, PyAny>,
-        bridge_stiffness: f64,
-        contact_nodes: &Bound<'_, PyAny>,
+        model: &Bound<'_, PyAny>,
         laws: Vec<(String, Bound<'_, PyDict>)>,
         integrator: &str,
         dt: Option<f64>,
-        margin: f64,
-        watch_interval: u64,
-        energy_tolerance: f64,
-        loss_tolerance: f64,
-        tolerance: (f64, f64, f64),
-        spectral_radius: f64,
-        short_steps: u32,
+        settings: &Bound<'_, PyAny>,
         instructions: Option<&str>,
     ) -> PyResult<Self> {
-        let cord_nodes = index_rows("cord_pairs", cord_pairs)?;
-        let [stiffness, rest_length, strain_limit] = [
-            numbers("cord_stiffness", cord_stiffness)?,
-            numbers("cord_rest_length", cord_rest_length)?,
-            numbers("cord_strain_limit", cord_strain_limit)?,
-        ];
-        if [&stiffness, &rest_length, &strain_limit].iter().any(|column| column.len() != cord_nodes.len()) {
-            return Err(wrong_value("the arrays of the cords must have equally many rows".to_owned()));
-        }
-        let cord = |(row, nodes)| Cord {
-            nodes,
-            stiffness: stiffness[row],
-            rest_length: rest_length[row],
-            strain_limit: strain_limit[row],
-        };
-        let model = Model {
-            positions: rows("positions", positions)?,
-            velocities: rows("velocities", velocities)?,
-            reference: rows("reference", reference)?,
-            triangles: index_rows("triangles", triangles)?,
-            film: film.map(|(youngs_modulus, poisson_ratio, density, thickness)| Film {
-                youngs_modulus,
-                poisson_ratio,
-                density,
-                thickness,
-            }),
-            negative_springs: match negative_springs {
-                "refuse" => NegativeSprings::Refuse,
-                "clip" => NegativeSprings::Clip,
-                "keep" => NegativeSprings::Keep,
-                "unused" => NegativeSprings::Unused,
-                other => {
-                    return Err(wrong_value(format!("negative = {other:?} is not known; choose refuse, clip or keep")));
-                }
-            },
-            creases: index_rows("creases", creases)?,
-            fold_signs: numbers("fold_signs", fold_signs)?,
-            extra_masses: numbers("extra_masses", extra_masses)?,
-            fixed: indices("fixed", fixed)?,
-            cords: cord_nodes.into_iter().enumerate().map(cord).collect(),
-            bridges: index_rows("bridges", bridges)?,
-            bridge_stiffness,
-            contact_nodes: indices("contact_nodes", contact_nodes)?,
-        };
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
-        let instructions = match instructions {
-            None => InstructionSet::widest(),
-            Some(name) => {
-                InstructionSet::ALL.into_iter().find(|instructions| instructions.name() == name).ok_or_else(|| {
-                    let known = InstructionSet::ALL.map(InstructionSet::name).join(", ");
-                    wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
-                })?
-            }
-        };
-        let (relative, length, speed) = tolerance;
-        let tolerance = Tolerance { relative, length, speed };
-        let settings = Settings {
-            margin,
-            watch_interval,
-            energy_tolerance,
-            loss_tolerance,
-            tolerance,
-            spectral_radius,
-            substeps: short_steps,
-            instructions,
-        };
-        Ok(Self { core: checked(Core::new(model, &laws, integrator, dt, settings))?, batch: 1 })
+        let settings = settings_of(settings, instructions)?;
+        Ok(Self { core: checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?, batch: 1 })
     }
 
     #[getter]
@@ -229,12 +112,10 @@ impl Simulation {
         self.core.rejected_count()
     }
 
-    /// (Newton iterations, factorisations, steps taken in halves) of an implicit method; zeros of others.
+    /// What an implicit method has spent; zeros of others.
     #[getter]
-    fn effort(&self) -> (u64, u64, u64) {
-        let Statistics { iterations, factorisations, fallbacks } =
-            self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default();
-        (iterations, factorisations, fallbacks)
+    fn statistics(&self) -> NewtonStatistics {
+        self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
     }
 
     #[getter]
@@ -253,9 +134,15 @@ impl Simulation {
         self.core.instructions().name()
     }
 
-    /// [(law, share of its elements that kernels reach in straight runs)].
-    fn shares_in_runs(&self) -> ByLaw {
-        self.core.laws().iter().filter_map(|law| Some((law.name(), law.inspection()?.contiguous_share()))).collect()
+    /// By law, the share of its elements that kernels reach in contiguous or split batches.
+    fn contiguous_shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let shares = PyDict::new(py);
+        for law in self.core.laws() {
+            if let Some(inspected) = law.inspection() {
+                shares.set_item(law.name(), inspected.contiguous_share())?;
+            }
+        }
+        Ok(shares)
     }
 
     #[getter]
@@ -289,47 +176,42 @@ impl Simulation {
         vectors(py, &checked(self.core.forces(law))?)
     }
 
-    /// (kinetic, [(law, potential energy)]) in joules, for the laws that have one.
-    fn energies(&self) -> (f64, ByLaw) {
-        let energy_terms = self.core.energy_terms();
-        let conservative = self
-            .core
-            .laws()
-            .iter()
-            .zip(energy_terms.stored)
-            .filter(|(law, _)| law.properties().work_class == WorkClass::Conservative);
-        (energy_terms.kinetic, conservative.map(|(law, energy)| (law.name(), energy)).collect())
+    /// Energies in joules by name: "kinetic", and one for each law that has a potential.
+    fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (terms, energies) = (self.core.energy_terms(), PyDict::new(py));
+        energies.set_item("kinetic", terms.kinetic)?;
+        for (law, energy) in self.core.laws().iter().zip(terms.stored) {
+            if law.properties().work_class == WorkClass::Conservative {
+                energies.set_item(law.name(), energy)?;
+            }
+        }
+        Ok(energies)
     }
 
-    /// (kinetic, stored, [(law, stored)], [(law, work)], turned over, residual, error).
-    fn ledger(&self) -> (f64, f64, ByLaw, ByLaw, f64, f64, f64) {
-        let (ledger, now, laws) = (self.core.ledger(), self.core.energy_terms(), self.core.laws());
-        let stored =
-            laws.iter().zip(&now.stored).filter(|(law, _)| law.properties().work_class == WorkClass::Conservative);
-        let stored = stored.map(|(law, energy)| (law.name(), *energy)).collect();
-        let work = laws.iter().zip(&ledger.work).filter(|(_, work)| **work != 0.0);
-        let work = work.map(|(law, work)| (law.name(), *work)).collect();
-        let (reference_energy, residual, error) =
-            (ledger.reference_energy(&now), ledger.residual(&now), ledger.error(&now));
-        (now.kinetic, now.stored.iter().sum(), stored, work, reference_energy, residual, error)
+    /// The energy balance now.
+    fn ledger(&self, py: Python<'_>) -> PyResult<EnergyBalance> {
+        EnergyBalance::of(py, &self.core)
     }
 
-    /// (strain, buckled) of the springs of one law, or None without it.
-    fn spring_readings<'py>(&self, py: Python<'py>, law: &str) -> Option<SpringArrays<'py>> {
+    /// Readings of the springs of one law, or None without it.
+    fn spring_readings(&self, py: Python<'_>, law: &str) -> Option<SpringReadings> {
         let found = self.reading(law, |readings| {
             if let Readings::Springs { strain, buckled } = readings { Some((strain, buckled)) } else { None }
         });
-        found.map(|(strain, buckled)| (PyArray1::from_vec(py, strain), PyArray1::from_vec(py, buckled)))
+        found.map(|(strain, buckled)| SpringReadings {
+            strain: PyArray1::from_vec(py, strain).unbind(),
+            buckled: PyArray1::from_vec(py, buckled).unbind(),
+        })
     }
 
-    /// (principal Green strains (m, 2), state (m,): 0 taut, 1 wrinkled, 2 slack) of the triangles, or None without the law.
-    fn triangle_readings<'py>(&self, py: Python<'py>) -> PyResult<Option<TriangleArrays<'py>>> {
+    /// Readings of the triangles, or None without the law.
+    fn triangle_readings(&self, py: Python<'_>) -> PyResult<Option<TriangleReadings>> {
         let found = self.reading("triangles", |readings| {
             if let Readings::Triangles { strain, state } = readings { Some((strain, state)) } else { None }
         });
         let Some((strain, state)) = found else { return Ok(None) };
-        let strain: Vec<Vec<f64>> = strain.into_iter().map(|pair| pair.to_vec()).collect();
-        Ok(Some((PyArray2::from_vec2(py, &strain)?, PyArray1::from_vec(py, state))))
+        let strain: Bound<'_, PyArray2<f64>> = matrix(py, &strain)?;
+        Ok(Some(TriangleReadings { strain: strain.unbind(), state: PyArray1::from_vec(py, state).unbind() }))
     }
 
     /// Crease angles [rad], or None without the law.
@@ -339,10 +221,10 @@ impl Simulation {
         found.map(|angle| PyArray1::from_vec(py, angle))
     }
 
-    /// (largest stable step [s], largest frequency [rad/s], law, node, both in words).
-    fn limit(&self, py: Python<'_>) -> PyResult<(f64, f64, &'static str, usize, String)> {
+    /// The limit of the step at the current positions.
+    fn limit(&self, py: Python<'_>) -> PyResult<StepLimit> {
         let limit = checked(py.detach(|| self.core.limit()))?;
-        Ok((limit.dt, limit.largest_frequency, limit.law, self.core.to_external(limit.node), self.core.part(&limit)))
+        Ok(StepLimit::of(&self.core, &limit))
     }
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.

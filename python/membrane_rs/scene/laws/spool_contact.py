@@ -50,7 +50,7 @@ class SpoolContact(Law):
     def why_idle(self, scene: Surroundings) -> str | None:
         """Nodes that hang on something held can come no nearer to the axis than their springs stretch."""
         assembly = scene.assemble()
-        if len(assembly.contact_nodes) == 0:
+        if len(assembly.contacts) == 0:
             return "no tether's node and no node of the membrane can meet the spool"
         if len(assembly.fixed) == 0 or len(assembly.bridges):
             return None

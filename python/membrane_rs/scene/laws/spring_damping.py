@@ -34,7 +34,7 @@ class SpringDamping(Law):
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Without springs, or a ratio, there is no dashpot."""
-        if scene.mesh is None and len(scene.assemble().cord_pairs) == 0:
+        if scene.mesh is None and len(scene.assemble().cords) == 0:
             return "the scene has no springs"
         return "its ratio is 0" if self.ratio == 0 else None
 

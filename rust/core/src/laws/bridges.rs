@@ -24,9 +24,9 @@ pub(super) struct Bridges {
 
 impl Bridges {
     pub(super) fn new(assembly: &Assembly) -> Self {
-        let pairs = assembly.numbering.pairs_to_internal(assembly.model.bridges.iter().copied());
+        let pairs = assembly.numbering.pairs_to_internal(assembly.model.bridges.nodes.iter().copied());
         let elements = ElementSet::new(&pairs, assembly.masses.len());
-        let stiffness = elements.pack(0.0, |_| assembly.model.bridge_stiffness);
+        let stiffness = elements.pack(0.0, |_| assembly.model.bridges.stiffness);
         Self { elements, stiffness, instructions: assembly.instructions }
     }
 

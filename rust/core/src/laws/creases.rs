@@ -158,7 +158,7 @@ impl Creases {
         let softening = |facet: usize| {
             elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_turned[row])]).powi(2))
         };
-        let sign = elements.pack(1.0, |row| assembly.model.fold_signs[row]);
+        let sign = elements.pack(1.0, |row| assembly.model.creases.fold_signs[row]);
         let stiffness = elements.pack(0.0, |row| {
             let (length, areas) = sizes[row];
             let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);

@@ -138,7 +138,7 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
     if !assembly.model.cords.is_empty() {
         laws.push(Box::new(springs::Springs::tethers(&context)));
     }
-    if !assembly.model.bridges.is_empty() {
+    if !assembly.model.bridges.nodes.is_empty() {
         laws.push(Box::new(bridges::Bridges::new(assembly)));
     }
     Ok(laws)

@@ -53,7 +53,7 @@ impl SpoolContact {
             positive("half-height of the spool [m]", half_height)?;
         }
         let membrane = if parameters.membrane { 0..assembly.mesh.reference.len() as u32 } else { 0..0 };
-        let outside = membrane.chain(assembly.model.contact_nodes.iter().copied());
+        let outside = membrane.chain(assembly.model.contacts.nodes.iter().copied());
         let mut nodes: Vec<u32> = outside.map(|node| assembly.numbering.to_internal([node])[0]).collect();
         nodes.sort_unstable();
         nodes.dedup();

@@ -1,7 +1,8 @@
-//! What is simulated, in the caller's numbering, and its assembly in the core's.
+//! What is simulated, in the caller's numbering, by components that check themselves.
 
 use super::checks::{positive, within};
-use crate::error::Result;
+use super::mesh::{check_finite, check_indices};
+use crate::error::{Error, Result};
 
 /// What the membrane is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,31 @@ pub struct Cord {
     pub strain_limit: f64,
 }
 
+/// Lines along which the film is folded.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Creases {
+    /// The two nodes of each.
+    pub nodes: Vec<[u32; 2]>,
+    /// For each +1 (valley) or -1 (mountain).
+    pub fold_signs: Vec<f64>,
+}
+
+/// Links of zero length that hold pairs of nodes together, all of one stiffness.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bridges {
+    /// The two nodes of each.
+    pub nodes: Vec<[u32; 2]>,
+    /// Of each link \[N/m\].
+    pub stiffness: f64,
+}
+
+/// What the spool's surface keeps outside, beside the membrane, if that is asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ContactSet {
+    /// The nodes.
+    pub nodes: Vec<u32>,
+}
+
 /// Everything that a run starts from, in the caller's numbering: the nodes of the mesh first, then all others.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
@@ -50,6 +76,10 @@ pub struct Model {
     pub positions: Vec<[f64; 3]>,
     /// Velocities at the start, relative to the turning frame \[m/s\].
     pub velocities: Vec<[f64; 3]>,
+    /// Mass of each node beside the film's \[kg\].
+    pub extra_masses: Vec<f64>,
+    /// Nodes held where they are.
+    pub fixed: Vec<u32>,
     /// Stress-free positions of the mesh's nodes \[m\].
     pub reference: Vec<[f64; 3]>,
     /// Triangles of the mesh.
@@ -58,22 +88,80 @@ pub struct Model {
     pub film: Option<Film>,
     /// What to do with negative springs.
     pub negative_springs: NegativeSprings,
-    /// Node pairs of the creases.
-    pub creases: Vec<[u32; 2]>,
-    /// For each crease +1 (valley) or -1 (mountain).
-    pub fold_signs: Vec<f64>,
-    /// Mass of each node beside the film's \[kg\].
-    pub extra_masses: Vec<f64>,
-    /// Nodes held where they are.
-    pub fixed: Vec<u32>,
+    /// Its creases.
+    pub creases: Creases,
     /// Pieces of tether.
     pub cords: Vec<Cord>,
-    /// Node pairs joined by links of zero length.
-    pub bridges: Vec<[u32; 2]>,
-    /// Stiffness of those links \[N/m\].
-    pub bridge_stiffness: f64,
-    /// Nodes that the spool's surface holds outside (besides the membrane, if asked).
-    pub contact_nodes: Vec<u32>,
+    /// Node pairs held together.
+    pub bridges: Bridges,
+    /// What touches the spool.
+    pub contacts: ContactSet,
+}
+
+impl Model {
+    /// Checks the nodes and each component.
+    ///
+    /// # Errors
+    /// `LengthMismatch`, `NotFinite`, `IndexOutOfRange`, `OutOfRange`.
+    pub fn check(&self) -> Result<()> {
+        let n = self.positions.len();
+        same_length("velocities", self.velocities.len(), n, "node")?;
+        same_length("extra_masses", self.extra_masses.len(), n, "node")?;
+        if self.reference.len() > n {
+            let (found, expected) = (n, self.reference.len());
+            return Err(Error::LengthMismatch { what: "positions", found, expected, per: "node of the mesh" });
+        }
+        check_finite("the position", &self.positions)?;
+        check_finite("the velocity", &self.velocities)?;
+        check_indices("fixed node", &each_alone(&self.fixed), n)?;
+        self.creases.check()?;
+        self.contacts.check(n)?;
+        self.bridges.check(n)?;
+        check_indices("cord", &self.cord_nodes(), n)?;
+        self.cords.iter().try_for_each(Cord::check)
+    }
+
+    /// The two nodes of each piece of tether.
+    pub fn cord_nodes(&self) -> Vec<[u32; 2]> {
+        self.cords.iter().map(|cord| cord.nodes).collect()
+    }
+}
+
+impl Creases {
+    /// Whether each has its sign; their nodes are checked against the mesh.
+    fn check(&self) -> Result<()> {
+        same_length("fold_signs", self.fold_signs.len(), self.nodes.len(), "crease")
+    }
+}
+
+impl Cord {
+    fn check(&self) -> Result<()> {
+        positive("stiffness of a cord [N/m]", self.stiffness)?;
+        positive("rest length of a cord [m]", self.rest_length)?;
+        positive("strain limit of a cord", self.strain_limit)
+    }
+}
+
+impl Bridges {
+    fn check(&self, node_count: usize) -> Result<()> {
+        check_indices("bridge", &self.nodes, node_count)?;
+        if self.nodes.is_empty() { Ok(()) } else { positive("stiffness of the bridges [N/m]", self.stiffness) }
+    }
+}
+
+impl ContactSet {
+    fn check(&self, node_count: usize) -> Result<()> {
+        check_indices("contact node", &each_alone(&self.nodes), node_count)
+    }
+}
+
+/// Nodes as elements of one node each.
+fn each_alone(nodes: &[u32]) -> Vec<[u32; 1]> {
+    nodes.iter().map(|&node| [node]).collect()
+}
+
+fn same_length(what: &'static str, found: usize, expected: usize, per: &'static str) -> Result<()> {
+    if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
 }
 
 impl Film {

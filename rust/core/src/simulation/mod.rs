@@ -33,7 +33,7 @@ pub struct Settings {
     /// Share of the stability limit that is taken where no step is given.
     pub margin: f64,
     /// Steps between two checks.
-    pub watch_interval: u64,
+    pub check_interval: u64,
     /// Spurious gain, as a share of the reference energy, at which a run stops.
     pub energy_tolerance: f64,
     /// Energy that the method may lose by itself, as a share of the reference energy, before a run stops.
@@ -52,7 +52,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             margin: 0.4,
-            watch_interval: 32,
+            check_interval: 32,
             energy_tolerance: 1e-2,
             loss_tolerance: 0.05,
             tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
@@ -382,7 +382,7 @@ impl Simulation {
                 self.step_count += 1;
                 self.refuse_stall()?;
             }
-            if self.step_count.is_multiple_of(self.settings.watch_interval.max(1)) {
+            if self.step_count.is_multiple_of(self.settings.check_interval.max(1)) {
                 self.regular_check()?;
             }
         }

@@ -12,7 +12,7 @@ use membrane_core::laws::{
     self, CreaseParameters, FilmElements, GravityParameters, Instant, Law, LawSpec, SpinParameters,
 };
 use membrane_core::model::frame::Spin;
-use membrane_core::model::input::{Cord, Film, Model};
+use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Setup, Simulation};
 
@@ -48,9 +48,9 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
             triangles.extend(if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
         }
     }
-    let creases: Vec<[u32; 2]> =
+    let lines: Vec<[u32; 2]> =
         (1..rows).flat_map(|j| (0..columns).map(move |i| (i, j))).map(|(i, j)| [node(i, j), node(i + 1, j)]).collect();
-    let fold_signs = (0..creases.len()).map(|row| if (row / columns).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
+    let fold_signs = (0..lines.len()).map(|row| if (row / columns).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
     let last = reference.len() as u32;
     let mut positions = reference.clone();
     positions.push([-size, 0.0, 0.0]);
@@ -62,13 +62,11 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
         reference,
         triangles,
         film: Some(FILM),
-        creases,
-        fold_signs,
+        creases: Creases { nodes: lines, fold_signs },
         extra_masses,
         cords: vec![Cord { nodes: [last, 0], stiffness: 50.0, rest_length: 0.6 * size, strain_limit: 1e9 }],
-        bridges: vec![[0, node(columns, rows)]],
-        bridge_stiffness: 3.0,
-        contact_nodes: vec![last],
+        bridges: Bridges { nodes: vec![[0, node(columns, rows)]], stiffness: 3.0 },
+        contacts: ContactSet { nodes: vec![last] },
         ..Model::default()
     }
 }

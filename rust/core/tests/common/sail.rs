@@ -85,8 +85,8 @@ pub fn sail(fineness: usize) -> Model {
         for line in 1..STRIPS {
             let row = line * rows / STRIPS;
             for column in 0..columns + 2 * row {
-                model.creases.push([node(petal, row, column), node(petal, row, column + 1)]);
-                model.fold_signs.push(if line % 2 == 0 { 1.0 } else { -1.0 });
+                model.creases.nodes.push([node(petal, row, column), node(petal, row, column + 1)]);
+                model.creases.fold_signs.push(if line % 2 == 0 { 1.0 } else { -1.0 });
             }
         }
     }
@@ -114,7 +114,7 @@ fn add_tethers(model: &mut Model, corners: [u32; 4]) {
             let (stiffness, strain_limit) = (TETHER.0 / rest_length, 1e9);
             model.cords.push(Cord { nodes: [last, next], stiffness, rest_length, strain_limit });
             model.extra_masses.push(TETHER.1 * rest_length);
-            model.contact_nodes.push(next);
+            model.contacts.nodes.push(next);
             last = next;
         }
         model.fixed.push(last);

@@ -34,7 +34,7 @@ pub struct Crease {
 pub fn all(parameters: &CreaseParameters, assembly: &Assembly) -> Vec<Crease> {
     let bending = assembly.model.film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0);
     let mut creases = Vec::new();
-    for (hinge, &sign) in assembly.hinges.iter().zip(&assembly.model.fold_signs) {
+    for (hinge, &sign) in assembly.hinges.iter().zip(&assembly.model.creases.fold_signs) {
         let [a, b, c, d] = hinge.nodes.map(|node| assembly.mesh.reference[node as usize]);
         let length = dot(sub(b, a), sub(b, a)).sqrt();
         let areas = [c, d].map(|apex| {

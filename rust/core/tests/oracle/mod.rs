@@ -98,7 +98,7 @@ impl Oracle {
             drag: (0.0, 0.0),
             spin: (0.0, 0.0),
             spool: (0.0, 0.0),
-            contact_nodes: model.contact_nodes.clone(),
+            contact_nodes: model.contacts.nodes.clone(),
             masses,
         };
         let spin = spin_of(laws);

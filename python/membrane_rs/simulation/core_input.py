@@ -1,0 +1,91 @@
+"""What the core is given of a scene: its model by components, its laws by kind and parameters, and how it is run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from membrane_rs.scene import Scene
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.components import Film, Model, Nodes, Surface
+
+MARGIN = 0.4
+"""Share of the stability limit that is taken as the step where none is given."""
+ENERGY_TOLERANCE = 1e-2
+"""Spurious gain, as a share of the reference energy, at which a run stops."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a run is monitored, and how its step is chosen."""
+
+    check_interval: int
+    """Steps between two checks."""
+    loss_tolerance: float
+    """Share of the reference energy that the method may lose by itself before a run stops."""
+    tolerance: float
+    """Error of a step, where steps are chosen by their error, as a share of length and speed."""
+    tolerance_length: float
+    """Distance from the origin below which the tolerance is absolute [m]."""
+    tolerance_speed: float
+    """Speed below which it is [m/s]."""
+    spectral_radius: float
+    """By what factor an implicit method shrinks, per step, what it cannot resolve."""
+    substeps: int
+    """Substeps in a step of leapfrog, between which slow laws rest."""
+    margin: float = MARGIN
+    energy_tolerance: float = ENERGY_TOLERANCE
+
+
+def settings_of(scene: Scene) -> Settings:
+    """Those of a scene's run."""
+    run = scene.run
+    return Settings(
+        check_interval=run.watch,
+        loss_tolerance=run.energy_loss,
+        tolerance=run.tolerance,
+        tolerance_length=run.tolerance_length,
+        tolerance_speed=run.tolerance_speed,
+        spectral_radius=run.spectral_radius,
+        substeps=run.short_steps,
+    )
+
+
+def model_of(scene: Scene, assembly: Assembly) -> Model:
+    """The scene at its start, at rest in the turning frame."""
+    mesh = scene.mesh
+    return Model(
+        nodes=Nodes(
+            positions=assembly.positions,
+            velocities=np.zeros_like(assembly.positions),
+            extra_masses=assembly.extra_masses,
+            fixed=assembly.fixed,
+        ),
+        surface=Surface(reference=np.zeros((0, 3)) if mesh is None else mesh.reference, triangles=assembly.triangles),
+        film=_film_of(scene),
+        creases=assembly.creases,
+        cords=assembly.cords,
+        bridges=assembly.bridges,
+        contacts=assembly.contacts,
+    )
+
+
+def _film_of(scene: Scene) -> Film | None:
+    material = scene.material
+    if material is None:
+        return None
+    rules = [law.negative_springs for law in scene.laws]
+    return Film(
+        youngs_modulus=material.youngs_modulus,
+        poisson_ratio=material.poisson_ratio,
+        density=material.density,
+        thickness=material.thickness,
+        negative_springs=next((rule for rule in rules if rule is not None), "keep"),
+    )
+
+
+def laws_of(scene: Scene) -> list[tuple[str, dict[str, Any]]]:
+    """Kind and parameters of each law."""
+    return [(law.kind, law.core_parameters()) for law in scene.laws]

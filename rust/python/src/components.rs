@@ -1,0 +1,135 @@
+//! The components of a scene and the settings of a run, from objects with these attributes to the core's checked structs.
+
+use membrane_core::integrators::Tolerance;
+use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model, NegativeSprings};
+use membrane_core::simd::dispatch::InstructionSet;
+use membrane_core::simulation::Settings;
+use pyo3::prelude::*;
+
+use crate::arrays::{index_rows, indices, numbers, rows};
+use crate::errors::{wrong_type, wrong_value};
+
+/// An object whose attributes are read by name; errors say which.
+struct Component<'py> {
+    name: String,
+    object: Bound<'py, PyAny>,
+}
+
+impl<'py> Component<'py> {
+    fn new(name: &str, object: &Bound<'py, PyAny>) -> Self {
+        Self { name: name.to_owned(), object: object.clone() }
+    }
+
+    fn attribute(&self, attribute: &str) -> PyResult<(String, Bound<'py, PyAny>)> {
+        let name = format!("{}.{attribute}", self.name);
+        let missing = |_| wrong_type(format!("{name} is missing: the object is {}", self.object.get_type()));
+        Ok((name.clone(), self.object.getattr(attribute).map_err(missing)?))
+    }
+
+    fn part(&self, attribute: &str) -> PyResult<Self> {
+        let (_, object) = self.attribute(attribute)?;
+        Ok(Self { name: attribute.to_owned(), object })
+    }
+
+    fn value<T: for<'a> FromPyObject<'a, 'py>>(&self, attribute: &str) -> PyResult<T> {
+        let (name, value) = self.attribute(attribute)?;
+        value.extract().map_err(|_| wrong_type(format!("{name} = {value} is of the wrong type")))
+    }
+
+    /// What reads an array by its name.
+    fn array<T>(&self, attribute: &str, read: fn(&str, &Bound<'py, PyAny>) -> PyResult<T>) -> PyResult<T> {
+        let (name, value) = self.attribute(attribute)?;
+        read(&name, &value)
+    }
+}
+
+/// The model that an object describes by its components.
+pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
+    let model = Component::new("model", object);
+    let [nodes, surface, creases, bridges, contacts] =
+        ["nodes", "surface", "creases", "bridges", "contacts"].map(|name| model.part(name));
+    let (nodes, surface, creases, bridges, contacts) = (nodes?, surface?, creases?, bridges?, contacts?);
+    let (film, negative_springs) = film_of(&model.part("film")?)?;
+    Ok(Model {
+        positions: nodes.array("positions", rows)?,
+        velocities: nodes.array("velocities", rows)?,
+        extra_masses: nodes.array("extra_masses", numbers)?,
+        fixed: nodes.array("fixed", indices)?,
+        reference: surface.array("reference", rows)?,
+        triangles: surface.array("triangles", index_rows)?,
+        film,
+        negative_springs,
+        creases: Creases {
+            nodes: creases.array("nodes", index_rows)?,
+            fold_signs: creases.array("fold_signs", numbers)?,
+        },
+        cords: cords_of(&model.part("cords")?)?,
+        bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
+        contacts: ContactSet { nodes: contacts.array("nodes", indices)? },
+    })
+}
+
+/// The film, or none.
+fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
+    if film.object.is_none() {
+        return Ok((None, NegativeSprings::default()));
+    }
+    let negative_springs = match film.value::<String>("negative_springs")?.as_str() {
+        "refuse" => NegativeSprings::Refuse,
+        "clip" => NegativeSprings::Clip,
+        "keep" => NegativeSprings::Keep,
+        "unused" => NegativeSprings::Unused,
+        other => return Err(wrong_value(format!("negative = {other:?} is not known; choose refuse, clip or keep"))),
+    };
+    let film = Film {
+        youngs_modulus: film.value("youngs_modulus")?,
+        poisson_ratio: film.value("poisson_ratio")?,
+        density: film.value("density")?,
+        thickness: film.value("thickness")?,
+    };
+    Ok((Some(film), negative_springs))
+}
+
+/// The pieces of tether.
+fn cords_of(cords: &Component<'_>) -> PyResult<Vec<Cord>> {
+    let nodes = cords.array("nodes", index_rows)?;
+    let columns = ["stiffness", "rest_length", "strain_limit"].map(|name| cords.array(name, numbers));
+    let [stiffness, rest_length, strain_limit] = columns;
+    let (stiffness, rest_length, strain_limit) = (stiffness?, rest_length?, strain_limit?);
+    if [&stiffness, &rest_length, &strain_limit].iter().any(|column| column.len() != nodes.len()) {
+        return Err(wrong_value("the arrays of the cords must have equally many rows".to_owned()));
+    }
+    let cord = |(row, nodes)| Cord {
+        nodes,
+        stiffness: stiffness[row],
+        rest_length: rest_length[row],
+        strain_limit: strain_limit[row],
+    };
+    Ok(nodes.into_iter().enumerate().map(cord).collect())
+}
+
+/// The settings that an object describes; `instructions` of `None` are the widest that the machine has.
+pub(crate) fn settings_of(object: &Bound<'_, PyAny>, instructions: Option<&str>) -> PyResult<Settings> {
+    let settings = Component::new("settings", object);
+    Ok(Settings {
+        margin: settings.value("margin")?,
+        check_interval: settings.value("check_interval")?,
+        energy_tolerance: settings.value("energy_tolerance")?,
+        loss_tolerance: settings.value("loss_tolerance")?,
+        tolerance: Tolerance {
+            relative: settings.value("tolerance")?,
+            length: settings.value("tolerance_length")?,
+            speed: settings.value("tolerance_speed")?,
+        },
+        spectral_radius: settings.value("spectral_radius")?,
+        substeps: settings.value("substeps")?,
+        instructions: instructions.map_or_else(|| Ok(InstructionSet::widest()), instructions_of)?,
+    })
+}
+
+fn instructions_of(name: &str) -> PyResult<InstructionSet> {
+    InstructionSet::ALL.into_iter().find(|set| set.name() == name).ok_or_else(|| {
+        let known = InstructionSet::ALL.map(InstructionSet::name).join(", ");
+        wrong_value(format!("there are no instructions named {name:?}; choose one of: {known}"))
+    })
+}

@@ -1,0 +1,124 @@
+//! What the core gives back, as named types of plain values.
+
+use membrane_core::evaluation::ledger::Ledger;
+use membrane_core::integrators::{Method, Options, Properties, Statistics};
+use membrane_core::laws::WorkClass;
+use membrane_core::simulation::Simulation as Core;
+use membrane_core::stability::{Limit, axis_limits};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// What is known of a method of time integration.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct MethodFacts {
+    name: &'static str,
+    order: u32,
+    evaluations_per_step: u32,
+    evaluations_at_start: u32,
+    conserves_energy: bool,
+    is_adaptive: bool,
+    imaginary_limit: f64,
+    real_limit: f64,
+}
+
+impl MethodFacts {
+    pub(crate) fn of(method: &Method) -> Self {
+        let mut made = (method.make)(&Options::default());
+        let [imaginary_limit, real_limit] = axis_limits(made.as_ref());
+        let is_adaptive = made.embedded().is_some();
+        let Properties { order, evaluations_per_step, evaluations_at_start, conserves_energy, .. } = made.properties();
+        Self {
+            name: method.name,
+            order,
+            evaluations_per_step,
+            evaluations_at_start,
+            conserves_energy,
+            is_adaptive,
+            imaginary_limit,
+            real_limit,
+        }
+    }
+}
+
+/// The energy balance: its terms [J], and the residual as a share of the reference energy.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct EnergyBalance {
+    kinetic: f64,
+    stored: f64,
+    stored_by_law: Py<PyDict>,
+    work_by_law: Py<PyDict>,
+    reference_energy: f64,
+    residual: f64,
+    error: f64,
+}
+
+impl EnergyBalance {
+    pub(crate) fn of(py: Python<'_>, core: &Core) -> PyResult<Self> {
+        let (ledger, now): (&Ledger, _) = (core.ledger(), core.energy_terms());
+        let (stored, worked) = (PyDict::new(py), PyDict::new(py));
+        for ((law, energy), work) in core.laws().iter().zip(&now.stored).zip(&ledger.work) {
+            let properties = law.properties();
+            if properties.work_class == WorkClass::Conservative {
+                stored.set_item(properties.name, energy)?;
+            }
+            if *work != 0.0 {
+                worked.set_item(properties.name, work)?;
+            }
+        }
+        Ok(Self {
+            kinetic: now.kinetic,
+            stored: now.stored.iter().sum(),
+            stored_by_law: stored.unbind(),
+            work_by_law: worked.unbind(),
+            reference_energy: ledger.reference_energy(&now),
+            residual: ledger.residual(&now),
+            error: ledger.error(&now),
+        })
+    }
+}
+
+/// The largest stable step [s], the largest frequency [rad/s], and the law and node that set them, both in words too.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct StepLimit {
+    dt: f64,
+    largest_frequency: f64,
+    law: &'static str,
+    node: usize,
+    part: String,
+}
+
+impl StepLimit {
+    pub(crate) fn of(core: &Core, limit: &Limit) -> Self {
+        let &Limit { dt, largest_frequency, law, node } = limit;
+        Self { dt, largest_frequency, law, node: core.to_external(node), part: core.part(limit) }
+    }
+}
+
+/// What an implicit method has spent; zeros of others.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct NewtonStatistics {
+    iterations: u64,
+    factorisations: u64,
+    fallbacks: u64,
+}
+
+impl From<Statistics> for NewtonStatistics {
+    fn from(Statistics { iterations, factorisations, fallbacks }: Statistics) -> Self {
+        Self { iterations, factorisations, fallbacks }
+    }
+}
+
+/// Strain (s,) and whether shorter than its critical length (s,), of each spring.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct SpringReadings {
+    pub(crate) strain: Py<PyArray1<f64>>,
+    pub(crate) buckled: Py<PyArray1<bool>>,
+}
+
+/// Principal Green strains (m, 2), larger first, and state (m,) of each triangle: 0 taut, 1 wrinkled, 2 slack.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct TriangleReadings {
+    pub(crate) strain: Py<PyArray2<f64>>,
+    pub(crate) state: Py<PyArray1<u8>>,
+}
