@@ -110,6 +110,8 @@ laws! {
     "spin" Spin(rotating_frame::SpinParameters),
     /// Weight, fixed in inertial space.
     "gravity" Gravity(gravity::GravityParameters),
+    /// Uniform pressure on the film, a load that follows it.
+    "pressure" Pressure(pressure::PressureParameters),
     /// Nodes kept outside the spool.
     "spool_contact" SpoolContact(spool_contact::SpoolContactParameters),
     /// Damping of all motion relative to the turning frame.

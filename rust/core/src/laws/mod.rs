@@ -14,6 +14,7 @@ mod linearisation;
 mod list;
 mod mass_damping;
 mod nodal;
+mod pressure;
 mod rotating_frame;
 mod spool_contact;
 pub(crate) mod spring_damping;

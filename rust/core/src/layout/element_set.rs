@@ -5,14 +5,8 @@ use std::ops::Range;
 use super::batches::{Cover, NONE, Window, apart};
 use crate::arrays::blocks::{rows_of, tiles};
 use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::simd::dispatch::{CONTIGUOUS, GATHERED, SPLIT};
 use crate::simd::lanes::{F64x8, HALF, LANES, SimdF64, Vec3};
-
-/// The kinds of batches, in the order in which they stand: contiguous of eight, two split of four, gathered elements.
-pub const CONTIGUOUS: usize = 0;
-/// See `CONTIGUOUS`.
-pub const SPLIT: usize = 1;
-/// See `CONTIGUOUS`.
-pub const GATHERED: usize = 2;
 
 /// Groups in a chunk.
 pub const CHUNK: usize = 32;

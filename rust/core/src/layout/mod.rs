@@ -4,5 +4,5 @@ mod batches;
 mod element_set;
 mod renumbering;
 
-pub use element_set::{CHUNK, CONTIGUOUS, ElementSet, GATHERED, Pass, SPLIT};
+pub use element_set::{CHUNK, ElementSet, Pass};
 pub use renumbering::Renumbering;

@@ -8,7 +8,6 @@
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
-use crate::layout::{CONTIGUOUS, GATHERED, SPLIT};
 use crate::simd::counted::Counted;
 use crate::simd::lanes::SimdF64;
 #[cfg(target_arch = "x86_64")]
@@ -32,6 +31,13 @@ pub enum InstructionSet {
     /// What every machine has, slowly: every operation is counted, see `lanes::counted`.
     Counted,
 }
+
+/// The kinds of batches of elements, in the order in which kernels go over them: eight contiguous, two times four, gathered.
+pub const CONTIGUOUS: usize = 0;
+/// See `CONTIGUOUS`.
+pub const SPLIT: usize = 1;
+/// See `CONTIGUOUS`.
+pub const GATHERED: usize = 2;
 
 /// A pass over elements, to be compiled for every width. `sweep` and all that it calls must be `#[inline(always)]`.
 pub trait Sweep {

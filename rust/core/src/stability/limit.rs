@@ -5,13 +5,13 @@
 //! from Lanczos's method.
 
 use super::oscillator::{Mode, largest_step};
-use super::quadratic_eigenproblem;
+use super::quadratic_eigenproblem::{self, Linear};
 use crate::arrays::state::NodeVectors;
 use crate::error::Result;
 use crate::integrators::Integrator;
 use crate::laws::Instant;
 use crate::laws::Law;
-use crate::linear::lanczos::{Product, largest, quotient};
+use crate::linear::lanczos::{largest, quotient};
 
 /// What limits the step.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,16 +24,6 @@ pub struct Limit {
     pub law: &'static str,
     /// The node that moves most in it, in the core's numbering.
     pub node: usize,
-}
-
-/// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
-pub(super) struct Linear<'a> {
-    pub(super) stiffness: Product<'a>,
-    pub(super) damping: Product<'a>,
-    /// The roots of the inverse masses.
-    pub(super) roots: &'a [f64],
-    /// By how much the frame's turning can shift a frequency \[rad/s\].
-    pub(super) turning: f64,
 }
 
 /// The limit of `integrator` for these laws at this instant.

@@ -9,12 +9,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::limit::Linear;
 use super::oscillator::{Mode, largest_step};
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 use crate::integrators::Integrator;
-use crate::linear::lanczos::{apply, largest, quotient};
+use crate::linear::lanczos::{Product, apply, largest, quotient};
 
 /// Largest size of the subspace, and the storage that it may take on a large mesh \[vectors x nodes\].
 const MOST_VECTORS: usize = 60;
@@ -30,6 +29,16 @@ const MOST_SUMS: usize = 20;
 /// Relative change of the step over `CALM` rounds at which it counts as found.
 const TOLERANCE: f64 = 1e-4;
 const CALM: usize = 4;
+
+/// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
+pub(super) struct Linear<'a> {
+    pub(super) stiffness: Product<'a>,
+    pub(super) damping: Product<'a>,
+    /// The roots of the inverse masses.
+    pub(super) roots: &'a [f64],
+    /// By how much the frame's turning can shift a frequency \[rad/s\].
+    pub(super) turning: f64,
+}
 
 /// The projection of K and C on orthonormal vectors.
 struct Subspace<'a> {

@@ -1,0 +1,135 @@
+//! Uniform pressure on the film, towards the side of each triangle's normal: a follower load.
+//!
+//!     F = (p/6) (x1 - x0) x (x2 - x0)   [N]   on each node of a triangle
+//!
+//! that is a third of p times the triangle's vector area as it is now. Its normal points to the side from which the nodes are
+//! seen counter-clockwise. On a closed surface the forces leave neither a force nor a torque on the whole: their sum and their
+//! moment are integrals of p n over a surface without a boundary. With an edge the load has no potential; its work is external.
+//!
+//! By the principle of virtual work, lumped in thirds as masses are; its derivatives are exact:
+//!
+//!     dF/dx1 = -(p/6) [x2 - x0]x,      dF/dx2 = (p/6) [x1 - x0]x,      dF/dx0 = -(dF/dx1 + dF/dx2)
+
+use serde::Deserialize;
+
+use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::jacobian::{JacobianBlocks, at, crossing};
+use crate::arrays::state::NodeVectors;
+use crate::elements::facet::{FacetSet, normal};
+use crate::error::Result;
+use crate::model::checks::finite;
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::{SimdF64, dot, scale, sum};
+
+/// Parameters of the load.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct PressureParameters {
+    /// p, what is left of the two sides' pressures; below zero it acts against the normal \[Pa\].
+    pub pressure: f64,
+}
+
+impl LawParameters for PressureParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        finite("pressure on the film [Pa]", self.pressure)?;
+        let (facets, instructions) = (FacetSet::new(context.assembly), context.assembly.instructions);
+        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, instructions }))
+    }
+
+    fn example() -> Self {
+        Self { pressure: 2.0 }
+    }
+}
+
+/// The law: all facets, eight to a batch.
+struct Pressure {
+    facets: FacetSet,
+    /// p/6 [Pa].
+    sixth: f64,
+    instructions: InstructionSet,
+}
+
+/// Adds the load on the facets of one tile, and gives its power.
+struct LoadKernel<'a> {
+    load: &'a Pressure,
+    tile: usize,
+    positions: Columns<'a>,
+    velocities: Columns<'a>,
+    forces: ColumnsMut<'a>,
+}
+
+impl BatchKernel for LoadKernel<'_> {
+    #[inline(always)]
+    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Pressure { facets, sixth, .. } = self.load;
+        let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let presence = pass.of(&facets.presence);
+        let mut power = V::zero();
+        for batch in 0..pass.len() {
+            let corners = pass.read::<V, 3>(self.positions, batch);
+            let [u, v, w] = pass.read::<V, 3>(self.velocities, batch);
+            let force = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
+            power += dot(force, sum(u, sum(v, w)));
+            pass.add(&mut self.forces, batch, [force; 3]);
+        }
+        power
+    }
+}
+
+impl Law for Pressure {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::External;
+        Properties { name: "pressure", work_class, depends_on_velocity: false, is_internal: false }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
+        let forces = ColumnsMut::of(forces);
+        self.instructions.run_batches(LoadKernel { load: self, tile, positions, velocities, forces })
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt or a smaller pressure"
+    }
+}
+
+/// It stiffens nothing at rest: the limit of the step is that of the other laws.
+impl Linearisation for Pressure {
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.facets.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        for (_, _, nodes) in self.facets.elements.each() {
+            let [a, b, c] = nodes.map(|node| at(instant.positions, node));
+            let (by_b, by_c) = (crossing(&(c - a)) * -self.sixth, crossing(&(b - a)) * self.sixth);
+            for node in nodes {
+                jacobian.by_position(node, nodes[1], &by_b);
+                jacobian.by_position(node, nodes[2], &by_c);
+                jacobian.by_position(node, nodes[0], &-(by_b + by_c));
+            }
+        }
+    }
+}
+
+impl Inspection for Pressure {
+    fn lanes(&self) -> [usize; 2] {
+        self.facets.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> f64 {
+        self.facets.elements.contiguous_share()
+    }
+}
