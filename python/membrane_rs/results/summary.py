@@ -54,7 +54,7 @@ class Summary(Writer):
             "steps": sim.step_count,
             "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
-            **({key: count for key, count in sim.effort.items() if any(sim.effort.values())}),
+            **({key: count for key, count in sim.statistics.items() if any(sim.statistics.values())}),
             "wall_time": perf_counter() - self._began,
             "frames": len(self._record.frames),
             "samples": len(table["time"]),

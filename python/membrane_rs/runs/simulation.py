@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from membrane_rs._moved import Renamed
 from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.simulation.observer import Observer
-from membrane_rs.simulation.settling import settled
+from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -59,15 +59,12 @@ class Simulation(Stepper):
             )
         duration = None if duration is None else number_of("relax: duration", duration)
         rate = None if rate is None else number_of("relax: rate", rate, "1/s")
-        positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
+        positions, speed = relaxed(self.scene, self.integrator, self.positions, duration, rate)
         self._set_motion(positions, np.zeros_like(positions))
-        self.is_settled = True
+        self.is_relaxed = True
         return speed
 
-    def settle(self, duration: float | None = None, rate: float | None = None) -> float:
-        """The old name of `relax`, deprecated."""
-        warnings.warn("Simulation.settle is deprecated; call Simulation.relax", DeprecationWarning, stacklevel=2)
-        return self.relax(duration, rate)
+    settle = Renamed("relax")
 
     def run(
         self,
@@ -121,7 +118,7 @@ class Simulation(Stepper):
         if out is not None:
             folder = RunFolder(out, overwrite, pictures=pictures)
         watchers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        if self.scene.run.settle > 0 and not self.is_settled and self.step_count == 0:
+        if self.scene.run.relax > 0 and not self.is_relaxed and self.step_count == 0:
             self.relax()
         settings = self.scene.run
         self.march(

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._moved import Renamed, RenamedKeys
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
@@ -20,7 +21,7 @@ from membrane_rs.scene.laws import Law
 MARGIN = 0.4
 """Share of the stability limit that is taken as the step where none is given."""
 ENERGY_TOLERANCE = 1e-2
-"""Energy from nowhere, as a share of the energy turned over, at which a run stops."""
+"""Spurious gain, as a share of the reference energy, at which a run stops."""
 
 
 class Motion:
@@ -44,12 +45,12 @@ class Motion:
             loss_tolerance=scene.run.energy_loss,
             tolerance=(scene.run.tolerance, scene.run.tolerance_length, scene.run.tolerance_speed),
             spectral_radius=scene.run.spectral_radius,
-            short_steps=scene.run.short_steps,
+            short_steps=scene.run.substeps,
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
-        self.is_settled = False
+        self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
 
@@ -74,7 +75,7 @@ class Motion:
         return self._core.rejected_count
 
     @property
-    def effort(self) -> dict[str, int]:
+    def statistics(self) -> dict[str, int]:
         """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
         of steps that it took in halves because Newton's method failed; zeros for explicit methods.
         """
@@ -167,22 +168,24 @@ class Motion:
         Returns
         -------
         dict
-            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out), "turned_over"
-            (largest change of any one account so far), all [J]; "error", the energy that is there beyond what
-            was there and what work brought, as a share of the energy turned over, negative where the method loses it;
-            "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out),
+            "reference_energy" (largest single exchange so far: the largest change of any one term of the balance), all
+            [J]; "error", the residual of the balance as a share of the reference energy, negative where the method
+            loses energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+            "turned_over" is the old name of "reference_energy".
         """
-        kinetic, stored, stored_by_law, work, turned_over, _, error = self._core.ledger()
+        kinetic, stored, stored_by_law, work, reference_energy, _, error = self._core.ledger()
         by_law = dict(work)
-        return {
+        terms = {
             "kinetic": kinetic,
             "stored": stored,
             "work": math.fsum(by_law.values()),
-            "turned_over": turned_over,
+            "reference_energy": reference_energy,
             "error": error,
             "stored_by_law": dict(stored_by_law),
             "work_by_law": by_law,
         }
+        return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})
 
     def spring_strains(self) -> Floats:
         """(S,) strain of each spring, in the order of `spring_pairs`."""
@@ -230,12 +233,12 @@ class Motion:
 
     @property
     def slow_laws(self) -> list[str]:
-        """The laws that are evaluated once a step, others at each of its `short_steps`; empty without those."""
+        """The laws that are evaluated once a step, others at each of its `substeps`; empty without those."""
         return self._core.slow_laws
 
     @property
-    def shares_in_runs(self) -> dict[str, float]:
-        """By law, the share of its elements whose nodes stand in straight runs of the core's numbering.
+    def contiguous_shares(self) -> dict[str, float]:
+        """By law, the share of its elements whose nodes are contiguous in the core's numbering.
 
         Kernels are quick with those, and gather the nodes of the others one by one. For laws that have elements.
         """
@@ -286,6 +289,10 @@ class Motion:
         """
         self._core.resume(state)
         self._motions_set += 1
+
+    effort = Renamed("statistics")
+    shares_in_runs = Renamed("contiguous_shares")
+    is_settled = Renamed("is_relaxed")
 
     def _vectors(self, values: ArrayLike, name: str, unit: str) -> Floats:
         try:

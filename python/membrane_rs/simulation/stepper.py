@@ -157,7 +157,7 @@ class Stepper(Motion):
             "integrator": self.integrator,
             "dt": self.dt,
             "is_adaptive": self.is_adaptive,
-            "is_settled": self.is_settled,
+            "is_relaxed": self.is_relaxed,
             **self.state(),
         }
         write_state(Path(path), self.scene, state)
@@ -181,7 +181,7 @@ class Stepper(Motion):
             sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
             if is_adaptive:
                 sim._core.set_dt(number_of("dt", dt))
-            sim.is_settled = bool(state.pop("is_settled"))
+            sim.is_relaxed = bool(state.pop("is_relaxed"))
             sim.set_state(state)
         except ValueError as error:
             raise InputError(

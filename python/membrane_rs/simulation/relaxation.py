@@ -23,12 +23,12 @@ def held_scene(scene: Scene, rate: float) -> Scene:
     return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=[*scene.parts, *held])
 
 
-def settled(
+def relaxed(
     scene: Scene, integrator: str, positions: Floats, duration: float | None, rate: float | None
 ) -> tuple[Floats, float]:
     """Positions (N, 3) after `duration` of damped motion, and the largest speed left [m/s]."""
-    time = scene.run.settle if duration is None else float(duration)
-    rate = scene.run.settle_rate if rate is None else float(rate)
+    time = scene.run.relax if duration is None else float(duration)
+    rate = scene.run.relax_rate if rate is None else float(rate)
     for name, value, unit in (("duration", time, "s"), ("rate", rate, "1/s")):
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
