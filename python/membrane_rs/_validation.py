@@ -1,6 +1,6 @@
 """Checked, frozen dataclasses, and the number types that they are made of.
 
-A class made with `validated` checks its fields when it is built. What is wrong is told in one line that
+A class made with `validated` checks its fields when it is built. An error is described in one line, which
 names the field, the value and the allowed range:
 
     Material.thickness = -1e-06: must be greater than 0 (m)
@@ -25,7 +25,7 @@ from pydantic.dataclasses import dataclass
 from pydantic_core import ErrorDetails, PydanticCustomError
 from typing_extensions import dataclass_transform
 
-from membrane_rs._moved import deprecated, new_names
+from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError
 
 T = TypeVar("T")

@@ -115,8 +115,8 @@ class RunFolder:
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Wait for the background, finish all outputs, and write the summary once more. Raises OutputError.
 
-        What ended the run stays the error that is raised: a file that cannot be written after that is passed over, but
-        for a vital one. Outputs after it are told what came first, the summary among them.
+        The error that ended the run is the one raised: a file that cannot be written after that is passed over, but for
+        a vital one. Each output is given the first error so far, the summary among them.
         """
         unwritten = self._record.background.close()
         first = error or unwritten

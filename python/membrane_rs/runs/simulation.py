@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from membrane_rs._moved import Renamed
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 from membrane_rs.runs.run_folder import RunFolder
@@ -78,7 +78,7 @@ class Simulation(Stepper):
         overwrite: bool = False,
         pictures: bool = True,
     ) -> RunFolder | None:
-        """Step to `until`, and let observers look on at frames and samples.
+        """Step to `until`, and call the observers at frames and samples.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Simulation(Stepper):
         samples : int, optional
             Rows of the history, evenly spaced. Default: the scene's.
         observers : sequence of observers, optional
-            Others that look on.
+            Further observers.
         progress : callable, optional
             Called with this simulation now and then.
         overwrite, pictures : bool
@@ -117,7 +117,7 @@ class Simulation(Stepper):
         folder = None
         if out is not None:
             folder = RunFolder(out, overwrite, pictures=pictures)
-        watchers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
+        all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         if self.scene.run.relax > 0 and not self.is_relaxed and self.step_count == 0:
             self.relax()
         settings = self.scene.run
@@ -125,7 +125,7 @@ class Simulation(Stepper):
             end,
             settings.frames if frames is None else frames,
             settings.samples if samples is None else samples,
-            watchers,
+            all_observers,
             progress,
         )
         return folder

@@ -52,7 +52,7 @@ class Law:
 
     @property
     def negative_springs(self) -> str | None:
-        """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no say."""
+        """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no rule."""
         return None
 
     @property
@@ -69,7 +69,7 @@ class Law:
         """Name the nodes that its contact is looked for at."""
 
     def why_idle(self, scene: Surroundings) -> str | None:
-        """Why it changes nothing in this scene but the cost; None where it may matter."""
+        """Why it has no effect in this scene; None where it may have one."""
         return None
 
     def step_advice(self, gain: float) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Le
 
-from membrane_rs._moved import Renamed
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
 from membrane_rs.errors import InputError
 
@@ -23,7 +23,7 @@ class RunSettings:
     until : float
         Time at the end [s], above 0.
     integrator : str
-        Name of the method; `membrane_rs.integrators()` tells what there is.
+        Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
         Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
         its error.

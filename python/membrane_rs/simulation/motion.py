@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs._moved import Renamed, RenamedKeys
+from membrane_rs._renamed import Renamed, RenamedKeys
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
@@ -76,7 +76,7 @@ class Motion:
 
     @property
     def statistics(self) -> dict[str, int]:
-        """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
+        """Counts of an implicit method: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
         of steps that it took in halves because Newton's method failed; zeros for explicit methods.
         """
         return dict(zip(("newton_iterations", "factorisations", "fallbacks"), self._core.effort, strict=True))
@@ -222,7 +222,7 @@ class Motion:
         return films[1].astype(np.int8)
 
     def crease_angles(self) -> Floats:
-        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
+        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law."""
         angles = self._core.crease_angles()
         return np.full(len(self.assembly.creases), np.nan) if angles is None else angles
 

@@ -1,4 +1,4 @@
-"""The stowed sail at rest: held by its guide bars, and damped until it no longer moves."""
+"""Relaxation of a stowed sail: it is held by its guide bars and damped until it is at rest."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GUIDE_BARS = "guide_bars"
 
 
 def held_scene(scene: Scene, rate: float) -> Scene:
-    """The scene with its guide bars closed and friction added, and without drag, which has no say at rest."""
+    """The scene with its guide bars closed, friction added, and without the laws that vanish at rest."""
     laws = [law for law in scene.laws if law.acts_while_relaxing]
     held = [Fixed(nodes=GUIDE_BARS)] if GUIDE_BARS in scene.assemble().node_sets else []
     return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=[*scene.parts, *held])

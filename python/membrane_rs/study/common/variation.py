@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from membrane_rs._moved import new_names
+from membrane_rs._renamed import new_names
 from membrane_rs._validation import nearest
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
