@@ -27,7 +27,7 @@ SLIVER = 0.05
 STRAIN_NOTED = 0.005
 STRAIN_REFUSED = 0.1
 GROWTH_LIMIT = 50_000
-"""Most nodes for which growing modes are looked for; it takes some seconds there."""
+"""Most nodes for which growing modes are computed; it takes some seconds there."""
 _SHOWN = 10
 
 

@@ -65,7 +65,7 @@ class History(Writer):
     def sample(self, sim: Stepper) -> None:
         """Write one sample.
 
-        A state that is not later than the last one is passed over: an unstable run is set back to its last good state,
+        A state that is not later than the last one is skipped: an unstable run is set back to its last good state,
         which may have been written already.
         """
         if self.rows and sim.time <= self.rows[-1][0]:

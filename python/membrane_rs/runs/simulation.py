@@ -45,7 +45,7 @@ class Simulation(Stepper):
         """Damp the scene to rest where its guide bars hold it, and start from there with the clock at zero.
 
         Nodes of the set "guide_bars" (none without that set) are held, and friction F = -rate m v is added, for
-        `duration` of simulated time; then the nodes are let go, at rest. Returns the largest
+        `duration` of simulated time; then the nodes are released, at rest. Returns the largest
         speed left before that [m/s].
 
         Raises

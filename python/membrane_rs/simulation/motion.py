@@ -1,4 +1,4 @@
-"""A scene that moves, as it is now: what can be read off it, and set."""
+"""A scene in motion: reading and setting its state."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ENERGY_TOLERANCE = 1e-2
 
 
 class Motion:
-    """A scene in motion: its state now, and all that can be read off it. Its parameters and errors are those of
+    """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
     """
 
@@ -103,7 +103,7 @@ class Motion:
 
     @property
     def positions(self) -> Floats:
-        """(N, 3) a copy of the positions [m]. Setting them opens the energy ledger anew."""
+        """(N, 3) a copy of the positions [m]. Setting them restarts the energy ledger."""
         return self._core.positions()
 
     @positions.setter

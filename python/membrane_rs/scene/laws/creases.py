@@ -58,5 +58,5 @@ class Creases(Law):
         return f"contact_penalty or stiffness {gain**2:.3g} times smaller would take it out of the limit"
 
     def for_modulus(self, factor: float) -> Creases:
-        """kappa goes with E."""
+        """kappa is proportional to E."""
         return replace(self, stiffness=self.stiffness / factor)
