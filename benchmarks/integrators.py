@@ -266,7 +266,7 @@ def settling_table() -> str:
             tries = [run(name, dt) for _ in range(3)]
             sim, seconds = tries[0][0], min(seconds for _, seconds in tries)
             error = float(np.abs(sim.positions - exact).max())
-            counts = (sim.evaluation_count, sim.effort["factorisations"], sim.effort["fallbacks"])
+            counts = (sim.evaluation_count, sim.statistics["factorisations"], sim.statistics["fallbacks"])
             cells = (*(f"{count:,}" for count in counts), f"{1e3 * seconds:.1f}", f"{error:.1e}")
             rows.append((name, f"{sim.dt / explicit:.2g}", *cells))
     return table(head, rows)
@@ -289,9 +289,9 @@ def tangent_table(steps: int = 5) -> str:
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
         sim.step(1)
-        began, before = time.process_time(), sim.effort["factorisations"]
+        began, before = time.process_time(), sim.statistics["factorisations"]
         sim.step(steps)
-        cost = 1e3 * (time.process_time() - began) / (sim.effort["factorisations"] - before)
+        cost = 1e3 * (time.process_time() - began) / (sim.statistics["factorisations"] - before)
         rows.append((name, f"{sim.node_count - len(sim.assembly.fixed):,}", f"{cost:.2f}"))
     return table(("scene", "free nodes", "processor time of a factorisation [ms]"), rows)
 

@@ -50,7 +50,7 @@ class FakeSimulation:
     step_count: int = 0
     evaluation_count: int = 0
     rejected_count: int = 0
-    effort: dict[str, int] = field(default_factory=dict)
+    statistics: dict[str, int] = field(default_factory=dict)
     limiting_part: str = "springs near node 0"
 
     def __post_init__(self) -> None:
@@ -75,7 +75,7 @@ class FakeSimulation:
             "kinetic": 0.3,
             "stored": -0.2,
             "work": -0.1,
-            "turned_over": 1.0,
+            "reference_energy": 1.0,
             "error": -1e-3,
             "stored_by_law": self.stored,
             "work_by_law": work,

@@ -32,7 +32,7 @@ MOST = 300
 METHODS: dict[str, dict[str, Any]] = {
     "rk4": {},
     "leapfrog": {},
-    "leapfrog-4": {"short_steps": 4},
+    "leapfrog-4": {"substeps": 4},
     "dopri5": {},
     "generalized_alpha": {},
 }

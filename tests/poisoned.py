@@ -66,10 +66,11 @@ def ending(poison: Callable[[Dice], Poisoned], seed: int, method: str) -> Ending
         return Ending(kind, method, seed, outcome, text)
     balance, energies = sim.ledger(), sim.energies()
     fine = _fine_run(scene, sim.time, dt, *motion)
-    turned_over = fine.ledger()["turned_over"]
+    turned_over = fine.ledger()["reference_energy"]
     rounding = 1e-5 * max(map(abs, energies.values()))
     # In books that turn over no more than rounding there is nothing to miss.
-    surplus = _beyond(balance["error"] * balance["turned_over"], rounding) / max(balance["turned_over"], 1e-300)
+    reference = balance["reference_energy"]
+    surplus = _beyond(balance["error"] * reference, rounding) / max(reference, 1e-300)
     apart = _beyond(sum(energies.values()) - sum(fine.energies().values()), rounding) / max(turned_over, 1e-300)
     # Leapfrog's energy swings about what it keeps, so that a violent start leaves a gap in its books; the energy tells.
     is_intact = bool(np.isfinite(sim.positions).all()) and min(abs(surplus), abs(apart)) <= BOUND and abs(apart) <= FAR

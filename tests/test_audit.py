@@ -157,6 +157,6 @@ def test_the_audit_of_any_mesh_tells_and_never_fails(points: Any, orders: Any) -
     audit = Mesh(points, [order[:3] for order in orders]).audit()
     for finding in audit.findings:
         assert finding.message
-        assert finding.cure or finding.severity == "info"
+        assert finding.remedy or finding.severity == "info"
         assert len(finding.where) <= 10
     assert audit.ok == ("error:" not in str(audit))

@@ -219,17 +219,17 @@ def test_a_course_shifts_what_is_free_and_keeps_what_is_held() -> None:
 
 def test_a_course_settles_the_scene_once_for_all() -> None:
     scene = hanging_strip()
-    settling = replace(scene, run=RunSettings(until=0.1, settle=0.02))
+    settling = replace(scene, run=RunSettings(until=0.1, relax=0.02))
     where = course(settling, 0.01, 2)
     assert not np.allclose(where.start, scene.assemble().positions)
-    assert where.scene.run.settle == 0.0
+    assert where.scene.run.relax == 0.0
     trial = run(where, "rk4", 1e-4)
     assert trial.failure is None
     assert trial.times[-1] == pytest.approx(0.01)
     # Another scene of the same mesh starts there too; one of another mesh is settled for itself.
     assert (where.of(replace(scene, laws=scene.laws[:1])).start == where.start).all()
     finer = denser(settling, 2.0)
-    other = where.of(replace(finer, run=replace(finer.run, settle=0.0)))
+    other = where.of(replace(finer, run=replace(finer.run, relax=0.0)))
     assert other.start.shape == finer.assemble().positions.shape
     assert not np.allclose(other.start, finer.assemble().positions)
 

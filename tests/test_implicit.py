@@ -29,8 +29,8 @@ def test_a_crease_that_settles_takes_a_hundredth_of_the_evaluations_of_rk4(name:
     assert np.abs(sim.positions - exact.positions).max() < 3e-6
     assert abs(sim.ledger()["error"]) < 1e-3
     assert sim.evaluation_count < 0.01 * exact.evaluation_count
-    assert sim.effort["factorisations"] < 2 * sim.step_count
-    assert sim.effort["fallbacks"] == 0
+    assert sim.statistics["factorisations"] < 2 * sim.step_count
+    assert sim.statistics["fallbacks"] == 0
 
 
 @pytest.mark.parametrize("name", IMPLICIT)
@@ -39,10 +39,10 @@ def test_a_step_that_is_too_much_is_taken_in_halves_and_counted(name: str, tmp_p
     scene = replace(scene, run=replace(scene.run, integrator=name, dt=3e-3, energy_loss=10.0, snapshots=()))
     sim = Simulation(scene)
     sim.run(out=tmp_path / "run", frames=2, samples=11, pictures=False)
-    assert sim.effort["fallbacks"] > 0
+    assert sim.statistics["fallbacks"] > 0
     assert sim.step_count == 100
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
-    assert {key: summary[key] for key in sim.effort} == sim.effort
+    assert {key: summary[key] for key in sim.statistics} == sim.statistics
     exact = Simulation(scenes.load("single-crease"))
     exact.step(round(UNTIL / exact.dt))
     assert np.abs(sim.positions - exact.positions).max() < 1e-5
@@ -54,10 +54,10 @@ def test_counts_survive_saving(name: str, tmp_path: Path) -> None:
     sim.step(40)
     sim.save(tmp_path / "state.npz")
     again = Simulation.restore(tmp_path / "state.npz")
-    assert again.effort == sim.effort
+    assert again.statistics == sim.statistics
     for each in (sim, again):
         each.step(40)
-    assert again.effort == sim.effort
+    assert again.statistics == sim.statistics
     assert (again.positions == sim.positions).all()
 
 
@@ -78,7 +78,7 @@ def test_the_step_where_none_is_given(name: str) -> None:
 def test_explicit_methods_spend_nothing_on_it() -> None:
     sim = Simulation(scenes.load("single-crease"), "rk4")
     sim.step(3)
-    assert set(sim.effort.values()) == {0}
+    assert set(sim.statistics.values()) == {0}
 
 
 @pytest.mark.parametrize("radius", [-0.1, 1.1, math.nan])

@@ -1,9 +1,10 @@
-"""Every law of force, in one scene that holds them all, at random positions."""
+"""Every law of force, from the one list of them, in one scene that holds them all, at random positions."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from example_of import example_of
 from membrane_rs import (
     AirDrag,
     Bridges,
@@ -46,9 +47,8 @@ def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulat
         fold_angles=np.concatenate([sheet.fold_angles, -sheet.fold_angles]),
         bridges=np.stack([sheet.node_sets["end"], sheet.node_sets["start"] + count], axis=1),
     )
-    laws: list[Law] = [
+    chosen: list[Law] = [
         film,
-        SpringDamping(),
         Creases(stiffness=1e3, contact_penalty=contact, natural_angle=1.0),
         AirDrag(pressure=1e4),
         Spin(frequency=2.0),
@@ -56,6 +56,9 @@ def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulat
         SpoolContact(radius=0.06, stiffness=50.0, half_height=0.03, membrane=True),
         MassDamping(rate=3.0),
     ]
+    strong = {law.kind: law for law in chosen}
+    others = {other.kind for other in FILMS} - {film.kind}
+    laws = [strong.get(kind) or example_of(law) for kind, law in LAWS.items() if kind not in others]
     parts: list[Part] = [
         Bridges(stiffness=40.0),
         Tethers(nodes=[0, 2], anchor_radius=0.01, length=0.05, segments=3),
@@ -84,16 +87,11 @@ def slopes(sim: Simulation, step: float) -> dict[str, Floats]:
     return found
 
 
-def test_the_crowds_hold_every_law() -> None:
-    assert {law.kind for film in FILMS for law in crowd(0, film).scene.laws} == set(LAWS)
-
-
 @pytest.mark.parametrize("film", FILMS)
 def test_each_law_has_a_say(film: Law) -> None:
     sim = crowd(0, film)
-    conservative = {film.kind, "creases", "spin", "gravity", "spool_contact", "tethers", "bridges"}
-    assert set(sim.energies()) == {"kinetic"} | conservative
-    for name in conservative:
+    sim.velocities = np.random.default_rng(0).normal(size=(sim.node_count, 3))
+    for name in ({law.kind for law in sim.scene.laws} | set(sim.energies())) - {"kinetic"}:
         assert np.abs(sim.forces(name)).max() > 0, f"{name} has no say here; the scene must be crumpled more"
 
 

@@ -7,7 +7,6 @@ from importlib import import_module
 
 import membrane_rs
 import pytest
-from membrane_rs import Simulation, scenes
 from membrane_rs._moved import Moved
 
 OLD = {
@@ -34,11 +33,3 @@ def test_an_old_place_leads_to_the_new_one(old: str, name: str, place: str) -> N
 def test_other_names_are_not_there() -> None:
     with pytest.raises(AttributeError, match=r"'membrane_rs\.observe' has no attribute 'nothing'"):
         Moved("membrane_rs.observe", {})("nothing")
-
-
-def test_settle_is_now_relax() -> None:
-    by_new_name, by_old_name = (Simulation(scenes.load("spinning-tether")) for _ in range(2))
-    speed = by_new_name.relax(1e-4, 50.0)
-    with pytest.warns(DeprecationWarning, match=r"call Simulation\.relax"):
-        assert by_old_name.settle(1e-4, 50.0) == speed
-    assert (by_old_name.positions == by_new_name.positions).all()

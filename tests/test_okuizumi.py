@@ -122,7 +122,7 @@ def test_the_balance_of_energy(name: str, runs: dict[str, tuple[Simulation, Curv
     assert min(curves.error) > -0.01
     assert max(curves.error) <= 1e-5
     ledger = sim.ledger()
-    assert ledger["turned_over"] > 0
+    assert ledger["reference_energy"] > 0
     assert set(ledger["work_by_law"]) == {"spring_damping", "air_drag"}
     assert all(work < 0 for work in ledger["work_by_law"].values())
 

@@ -191,7 +191,7 @@ def test_node_indices_beyond_all_bounds() -> None:
         ({"watch": 10**20}, r"watch = 10+: must be at least 1 and at most 1e\+09"),
         ({"samples": 2.5}, "whole number"),
         ({"snapshots": [-1]}, "at least 0"),
-        ({"settle": -1}, "at least 0"),
+        ({"relax": -1}, "at least 0"),
         ({"integrator": 4}, "integrator"),
     ],
 )

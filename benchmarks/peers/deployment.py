@@ -53,7 +53,7 @@ class Deployment:
 
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
-    scene = replace(scene, run=replace(scene.run, short_steps=SHORT_STEPS))
+    scene = replace(scene, run=replace(scene.run, substeps=SHORT_STEPS))
     where = course(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
     finer = run(where, FINER, FINER_SHARE * limits[FINER]).whole()

@@ -26,7 +26,7 @@ BAD_ARCHIVE = (
 
 @contextmanager
 def output_errors(path: Path) -> Iterator[None]:
-    """Turn the system's error while `path` is written into an OutputError: path, reason and cure."""
+    """Turn the system's error while `path` is written into an OutputError: path, reason and remedy."""
     try:
         yield
     except OutputError:

@@ -1,6 +1,6 @@
 """Checked, frozen dataclasses, and the number types that they are made of.
 
-A class made with `validated` checks its fields when it is built. What is wrong is told in one line that
+A class made with `validated` checks its fields when it is built. An error is described in one line, which
 names the field, the value and the allowed range:
 
     Material.thickness = -1e-06: must be greater than 0 (m)
@@ -25,6 +25,7 @@ from pydantic.dataclasses import dataclass
 from pydantic_core import ErrorDetails, PydanticCustomError
 from typing_extensions import dataclass_transform
 
+from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError
 
 T = TypeVar("T")
@@ -149,7 +150,13 @@ def validated(cls: type[T]) -> type[T]:
     made: Any = dataclass(cls, frozen=True, config=config)
     plain: Callable[..., None] = made.__init__
 
+    renamed = new_names(made)
+
     def checked(self: Any, /, *args: Any, **values: Any) -> None:
+        # Where both are given the old name holds: `dataclasses.replace` gives each new one too.
+        for old in [old for old in renamed if old in values]:
+            deprecated(f"{made.__name__}.{old}", f"use {renamed[old]}")
+            values[renamed[old]] = values.pop(old)
         try:
             plain(self, *args, **values)
         except ValidationError as error:
@@ -173,8 +180,15 @@ def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
     """
     made: Any = cls
     instance: T = made.__new__(made)
+    given = dict(values)
+    for old, new in new_names(made).items():
+        if old in given and new in given:
+            raise InputError(f"{name}.{old}: is the old name of {new}, which is there too; leave {old} out")
+        if old in given:
+            deprecated(f"{name}.{old}", f"write {new}")
+            given[new] = given.pop(old)
     try:
-        made.__plain_init__(instance, **values)
+        made.__plain_init__(instance, **given)
     except ValidationError as error:
         raise _as_input_error(error, made, name) from None
     return instance

@@ -1,7 +1,7 @@
 """Every error that membrane_rs raises on purpose.
 
 All share the base `MembraneError`, and each also derives from the nearest built-in, so that
-`except ValueError` works as a user expects. Every message names the value, where it is, and the cure.
+`except ValueError` works as a user expects. Every message names the value, its place and a remedy.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class OutputError(MembraneError, OSError):
 
 
 class UnstableError(MembraneError, ArithmeticError):
-    """A run that stopped itself: energy from nowhere, a value not finite, or a spring over its bound.
+    """A run that stopped itself: a spurious gain of energy, a value not finite, a strain over its limit.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class UnstableError(MembraneError, ArithmeticError):
     place : str
         Node or element where it was seen.
     law : str
-        The law that is to blame.
+        The law in which the fault was found.
     """
 
     def __init__(self, message: str, time: float = 0.0, step: int = 0, place: str = "", law: str = "") -> None:

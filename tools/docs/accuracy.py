@@ -99,11 +99,11 @@ def energy(until: float = 0.02) -> list[Row]:
     rows: list[Row] = []
     for parts in (1, 2, 4):
         sim = Simulation(scenes.load("okuizumi-model-1"), dt=default / parts)
-        worst = sampled(sim, until, 21, lambda sim: sim.ledger()["turned_over"] * sim.ledger()["error"])[1]
+        worst = sampled(sim, until, 21, lambda sim: sim.ledger()["reference_energy"] * sim.ledger()["error"])[1]
         at_end = sim.ledger()
-        share = max(worst) / at_end["turned_over"]
+        share = max(worst) / at_end["reference_energy"]
         label = f"model 1, energy error after {1e3 * until:g} ms at a step of {1e6 * sim.dt:.2f} us [%]"
-        note = f"of {at_end['turned_over']:.2e} J; created at most {100 * share:.0e}"
+        note = f"of {at_end['reference_energy']:.2e} J; created at most {100 * share:.0e}"
         rows.append((label, f"{100 * at_end['error']:+.4f}", note))
     return rows
 

@@ -32,7 +32,7 @@ class NamedShape(Protocol):
 
 
 def corner_nodes(shape: NamedShape) -> Ints:
-    """Nodes whose radius and azimuth tell how far a membrane has deployed, (k,)."""
+    """Nodes whose radius and azimuth measure the deployment of a membrane, (k,)."""
     sets = shape.node_sets
     if "corners" in sets:
         return np.asarray(sets["corners"], dtype=np.int64)

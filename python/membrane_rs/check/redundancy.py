@@ -1,4 +1,4 @@
-"""What a scene holds for nothing, and what makes its step as small as it is: asked before anything runs."""
+"""Redundant laws of a scene, and the parts that limit its step; found before a run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from membrane_rs.simulation.motion import Motion
 
 SOFT = 1e-8
 """A part made softer by this factor sets no step."""
-WORTH_TELLING = 1.02
+LEAST_GAIN = 1.02
 """Gain of step from which a part is named."""
 
 
@@ -32,18 +32,18 @@ class Saving:
 
 
 def idle_laws(scene: Scene) -> list[tuple[str, str]]:
-    """(law, why) for each law that cannot matter in this scene: leaving it out changes nothing but the cost."""
+    """(law, reason) for each law without effect in this scene: leaving it out changes the cost alone."""
     return [(law.kind, why) for law in scene.laws if (why := law.why_idle(scene)) is not None]
 
 
 def step_savings(scene: Scene, integrator: str | None = None) -> list[Saving]:
-    """What the step could be without each law and part in turn, best first; only gains of 2 % and more."""
+    """The step without each law and part in turn, the largest first; only gains of 2 % and more."""
     limit = _limit(scene, integrator)
     found = []
     for part, changed, advice in _variants(scene):
         without = _limit(changed, integrator)
         gain = without / limit if math.isfinite(limit) else 1.0
-        if gain > WORTH_TELLING:
+        if gain > LEAST_GAIN:
             found.append(Saving(part, without, gain, advice(gain)))
     return sorted([*found, *_at_one_place(scene, integrator, limit)], key=lambda saving: -saving.gain)
 

@@ -51,7 +51,7 @@ def run(
 
         wanted = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
-            "spectral_radius": spectral_radius, "short_steps": short_steps, "frames": frames,
+            "spectral_radius": spectral_radius, "substeps": short_steps, "frames": frames,
         }  # fmt: skip
         chosen = with_settings(load(scene), wanted)
         folder = out or Path("runs") / chosen.name
@@ -108,7 +108,7 @@ def check(
         from membrane_rs.check.redundancy import idle_laws, step_savings
         from membrane_rs.runs import Simulation
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "short_steps": short_steps}
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": short_steps}
         chosen = with_settings(load(scene), wanted)
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
@@ -129,8 +129,8 @@ def check(
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
         if sim.slow_laws:
-            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the rest in {chosen.run.short_steps} short steps")
-        shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.shares_in_runs.items())
+            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the rest in {chosen.run.substeps} short steps")
+        shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.contiguous_shares.items())
         typer.echo(f"  in runs      {shares or 'nothing'} (elements in straight runs, which are quick)")
         savings = step_savings(chosen)
         if not savings:
@@ -164,7 +164,7 @@ def _run(
     with progress_bar(console, sim.time, settings.until if until is None else until) as show:
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
         _warn_of_step(sim)
-        if settings.settle > 0 and sim.step_count == 0:
+        if settings.relax > 0 and sim.step_count == 0:
             show.settling()
             sim.relax()
         try:

@@ -1,4 +1,4 @@
-"""What is wrong or risky with a mesh, before anything runs."""
+"""Audit of a mesh before a run: its faults and risks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
@@ -26,7 +27,7 @@ SLIVER = 0.05
 STRAIN_NOTED = 0.005
 STRAIN_REFUSED = 0.1
 GROWTH_LIMIT = 50_000
-"""Most nodes for which growing modes are looked for; it takes some seconds there."""
+"""Most nodes for which growing modes are computed; it takes some seconds there."""
 _SHOWN = 10
 
 
@@ -37,13 +38,13 @@ class Finding:
     Attributes
     ----------
     severity : str
-        "error": it will not run, or run wrong. "warning": it may. "info": good to know.
+        "error": it cannot run, or runs wrong. "warning": it may. "info": a fact.
     kind : str
         "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
         "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
     count : int
         How many there are.
-    message, cure : str
+    message, remedy : str
         What it is, in numbers; what to do.
     where : tuple of int
         The first ten: nodes, triangles, or rows of `mesh.edges`, as the message says.
@@ -53,12 +54,14 @@ class Finding:
     kind: str
     count: int
     message: str
-    cure: str
+    remedy: str
     where: tuple[int, ...] = ()
 
+    cure = Renamed("remedy")
+
     def __str__(self) -> str:
-        cure = f"\n    {self.cure}" if self.cure else ""
-        return f"{self.severity}: {self.message}{cure}"
+        remedy = f"\n    {self.remedy}" if self.remedy else ""
+        return f"{self.severity}: {self.message}{remedy}"
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class Audit:
 
 
 def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, springs: bool) -> Audit:
-    """Look a mesh over, with the `strain` of its edges, (e,). See `Mesh.audit`."""
+    """Audit a mesh, with the `strain` of its edges, (e,). See `Mesh.audit`."""
     if material is not None and not isinstance(material, Material):
         raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
     film = material or POLYIMIDE
@@ -303,6 +306,6 @@ def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
         len(large),
         f"strain at the start from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
         f"edges beyond {100 * STRAIN_NOTED:g} % (most at edge {most}, nodes {mesh.edges[most].tolist()})",
-        "" if severity == "info" else "check the folded positions, or settle the membrane before its release",
+        "" if severity == "info" else "check the folded positions, or relax the membrane before its release",
         _first(large),
     )

@@ -20,7 +20,7 @@ def growing_modes(points: Floats, edges: NDArray[np.int64], constants: Floats, m
 
     With lambda < 0 an eigenvalue of M^-1/2 K M^-1/2, the mode grows as exp(sqrt(-lambda) t). K is that of the
     springs at rest, K = sum k n n^T with n along the spring; a flat membrane has none across its plane, so
-    only motions in the plane are looked at.
+    only motions in the plane are considered.
 
     How many eigenvalues lie below a shift is read from the pivots of a factorization. The most negative one
     is found by shift and invert, from a shift below them all: lambda >= -|K-|, with K- the part of the

@@ -99,7 +99,7 @@ class Mesh(Triangulation):
     def audit(
         self, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
     ) -> Audit:
-        """What is wrong or risky with the mesh, in words and numbers.
+        """Faults and risks of the mesh, in words and numbers.
 
         Parameters
         ----------

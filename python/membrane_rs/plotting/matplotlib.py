@@ -17,7 +17,7 @@ _SIDES = 40
 
 
 class MatplotlibPainter:
-    """Draws each picture anew; triangles are sorted by depth, so crossing layers may show through."""
+    """Draws each picture from nothing; triangles are sorted by depth, so crossing layers may show through."""
 
     def __init__(self, subject: Subject, size: int) -> None:
         self._subject = subject

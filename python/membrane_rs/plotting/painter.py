@@ -1,4 +1,4 @@
-"""Who draws pictures of a membrane: pyvista where that works, else matplotlib."""
+"""Choice of the painter: pyvista where that works, else matplotlib."""
 
 from __future__ import annotations
 

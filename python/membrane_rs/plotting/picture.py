@@ -1,4 +1,4 @@
-"""What a picture of a membrane shows."""
+"""The subject of pictures of a membrane."""
 
 from __future__ import annotations
 

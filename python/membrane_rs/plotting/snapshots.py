@@ -65,7 +65,7 @@ class Snapshots(Drawing):
 class SnapshotTaker:
     """Keeps the first state at or after each of the wanted times.
 
-    Times before the first state that is offered, as in a run that was restored, are let go.
+    Times before the first state that is offered, as in a run that was restored, are dropped.
     """
 
     def __init__(self, times: Iterable[float], start: float) -> None:

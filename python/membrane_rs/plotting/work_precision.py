@@ -117,6 +117,6 @@ def _bounds(axes: Axes, row: Row, low: float) -> None:
     if np.isfinite(row.wanted):
         axes.axhline(row.wanted, color="tab:green", linewidth=1.0, linestyle="--", label="wanted")
     if any((~np.isfinite(line.errors)).any() for line in row.lines):
-        axes.plot([], [], "x", color="0.3", markersize=9, mew=2.0, label="stopped by the watch")
+        axes.plot([], [], "x", color="0.3", markersize=9, mew=2.0, label="stopped by the monitor")
     if any((np.isfinite(line.errors) & line.beyond).any() for line in row.lines):
         axes.plot([], [], "o", color="0.3", mfc="white", label="beyond the predicted limit")

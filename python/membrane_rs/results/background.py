@@ -11,7 +11,7 @@ MOST_WAITING = 2
 
 
 class Background:
-    """Does tasks in a thread of its own, and tells the errors of that thread to the caller's.
+    """Does tasks in a thread of its own, and raises the errors of that thread in the caller's.
 
     A task must work on copies: what the caller changes meanwhile is not its own.
     """
@@ -31,7 +31,7 @@ class Background:
             self._settle(len(self._begun) - 1)
 
     def close(self) -> BaseException | None:
-        """Wait for every task, then end the thread. Returns what the first failed task raised and nobody was told."""
+        """Wait for every task, then end the thread. Returns the first error that was not raised yet."""
         self._pool.shutdown(wait=True)
         errors = [task.exception() for task in self._begun]
         return next((error for error in errors if error is not None), None)

@@ -20,7 +20,7 @@ class Frames(Writer):
         self._times: list[float] = []
 
     def frame(self, sim: Stepper) -> None:
-        """Copy what a frame shows; a state that is not later than the last one is passed over.
+        """Copy what a frame shows; a state that is not later than the last one is skipped.
 
         Waits only while earlier frames wait to be written. Raises OutputError where one of those cannot be.
         """

@@ -5,9 +5,9 @@ deployment_rate        mean radius of the corners over that of the flat sail
 phase_difference_deg   [deg] mean angle of the corners relative to the spool
 kinetic_energy         [J] in the turning frame
 stored_energy          [J] springs, creases, contacts, centrifugal potential, gravity
-energy_error           (energy now - energy at the start - work done) / energy turned over so far
+energy_error           (energy now - energy at the start - work done) / reference energy
 hub_angle              [rad] turned by the hub so far
-energy_turned_over     [J]
+energy_turned_over     [J] reference energy: the largest single exchange so far
 energy_<law>           [J] one per law that stores energy
 work_<law>             [J] one per law of the scene: work done on the system, negative where it takes energy
 """
@@ -65,8 +65,8 @@ class History(Writer):
     def sample(self, sim: Stepper) -> None:
         """Write one sample.
 
-        A state that is not later than the last one is passed over: a run that went wrong steps back to its last good
-        state, which may have been written already.
+        A state that is not later than the last one is skipped: an unstable run is set back to its last good state,
+        which may have been written already.
         """
         if self.rows and sim.time <= self.rows[-1][0]:
             return
@@ -79,7 +79,7 @@ class History(Writer):
             ledger["stored"],
             ledger["error"],
             sim.hub_angle,
-            ledger["turned_over"],
+            ledger["reference_energy"],
             *(ledger["stored_by_law"][name] for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
         ]

@@ -21,7 +21,7 @@ class Record:
     path: Path
     """The folder of the run."""
     progress: Progress | None = None
-    """Follows the pictures."""
+    """Reports pictures as they are drawn."""
     background: Background = field(default_factory=Background)
     """Does what takes longer than a copy, while the core steps."""
     summary: dict[str, Any] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class Record:
     """Pictures so far."""
 
     def tick(self) -> None:
-        """Count a picture that is drawn, and tell who follows."""
+        """Count a picture that is drawn, and report it."""
         self.drawn += 1
         if self.progress is not None:
             self.progress("pictures", self.drawn, sum(count() for count in self.picture_counts))

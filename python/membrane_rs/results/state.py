@@ -14,7 +14,7 @@ class State(Writer):
     """Writes the state of a run that finished or was interrupted."""
 
     own_files = (STATE,)
-    is_vital = True  # who interrupts a run counts on going on with it
+    is_vital = True  # an interrupted run is to be continued
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Note the place."""

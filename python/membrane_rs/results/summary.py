@@ -54,7 +54,7 @@ class Summary(Writer):
             "steps": sim.step_count,
             "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
-            **({key: count for key, count in sim.effort.items() if any(sim.effort.values())}),
+            **({key: count for key, count in sim.statistics.items() if any(sim.statistics.values())}),
             "wall_time": perf_counter() - self._began,
             "frames": len(self._record.frames),
             "samples": len(table["time"]),
@@ -70,7 +70,7 @@ class Summary(Writer):
 
 
 def outcome(error: BaseException | None) -> str:
-    """How a run ended, in a word, and the reason where it went wrong."""
+    """How a run ended, in a word, with the reason of a failure."""
     if error is None:
         return "finished"
     if isinstance(error, KeyboardInterrupt):
@@ -119,7 +119,7 @@ def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
 
 
 def energy_balance(table: dict[str, Floats]) -> dict[str, float | None]:
-    """Energy turned over [J]; the energy error at the end, at its lowest (lost) and its highest (created)."""
+    """Reference energy [J], as "turned_over"; the energy error at the end, the lowest (loss) and the highest (gain)."""
     error, turned_over = table["energy_error"], table["energy_turned_over"]
     if not len(error):
         return dict.fromkeys(("turned_over", "error", "lowest_error", "highest_error"))

@@ -115,8 +115,8 @@ class RunFolder:
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Wait for the background, finish all outputs, and write the summary once more. Raises OutputError.
 
-        What ended the run stays the error that is raised: a file that cannot be written after that is passed over, but
-        for a vital one. Outputs after it are told what came first, the summary among them.
+        The error that ended the run is the one raised: a file that cannot be written after that is ignored, but for
+        a vital one. Each output is given the first error so far, the summary among them.
         """
         unwritten = self._record.background.close()
         first = error or unwritten
@@ -150,8 +150,9 @@ class RunFolder:
 
     def _make_folders(self, made: list[Path]) -> None:
         """Make the folders that are missing, and add them to `made`, outermost first."""
-        inner = sorted({(self.path / name).parent for name in own_files()} - {self.path})
-        for folder in (*reversed(self.path.parents), self.path, *inner):
+        above = (*reversed(self.path.parents), self.path)
+        inner = {folder for name in own_files() for folder in (self.path / name).parents} - set(above)
+        for folder in (*above, *sorted(inner)):
             # Another run may make the same parent at the same moment; then it is there, but not ours to remove.
             with output_errors(folder), suppress(FileExistsError) if folder in self.path.parents else nullcontext():
                 if not folder.is_dir():

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.simulation.observer import Observer
-from membrane_rs.simulation.settling import settled
+from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -45,7 +45,7 @@ class Simulation(Stepper):
         """Damp the scene to rest where its guide bars hold it, and start from there with the clock at zero.
 
         Nodes of the set "guide_bars" (none without that set) are held, and friction F = -rate m v is added, for
-        `duration` of simulated time; then the nodes are let go, at rest. Returns the largest
+        `duration` of simulated time; then the nodes are released, at rest. Returns the largest
         speed left before that [m/s].
 
         Raises
@@ -59,15 +59,12 @@ class Simulation(Stepper):
             )
         duration = None if duration is None else number_of("relax: duration", duration)
         rate = None if rate is None else number_of("relax: rate", rate, "1/s")
-        positions, speed = settled(self.scene, self.integrator, self.positions, duration, rate)
+        positions, speed = relaxed(self.scene, self.integrator, self.positions, duration, rate)
         self._set_motion(positions, np.zeros_like(positions))
-        self.is_settled = True
+        self.is_relaxed = True
         return speed
 
-    def settle(self, duration: float | None = None, rate: float | None = None) -> float:
-        """The old name of `relax`, deprecated."""
-        warnings.warn("Simulation.settle is deprecated; call Simulation.relax", DeprecationWarning, stacklevel=2)
-        return self.relax(duration, rate)
+    settle = Renamed("relax")
 
     def run(
         self,
@@ -81,7 +78,7 @@ class Simulation(Stepper):
         overwrite: bool = False,
         pictures: bool = True,
     ) -> RunFolder | None:
-        """Step to `until`, and let observers look on at frames and samples.
+        """Step to `until`, and call the observers at frames and samples.
 
         Parameters
         ----------
@@ -94,7 +91,7 @@ class Simulation(Stepper):
         samples : int, optional
             Rows of the history, evenly spaced. Default: the scene's.
         observers : sequence of observers, optional
-            Others that look on.
+            Further observers.
         progress : callable, optional
             Called with this simulation now and then.
         overwrite, pictures : bool
@@ -120,15 +117,15 @@ class Simulation(Stepper):
         folder = None
         if out is not None:
             folder = RunFolder(out, overwrite, pictures=pictures)
-        watchers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        if self.scene.run.settle > 0 and not self.is_settled and self.step_count == 0:
+        all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
+        if self.scene.run.relax > 0 and not self.is_relaxed and self.step_count == 0:
             self.relax()
         settings = self.scene.run
         self.march(
             end,
             settings.frames if frames is None else frames,
             settings.samples if samples is None else samples,
-            watchers,
+            all_observers,
             progress,
         )
         return folder

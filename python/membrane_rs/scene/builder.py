@@ -144,11 +144,11 @@ class Builder:
         self._masses.append((nodes, mass))
 
     def fix(self, nodes: Ints) -> None:
-        """Hold nodes at rest in the turning frame."""
+        """Fix nodes in the turning frame."""
         self._fixed.extend(nodes.tolist())
 
     def add_contacts(self, nodes: Ints) -> None:
-        """Look for contact with the spool at these nodes; those that are held need none."""
+        """Detect contact with the spool at these nodes, those that are fixed left out."""
         self._contacts.append(nodes)
 
     def link_bridges(self, stiffness: float, where: str) -> None:

@@ -15,7 +15,7 @@ from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.spool import Spool
 
 StiffThrough: TypeAlias = Literal["law", "film"] | None
-"""What a stiffness or damping that may limit the step goes with: the law's values, or Young's modulus of the film."""
+"""What scales a stiffness or damping that may limit the step: the law's own values, or the film's Young's modulus."""
 
 
 class Surroundings(Protocol):
@@ -47,12 +47,12 @@ class Law:
     """Fields that hold a physical length in place of one of the mesh, by what the length is of: "buckling", ..."""
 
     def core_parameters(self) -> dict[str, Any]:
-        """What the core is given of it, by name."""
+        """The parameters that the core is given, by name."""
         return asdict(self)
 
     @property
     def negative_springs(self) -> str | None:
-        """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no say."""
+        """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no rule."""
         return None
 
     @property
@@ -66,10 +66,10 @@ class Law:
         return None
 
     def add_contacts(self, builder: Builder) -> None:
-        """Name the nodes that its contact is looked for at."""
+        """Name the nodes at which contact is detected."""
 
     def why_idle(self, scene: Surroundings) -> str | None:
-        """Why it changes nothing in this scene but the cost; None where it may matter."""
+        """Why it has no effect in this scene; None where it may have one."""
         return None
 
     def step_advice(self, gain: float) -> str:

@@ -46,5 +46,5 @@ class Part:
         return "make it softer"
 
     def coarser(self, factor: int) -> tuple[str, Part] | None:
-        """The part with `factor` times fewer elements, and how many are gone, in words; None where it has too few."""
+        """What is left out, in words, and the part with `factor` times fewer elements; None where it has too few."""
         return None

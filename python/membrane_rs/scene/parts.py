@@ -1,4 +1,4 @@
-"""The parts that a scene may hold beside its membrane: tethers, tip masses, what is held fast.
+"""The parts that a scene may hold beside its membrane: tethers, tip masses, fixed nodes.
 
 Parts are plain checked values, which add nodes, masses and cords to a scene's arrays. Units are SI.
 """
@@ -57,7 +57,7 @@ class Tethers(Part):
     """Cords from the rim of the spool to nodes of the membrane, one for each node.
 
     Each starts on the rim, at z = 0 and at the azimuth that its node has in the flat sail, where it is
-    held fast. If the node is nearer than the cord is long, the cord hangs below in an arc without strain.
+    fixed. If the node is nearer than the cord is long, the cord hangs below in an arc without strain.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class Tether(Part):
     tip_mass : float
         Added to the last node [kg], 0 or above.
     fixed : bool
-        True: the first node is held fast.
+        True: the first node is fixed.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
     """

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Le
 
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
 from membrane_rs.errors import InputError
 
@@ -22,7 +23,7 @@ class RunSettings:
     until : float
         Time at the end [s], above 0.
     integrator : str
-        Name of the method; `membrane_rs.integrators()` tells what there is.
+        Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
         Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
         its error.
@@ -35,25 +36,26 @@ class RunSettings:
         Speed below which the tolerance is absolute [m/s].
     spectral_radius : float
         By what factor an implicit method shrinks, per step, the vibrations that it cannot resolve; from 0 to 1.
-    short_steps : int
-        Short steps in a step of "leapfrog", from 1 to 1000: laws whose own limit is ten times the step's and more are
-        evaluated once a step, the others at each short one. `dt` is the whole step. 4 suit most films.
+    substeps : int
+        Substeps in a step of "leapfrog", from 1 to 1000: laws whose own limit is ten times the step's and more are
+        evaluated once a step, the others at each substep. `dt` is the whole step. 4 suit most films.
     frames : int
         Shapes written, evenly spaced from the start to the end; from 2 to 10^7.
     samples : int
         Rows of the history, evenly spaced from the start to the end; from 2 to 10^7.
     snapshots : sequence of float
         Times of the pictures [s]; those after the end are left out.
-    settle : float
+    relax : float
         Before time 0 the scene is damped to rest for this long, its guide bars holding [s]; 0: not at all.
-    settle_rate : float
-        Friction while it settles, F = -rate m v [1/s].
+    relax_rate : float
+        Friction while it is relaxed, F = -rate m v [1/s].
     watch : int
         Steps between two checks of energy, strain and finite values; from 1 to 10^9.
     energy_loss : float
-        A run stops when its energy balance is off by more than this share of the energy turned over [-], above
-        0: near the stability limit a method damps the fastest vibrations by itself. Energy from nowhere is not
-        meant; it stops a run from 1 % on.
+        A run stops when it has lost more than this share of its reference energy [-], above 0: near the stability
+        limit a method damps the fastest vibrations by itself. A spurious gain stops a run from 1 % on.
+
+    `short_steps`, `settle` and `settle_rate` are the old names of `substeps`, `relax` and `relax_rate`.
     """
 
     until: Annotated[Positive, Unit("s")] = 0.8
@@ -63,14 +65,18 @@ class RunSettings:
     tolerance_length: Annotated[Positive, Unit("m")] = 0.1
     tolerance_speed: Annotated[Positive, Unit("m/s")] = 1.0
     spectral_radius: Annotated[NonNegative, Le(1)] = 0.8
-    short_steps: Annotated[Count, Le(1000)] = 1
+    substeps: Annotated[Count, Le(1000)] = 1
     frames: Annotated[Count, Ge(2), Le(MOST_INSTANTS)] = 81
     samples: Annotated[Count, Ge(2), Le(MOST_INSTANTS)] = 801
     snapshots: Annotated[Times, Unit("s")] = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
-    settle: Annotated[NonNegative, Unit("s")] = 0.0
-    settle_rate: Annotated[NonNegative, Unit("1/s")] = 100.0
+    relax: Annotated[NonNegative, Unit("s")] = 0.0
+    relax_rate: Annotated[NonNegative, Unit("1/s")] = 100.0
     watch: Count = 100
     energy_loss: Positive = 0.05
+
+    short_steps = Renamed("substeps")
+    settle = Renamed("relax")
+    settle_rate = Renamed("relax_rate")
 
     def __post_init__(self) -> None:
         """Check the step against the end."""

@@ -143,7 +143,7 @@ class Scene:
         -------
         dict
             "masses", "springs", "elements" as the paper counts them (the petals of a sail apart, cords
-            included), and what is there in truth: "nodes", "edges" (springs), "triangles", "hinges".
+            included), and the true counts: "nodes", "edges" (springs), "triangles", "hinges".
         """
         assembly, mesh = self._assembly, self.mesh
         edges = 0 if mesh is None else len(mesh.edges)

@@ -1,4 +1,4 @@
-"""A scene in motion: its state, its steps, and what looks on."""
+"""A scene in motion: its state, its steps, its observers."""
 
 from __future__ import annotations
 

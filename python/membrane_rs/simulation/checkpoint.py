@@ -18,6 +18,8 @@ from membrane_rs.scene.scene import SCENE_FILE
 from membrane_rs.scene.toml import MESH_FILE
 
 _SCENE = "scene/"
+_RENAMED = {"is_settled": "is_relaxed"}
+"""New names of entries by their old ones, which are read too."""
 
 
 def write_state(path: Path, scene: Scene, state: dict[str, Any]) -> None:
@@ -44,12 +46,12 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
     """
     try:
         with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+            arrays = {_RENAMED.get(name, name): file[name] for name in file.files}
     except FileNotFoundError:
         raise MissingFileError(f"{path}: there is no such saved state") from None
     except BAD_ARCHIVE as error:
         raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
-    needed = {"integrator", "dt", "is_adaptive", "is_settled", "positions", "velocities", "work", _SCENE + SCENE_FILE}
+    needed = {"integrator", "dt", "is_adaptive", "is_relaxed", "positions", "velocities", "work", _SCENE + SCENE_FILE}
     missing = sorted(needed - arrays.keys())
     if missing:
         raise InputError(
@@ -65,7 +67,7 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
     # Restoring a run that chooses its steps looks at dt no more, so it is checked here.
     if arrays["dt"].shape or arrays["dt"].dtype.kind != "f" or not arrays["dt"] > 0:
         raise InputError(f"{path}: 'dt' is no number above 0; the file is damaged")
-    for name in ("is_adaptive", "is_settled"):
+    for name in ("is_adaptive", "is_relaxed"):
         if arrays[name].shape or arrays[name].dtype.kind != "b":
             raise InputError(f"{path}: {name!r} is neither true nor false; the file is damaged")
     with tempfile.TemporaryDirectory() as folder:

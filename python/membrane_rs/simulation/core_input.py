@@ -49,7 +49,7 @@ def settings_of(scene: Scene) -> Settings:
         tolerance_length=run.tolerance_length,
         tolerance_speed=run.tolerance_speed,
         spectral_radius=run.spectral_radius,
-        substeps=run.short_steps,
+        substeps=run.substeps,
     )
 
 

@@ -1,4 +1,4 @@
-"""Methods of time integration, as the core tells of them."""
+"""Methods of time integration, as the core describes them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from membrane_rs import _core
 
 @dataclass(frozen=True)
 class IntegratorFacts:
-    """What is known of a method of time integration.
+    """Properties of a method of time integration.
 
     order : of the error after a given time. evaluations : of the forces per step. evaluations_at_start : before the
     first step. keeps_energy : whether the energy of an undamped motion stays bounded, however long it lasts.
@@ -27,7 +27,7 @@ class IntegratorFacts:
 
 
 def integrators() -> dict[str, IntegratorFacts]:
-    """What is known of each method, by name."""
+    """Properties of each method, by name."""
     return {
         facts.name: IntegratorFacts(
             order=facts.order,

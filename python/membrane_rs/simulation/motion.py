@@ -1,4 +1,4 @@
-"""A scene that moves, as it is now: what can be read off it, and set."""
+"""A scene in motion: reading and setting its state."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._renamed import Renamed, RenamedKeys
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
@@ -20,7 +21,7 @@ from membrane_rs.simulation.core_input import laws_of, model_of, settings_of
 
 
 class Motion:
-    """A scene in motion: its state now, and all that can be read off it. Its parameters and errors are those of
+    """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
     """
 
@@ -40,7 +41,7 @@ class Motion:
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
             self._core.set_dt(interval / math.ceil(interval / self._core.dt))
-        self.is_settled = False
+        self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
 
@@ -65,8 +66,8 @@ class Motion:
         return self._core.rejected_count
 
     @property
-    def effort(self) -> dict[str, int]:
-        """What an implicit method has spent: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
+    def statistics(self) -> dict[str, int]:
+        """Counts of an implicit method: "newton_iterations", "factorisations", and "fallbacks", the steps or parts
         of steps that it took in halves because Newton's method failed; zeros for explicit methods.
         """
         spent = self._core.statistics
@@ -98,7 +99,7 @@ class Motion:
 
     @property
     def positions(self) -> Floats:
-        """(N, 3) a copy of the positions [m]. Setting them opens the energy ledger anew."""
+        """(N, 3) a copy of the positions [m]. Setting them restarts the energy ledger."""
         return self._core.positions()
 
     @positions.setter
@@ -162,21 +163,23 @@ class Motion:
         Returns
         -------
         dict
-            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out), "turned_over"
-            (largest change of any one account so far), all [J]; "error", the energy that is there beyond what
-            was there and what work brought, as a share of the energy turned over, negative where the method loses it;
-            "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out),
+            "reference_energy" (largest single exchange so far: the largest change of any one term of the balance), all
+            [J]; "error", the residual of the balance as a share of the reference energy, negative where the method
+            loses energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+            "turned_over" is the old name of "reference_energy".
         """
         balance = self._core.ledger()
-        return {
+        terms = {
             "kinetic": balance.kinetic,
             "stored": balance.stored,
             "work": math.fsum(balance.work_by_law.values()),
-            "turned_over": balance.reference_energy,
+            "reference_energy": balance.reference_energy,
             "error": balance.error,
             "stored_by_law": balance.stored_by_law,
             "work_by_law": balance.work_by_law,
         }
+        return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})
 
     def spring_strains(self) -> Floats:
         """(S,) strain of each spring, in the order of `spring_pairs`."""
@@ -213,7 +216,7 @@ class Motion:
         return films.state.astype(np.int8)
 
     def crease_angles(self) -> Floats:
-        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the wings interpenetrate; NaN without the law."""
+        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law."""
         angles = self._core.crease_angles()
         return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles
 
@@ -224,12 +227,12 @@ class Motion:
 
     @property
     def slow_laws(self) -> list[str]:
-        """The laws that are evaluated once a step, others at each of its `short_steps`; empty without those."""
+        """The laws that are evaluated once a step, others at each of its `substeps`; empty without those."""
         return self._core.slow_laws
 
     @property
-    def shares_in_runs(self) -> dict[str, float]:
-        """By law, the share of its elements whose nodes stand in straight runs of the core's numbering.
+    def contiguous_shares(self) -> dict[str, float]:
+        """By law, the share of its elements whose nodes are contiguous in the core's numbering.
 
         Kernels are quick with those, and gather the nodes of the others one by one. For laws that have elements.
         """
@@ -281,6 +284,10 @@ class Motion:
         """
         self._core.resume(state)
         self._motions_set += 1
+
+    effort = Renamed("statistics")
+    shares_in_runs = Renamed("contiguous_shares")
+    is_settled = Renamed("is_relaxed")
 
     def _vectors(self, values: ArrayLike, name: str, unit: str) -> Floats:
         try:

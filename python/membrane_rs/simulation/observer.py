@@ -1,4 +1,4 @@
-"""What looks on while a scene runs."""
+"""Observers of a run."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Protocol, TypeVar
 from membrane_rs.simulation.motion import Motion
 
 Seen_contra = TypeVar("Seen_contra", bound=Motion, contravariant=True)
-"""What an observer asks to be shown: a `Motion`, or more."""
+"""What an observer reads: a `Motion`, or a class that derives from it."""
 
 
 class Observer(Protocol[Seen_contra]):
-    """Looks on while a scene runs."""
+    """Reads a motion at chosen instants of a run."""
 
     def start(self, sim: Seen_contra, /) -> None:
         """Called before the first step."""

@@ -1,4 +1,4 @@
-"""Steps of a scene in motion: single ones, a march from mark to mark on which observers look on, save and restore."""
+"""Steps of a scene in motion: single ones, a march from mark to mark with observers, saved states."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from membrane_rs.simulation.observer import Observer
 MOST_STEPS = 10**15
 """More steps than this are a slip of the pen: they would take centuries."""
 PROGRESS_LOOKS = 500
-"""How often a run that is followed tells its progress, beside every sample."""
+"""Calls of `progress` in a run, beside those at its samples."""
 
 
 class Stepper(Motion):
@@ -34,7 +34,7 @@ class Stepper(Motion):
         Raises
         ------
         UnstableError
-            The run went wrong; the state is then that of the last check that found nothing.
+            The run became unstable; the state is then that of the last check without a fault.
         KeyboardInterrupt
             Ctrl-C, between two steps.
         """
@@ -54,7 +54,7 @@ class Stepper(Motion):
         observers: Sequence[Observer[Self]],
         progress: Callable[[Self], None] | None = None,
     ) -> None:
-        """Step to `end` [s]; let observers look on at frames, samples and the scene's snapshots.
+        """Step to `end` [s]; call the observers at frames, samples and the scene's snapshots.
 
         Parameters
         ----------
@@ -70,7 +70,7 @@ class Stepper(Motion):
         Raises
         ------
         UnstableError
-            The motion went wrong; observers have seen the last good state.
+            The motion became unstable; observers have seen the last state without a fault.
         """
         frame_marks = self._marks_of(frames, end, "frames")
         shots = [time for time in self.scene.run.snapshots if time <= end]
@@ -157,14 +157,14 @@ class Stepper(Motion):
             "integrator": self.integrator,
             "dt": self.dt,
             "is_adaptive": self.is_adaptive,
-            "is_settled": self.is_settled,
+            "is_relaxed": self.is_relaxed,
             **self.state(),
         }
         write_state(Path(path), self.scene, state)
 
     @classmethod
     def restore(cls, path: str | Path) -> Self:
-        """What `save` wrote, ready to go on.
+        """The simulation that `save` wrote.
 
         Raises
         ------
@@ -181,7 +181,7 @@ class Stepper(Motion):
             sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
             if is_adaptive:
                 sim._core.set_dt(number_of("dt", dt))
-            sim.is_settled = bool(state.pop("is_settled"))
+            sim.is_relaxed = bool(state.pop("is_relaxed"))
             sim.set_state(state)
         except ValueError as error:
             raise InputError(

@@ -43,7 +43,8 @@ class Lengths:
 
     def of(self, scene: Scene) -> Scene:
         """The scene with these lengths in its laws."""
-        laws = [law.with_lengths(vars(self)) for law in scene.laws]
+        lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.wing, "damping": self.damping}
+        laws = [law.with_lengths(lengths) for law in scene.laws]
         return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)
 
 

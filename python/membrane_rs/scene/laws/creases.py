@@ -21,8 +21,8 @@ class Creases(Law):
 
         U = w_C w_D [ kappa (theta - theta0)^2 / 2 + (gamma - 1) kappa min(theta, 0)^2 / 2 ]
 
-    w = A^2 / (A^2 + (collapse A0)^2) for each wing, A its current area, A0 its reference area: it takes
-    away the singular force of a wing that has collapsed to a line.
+    w = A^2 / (A^2 + (collapse A0)^2) for each of its two facets, A its current area, A0 its reference area: it takes
+    away the singular force of a facet that has collapsed to a line.
 
     Parameters
     ----------
@@ -33,14 +33,14 @@ class Creases(Law):
     natural_angle : float
         theta0 [rad], from 0 (shut) over pi (flat) to 2 pi.
     length_scale : float or None
-        H [m]. None: the mean height of the two wings in the reference mesh, crease by crease.
+        H [m]. None: the mean height of the two facets in the reference mesh, crease by crease.
     collapse : float
-        The fraction of a wing's area below which its moment fades [-], from 0 (never) to 1.
+        The fraction of a facet's area below which its moment fades [-], from 0 (never) to 1.
     """
 
     kind: ClassVar[str] = "creases"
     stiff_through: ClassVar[StiffThrough] = "law"
-    length_fields: ClassVar[Mapping[str, str]] = {"wing": "length_scale"}
+    length_fields: ClassVar[Mapping[str, str]] = {"facet": "length_scale"}
     stiffness: NonNegative = 10.0
     contact_penalty: Annotated[Finite, Ge(1)] = 100.0
     natural_angle: Annotated[Finite, Ge(0), Le(2 * math.pi), Unit("rad")] = 0.0
@@ -58,5 +58,5 @@ class Creases(Law):
         return f"contact_penalty or stiffness {gain**2:.3g} times smaller would take it out of the limit"
 
     def for_modulus(self, factor: float) -> Creases:
-        """kappa goes with E."""
+        """kappa is proportional to E."""
         return replace(self, stiffness=self.stiffness / factor)

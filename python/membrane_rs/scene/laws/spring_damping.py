@@ -13,7 +13,7 @@ from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 class SpringDamping(Law):
     """A dashpot along each spring: c = 2 zeta sqrt(k m), with m the mean of the two nodes' masses.
 
-    With `Triangles` in place of springs, a stress that goes with the rate of strain, of the same strength.
+    With `Triangles` in place of springs, a stress proportional to the rate of strain, of the same strength.
 
     Parameters
     ----------

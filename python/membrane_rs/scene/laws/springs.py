@@ -29,7 +29,7 @@ class Springs(Law):
     crease_length : float or None
         Length l_c [m] that makes a crease a line with a buckling force of its own beside the film's: it shortens by
         (buckling_on_creases - buckling) pi^2 h^2 / (12 l_c) more than the film before it buckles, at the same force
-        on every mesh. None: buckling_on_creases in place of buckling, a force that goes with the mesh.
+        on every mesh. None: buckling_on_creases in place of buckling, a force that depends on the mesh.
     strain_limit : float
         A run stops when a spring is stretched beyond this strain [-].
     negative : str

@@ -61,7 +61,7 @@ class Course:
         Cords of other segments take their own start.
         """
         if scene.mesh is not self.scene.mesh:
-            return course(replace(scene, run=replace(scene.run, settle=self.settle)), self.until, self.instants)
+            return course(replace(scene, run=replace(scene.run, relax=self.settle)), self.until, self.instants)
         start = scene.assemble().positions.copy()
         same = len(start) if start.shape == self.start.shape else 0 if scene.mesh is None else len(scene.mesh.reference)
         start[:same] = self.start[:same]
@@ -142,9 +142,9 @@ def course(scene: Scene, until: float | None, instants: int) -> Course:
     if instants < 1:
         raise InputError(f"instants = {instants}: must be 1 or above")
     sim = Simulation(scene)
-    if scene.run.settle > 0:
+    if scene.run.relax > 0:
         sim.relax()
-    return Course(_plain(scene), sim.positions, end, instants, scene.run.settle)
+    return Course(_plain(scene), sim.positions, end, instants, scene.run.relax)
 
 
 def run(
@@ -232,4 +232,4 @@ def ensemble(
 
 def _plain(scene: Scene) -> Scene:
     """The scene without settling and snapshots, which a course sees to itself."""
-    return replace(scene, run=replace(scene.run, settle=0.0, snapshots=()))
+    return replace(scene, run=replace(scene.run, relax=0.0, snapshots=()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
+from membrane_rs._renamed import new_names
 from membrane_rs._validation import nearest
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
@@ -54,7 +55,7 @@ def varied(scene: Scene, parameter: str, value: Any) -> Scene:
 
 
 def _changed(part: Any, name: str, value: Any, where: str) -> Any:
-    key = _known(name, [item.name for item in fields(part)], where)
+    key = _known(new_names(type(part)).get(name, name), [item.name for item in fields(part)], where)
     old = getattr(part, key)
     whole = isinstance(old, int) and not isinstance(old, bool) and float(value).is_integer()
     return replace(part, **{key: int(value) if whole else value})

@@ -1,4 +1,4 @@
-"""How much of a scene's work the core reaches in straight runs: `Simulation.shares_in_runs`, and what `check` tells."""
+"""Shares of elements with contiguous nodes: `Simulation.contiguous_shares`, and what `check` says of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def told(scene: str | Path) -> dict[str, float]:
 
 
 def in_percent(sim: Simulation) -> dict[str, float]:
-    return {law: float(f"{100 * share:.0f}") for law, share in sim.shares_in_runs.items()}
+    return {law: float(f"{100 * share:.0f}") for law, share in sim.contiguous_shares.items()}
 
 
 def test_a_pattern_falls_into_runs() -> None:

@@ -13,10 +13,10 @@ from small_scenes import hanging_strip
 from typer.testing import CliRunner
 
 
-def divided(name: str, short_steps: int) -> Scene:
+def divided(name: str, substeps: int) -> Scene:
     """A built-in scene by leapfrog in so many short steps."""
     scene = scenes.load(name)
-    return replace(scene, run=replace(scene.run, integrator="leapfrog", short_steps=short_steps))
+    return replace(scene, run=replace(scene.run, integrator="leapfrog", substeps=substeps))
 
 
 def test_creases_and_drag_are_slow_beside_springs() -> None:
@@ -55,7 +55,7 @@ def test_save_and_restore_continue_with_the_same_bits(tmp_path: Path) -> None:
     assert a.slow_laws == b.slow_laws
 
 
-def test_check_and_run_take_short_steps_by_word(tmp_path: Path) -> None:
+def test_check_and_run_take_substeps_by_word(tmp_path: Path) -> None:
     path = tmp_path / "strip.toml"
     path.write_text(hanging_strip().to_toml(), encoding="utf-8")
     words = ["--integrator", "leapfrog", "--short-steps", "3"]
@@ -64,10 +64,10 @@ def test_check_and_run_take_short_steps_by_word(tmp_path: Path) -> None:
     out = tmp_path / "results"
     done = CliRunner().invoke(app, ["run", str(path), *words, "--until", "0.01", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    assert Scene.from_toml(out / "scene.toml").run.short_steps == 3
+    assert Scene.from_toml(out / "scene.toml").run.substeps == 3
 
 
 @pytest.mark.parametrize("count", [0, -1, 1.5, 1001, True])
-def test_short_steps_are_counted(count: int) -> None:
-    with pytest.raises(InputError, match="short_steps"):
-        RunSettings(short_steps=count)
+def test_substeps_are_counted(count: int) -> None:
+    with pytest.raises(InputError, match="substeps"):
+        RunSettings(substeps=count)

@@ -1,4 +1,4 @@
-"""The stowed sail at rest: held by its guide bars, and damped until it no longer moves."""
+"""Relaxation of a stowed sail: it is held by its guide bars and damped until it is at rest."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ GUIDE_BARS = "guide_bars"
 
 
 def held_scene(scene: Scene, rate: float) -> Scene:
-    """The scene with its guide bars closed and friction added, and without drag, which has no say at rest."""
+    """The scene with its guide bars closed, friction added, and without the laws that vanish at rest."""
     laws = [law for law in scene.laws if law.acts_while_relaxing]
     held = [Fixed(nodes=GUIDE_BARS)] if GUIDE_BARS in scene.assemble().node_sets else []
     return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=[*scene.parts, *held])
 
 
-def settled(
+def relaxed(
     scene: Scene, integrator: str, positions: Floats, duration: float | None, rate: float | None
 ) -> tuple[Floats, float]:
     """Positions (N, 3) after `duration` of damped motion, and the largest speed left [m/s]."""
-    time = scene.run.settle if duration is None else float(duration)
-    rate = scene.run.settle_rate if rate is None else float(rate)
+    time = scene.run.relax if duration is None else float(duration)
+    rate = scene.run.relax_rate if rate is None else float(rate)
     for name, value, unit in (("duration", time, "s"), ("rate", rate, "1/s")):
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")

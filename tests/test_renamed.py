@@ -1,0 +1,86 @@
+"""Old names of attributes, fields and keys: each leads to the new one, and its warning says which that is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import Mesh, RunSettings, Scene, SceneError, Simulation, scenes
+from membrane_rs._renamed import new_names
+from membrane_rs.simulation import Motion
+from membrane_rs.study.common.variation import varied
+
+
+def test_settle_is_now_relax() -> None:
+    by_new_name, by_old_name = (Simulation(scenes.load("spinning-tether")) for _ in range(2))
+    speed = by_new_name.relax(1e-4, 50.0)
+    with pytest.warns(DeprecationWarning, match=r"Simulation\.settle is deprecated .*; use relax") as warned:
+        assert by_old_name.settle(1e-4, 50.0) == speed
+    assert [warning.filename for warning in warned] == [__file__]
+    assert (by_old_name.positions == by_new_name.positions).all()
+
+
+@pytest.mark.parametrize("kind", [RunSettings, Simulation, Motion], ids=lambda kind: kind.__name__)
+def test_old_attributes_lead_to_the_new_ones(kind: Any) -> None:
+    one: Any = RunSettings() if kind is RunSettings else kind(scenes.load("spinning-tether"))
+    assert new_names(kind)
+    for old, new in new_names(kind).items():
+        with pytest.warns(DeprecationWarning, match=f"{kind.__name__}.{old} is deprecated .*; use {new}$") as warned:
+            assert getattr(one, old) == getattr(one, new)
+        assert [warning.filename for warning in warned] == [__file__]
+
+
+def test_old_settings_are_read_where_they_were_written(tmp_path: Path) -> None:
+    old: dict[str, Any] = {"short_steps": 4, "settle": 0.01, "settle_rate": 50.0}
+    settings = RunSettings(substeps=4, relax=0.01, relax_rate=50.0)
+    for name, value in old.items():
+        new = new_names(RunSettings)[name]
+        with pytest.warns(DeprecationWarning, match=f"RunSettings.{name} is deprecated .*; use {new}"):
+            assert getattr(RunSettings(**{name: value}), new) == value
+        with pytest.warns(DeprecationWarning, match=f"; use {new}"):
+            assert getattr(replace(settings, **{name: 2 * value}), new) == 2 * value
+    scene = scenes.load("spinning-tether")
+    text = scene.to_toml() + "short_steps = 4\n"
+    (tmp_path / "both.toml").write_text(text)
+    with pytest.raises(SceneError, match=r"run\.short_steps: is the old name of substeps, which is there too"):
+        Scene.from_toml(tmp_path / "both.toml")
+    (tmp_path / "old.toml").write_text(text.replace("substeps = 1\n", ""))
+    with pytest.warns(DeprecationWarning, match="run.short_steps is deprecated .*; write substeps"):
+        assert Scene.from_toml(tmp_path / "old.toml").run.substeps == 4
+    assert varied(scene, "run.short_steps", 3).run.substeps == 3
+
+
+def test_a_saved_state_with_old_names_is_read(tmp_path: Path) -> None:
+    sim = Simulation(scenes.load("spinning-tether"))
+    sim.relax(1e-4, 50.0)
+    sim.save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as file:
+        entries = dict(file)
+    entries["is_settled"] = entries.pop("is_relaxed")
+    text = entries["scene/scene.toml"].tobytes().replace(b"\nrelax_rate =", b"\nsettle_rate =")
+    entries["scene/scene.toml"] = np.frombuffer(text, np.uint8)
+    np.savez(tmp_path / "old.npz", **entries)
+    with pytest.warns(DeprecationWarning, match="run.settle_rate is deprecated"):
+        again = Simulation.restore(tmp_path / "old.npz")
+    assert again.is_relaxed
+    assert (again.positions == sim.positions).all()
+
+
+def test_an_old_attribute_of_findings() -> None:
+    finding = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.01, 0]]), [[0, 1, 2]]).audit().findings[0]
+    with pytest.warns(DeprecationWarning, match=r"Finding\.cure is deprecated .*; use remedy"):
+        assert getattr(finding, "cure") == finding.remedy != ""  # noqa: B009
+
+
+def test_an_old_key_of_the_ledger() -> None:
+    ledger = Simulation(scenes.load("spinning-tether")).ledger()
+    with pytest.warns(DeprecationWarning, match="'turned_over'. is deprecated .*; use 'reference_energy'") as warned:
+        assert ledger["turned_over"] == ledger.get("turned_over") == ledger["reference_energy"]
+    assert {warning.filename for warning in warned} == {__file__}
+    assert "turned_over" not in ledger
+    assert ledger.get("nothing") is None
+    with pytest.raises(KeyError, match="nothing"):
+        ledger["nothing"]
