@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from membrane_rs import Scene, Simulation
 from membrane_rs.study.common.differences import CURVES
-from membrane_rs.study.common.run import course, run
+from membrane_rs.study.common.run import study_case, run
 from page import DOCS, MarkedPart
 
 STUDIES = DOCS / "studies.md"
@@ -54,7 +54,7 @@ class Deployment:
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
     scene = replace(scene, run=replace(scene.run, short_steps=SHORT_STEPS))
-    where = course(scene, until, INSTANTS)
+    where = study_case(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
     finer = run(where, FINER, FINER_SHARE * limits[FINER]).whole()
     began = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Old public places of names: each still leads to the new one, and says it.
+"""Old public names and places: each still leads to the new one, and its warning says which that is.
 
 A module whose names have moved sets `__getattr__ = Moved(__name__, {new place: names})`.
 """
@@ -12,26 +12,30 @@ from typing import Any
 
 
 class Moved:
-    """The `__getattr__` of a module whose names stand elsewhere.
+    """The `__getattr__` of a module whose names are found elsewhere or under another name.
 
     Parameters
     ----------
     module : str
         The old module.
-    places : mapping of str to sequence of str
-        The names that each new module holds.
+    places : mapping of str to sequence of str, or to mapping of str to str
+        The names that each new module holds; or the old names, each with the new one.
     """
 
-    def __init__(self, module: str, places: Mapping[str, Sequence[str]]) -> None:
+    def __init__(self, module: str, places: Mapping[str, Sequence[str] | Mapping[str, str]]) -> None:
         self.module = module
-        self.place_of = {name: place for place, names in places.items() for name in names}
+        self.new: dict[str, tuple[str, str]] = {}
+        """(module, name) that an old name leads to."""
+        for place, names in places.items():
+            renamed = names if isinstance(names, Mapping) else {name: name for name in names}
+            self.new |= {old: (place, new) for old, new in renamed.items()}
 
     def __call__(self, name: str) -> Any:
         """The object of that name, with a DeprecationWarning. Raises AttributeError for other names."""
-        place = self.place_of.get(name)
-        if place is None:
+        if name not in self.new:
             raise AttributeError(f"module {self.module!r} has no attribute {name!r}")
+        place, new = self.new[name]
         warnings.warn(
-            f"{self.module}.{name} is deprecated; import {name} from {place}", DeprecationWarning, stacklevel=2
+            f"{self.module}.{name} is deprecated; import {new} from {place}", DeprecationWarning, stacklevel=2
         )
-        return getattr(import_module(place), name)
+        return getattr(import_module(place), new)

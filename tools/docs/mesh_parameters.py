@@ -20,7 +20,7 @@ from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
-from membrane_rs.study.lengths import PHYSICAL
+from membrane_rs.study.length_scales import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")

@@ -19,8 +19,8 @@ from membrane_rs.study import Chart, ablation, accuracy, chart
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import position_error
 from membrane_rs.study.common.executor import together
-from membrane_rs.study.common.run import SHIFT, Trial, course, ensemble, run
-from membrane_rs.study.ladder import Point, cheapest, ladder, measured_order
+from membrane_rs.study.common.run import SHIFT, StudyRun, study_case, ensemble, run
+from membrane_rs.study.refinement import Point, cheapest, refinement_levels, measured_order
 from PIL import Image
 from small_scenes import hanging_strip, refused
 from typer.testing import CliRunner
@@ -145,11 +145,11 @@ def test_what_would_cost_too_much_is_left_out_and_said_to_be(tmp_path: Path) -> 
 
 
 def test_a_ladder_for_every_kind_of_method() -> None:
-    limited = ladder("a", 1.0, 3, limit=2.0, unit=1.0, is_adaptive=False)
+    limited = refinement_levels("a", 1.0, 3, limit=2.0, unit=1.0, is_adaptive=False)
     assert [rung.dt for rung in limited] == pytest.approx([2.6, 2.1, 1.8, 0.9, 0.45])
-    free = ladder("a", 1.0, 3, limit=math.inf, unit=1.0, is_adaptive=False)
+    free = refinement_levels("a", 1.0, 3, limit=math.inf, unit=1.0, is_adaptive=False)
     assert [rung.dt for rung in free] == pytest.approx([64.0, 32.0, 16.0])
-    chosen = ladder("a", 0.5, 2, limit=2.0, unit=1.0, is_adaptive=True)
+    chosen = refinement_levels("a", 0.5, 2, limit=2.0, unit=1.0, is_adaptive=True)
     assert [rung.dt for rung in chosen] == [None, None]
     assert [rung.tolerance for rung in chosen] == pytest.approx([1e-3, 1e-3 / 10**1.5])
     assert str(chosen[0]) == "a on 0.5 x the mesh, tolerance 0.001"
@@ -181,18 +181,18 @@ def test_an_interrupt_ends_all_runs_soon() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        together([work, interrupted, work], ["", "", ""], stop, workers=2)
+        run_parallel([work, interrupted, work], ["", "", ""], stop, workers=2)
     assert ended == [True]  # the third was never begun
 
 
 def test_a_run_ends_at_its_next_instant_once_stopped() -> None:
     stop = Event()
     stop.set()
-    assert len(run(course(hanging_strip(), 0.01, 5), "rk4", 1e-4, stop=stop).times) == 0
+    assert len(run(study_case(hanging_strip(), 0.01, 5), "rk4", 1e-4, stop=stop).times) == 0
 
 
 def test_one_ensemble_is_like_the_next() -> None:
-    where = course(hanging_strip(), 0.01, 2)
+    where = study_case(hanging_strip(), 0.01, 2)
     dt = Simulation(where.scene).dt
     first, second = (ensemble(where, "rk4", dt, 2, shapes=True, jobs=jobs) for jobs in (1, 2))
     for one, other in zip(first, second, strict=True):
@@ -203,7 +203,7 @@ def test_one_ensemble_is_like_the_next() -> None:
 
 
 def test_a_course_shifts_what_is_free_and_keeps_what_is_held() -> None:
-    where = course(hanging_strip(), 0.01, 3)
+    where = study_case(hanging_strip(), 0.01, 3)
     held = where.scene.assemble().fixed
     shift = where.shifted(0).start - where.start
     assert (shift[held] == 0.0).all()
@@ -220,7 +220,7 @@ def test_a_course_shifts_what_is_free_and_keeps_what_is_held() -> None:
 def test_a_course_settles_the_scene_once_for_all() -> None:
     scene = hanging_strip()
     settling = replace(scene, run=RunSettings(until=0.1, settle=0.02))
-    where = course(settling, 0.01, 2)
+    where = study_case(settling, 0.01, 2)
     assert not np.allclose(where.start, scene.assemble().positions)
     assert where.scene.run.settle == 0.0
     trial = run(where, "rk4", 1e-4)
@@ -235,7 +235,7 @@ def test_a_course_settles_the_scene_once_for_all() -> None:
 
 
 def test_a_run_that_stops_is_a_result() -> None:
-    where = course(scenes.load("spinning-tether"), 0.1, 10)
+    where = study_case(scenes.load("spinning-tether"), 0.1, 10)
     trial = run(where, "rk4", 1.3 * Simulation(where.scene, "rk4").stable_dt(), shapes=True)
     assert isinstance(trial.failure, UnstableError)
     assert len(trial.times) == len(trial.shapes) < 10
@@ -301,7 +301,7 @@ def test_wrong_numbers_are_refused(given: dict[str, Any], words: str) -> None:
 
 
 def test_a_scene_at_rest_has_no_relative_error() -> None:
-    where = course(hanging_strip(), 0.01, 1)
+    where = study_case(hanging_strip(), 0.01, 1)
     trial = run(where, "rk4", 1e-4, shapes=True)
     rest = replace(trial, shapes=where.start[None])
     refused(lambda: position_error(trial, rest, where.start), InputError, "nothing moves")
@@ -334,7 +334,7 @@ def test_the_command_tells_where_the_chart_is(tmp_path: Path) -> None:
 
 
 def test_a_start_that_the_watch_stops_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def with_a_bad_one(*given: Any, **ways: Any) -> list[Trial]:
+    def with_a_bad_one(*given: Any, **ways: Any) -> list[StudyRun]:
         trials = ensemble(*given, **ways)
         return [*trials[:-1], replace(trials[-1], failure=UnstableError("gone"))]
 

@@ -1,4 +1,4 @@
-"""Lengths of the film in place of the mesh's own: dashpots and creases that are the same on every mesh."""
+"""LengthScales of the film in place of the mesh's own: dashpots and creases that are the same on every mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from membrane_rs import InputError, Mesh, Scene, Simulation, SpringDamping, Springs, TipMasses, Triangles, scenes
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
 from membrane_rs.scene.laws import Creases, Law
-from membrane_rs.study import FORMS, Lengths, agreeing
+from membrane_rs.study import FORMS, LengthScales, agreeing
 from small_scenes import FILM, RUBBER, cord, refused
 
 SIDE = 0.01
@@ -160,14 +160,14 @@ def test_agreeing_lengths() -> None:
 
 
 def test_lengths_set_what_each_law_takes() -> None:
-    lengths = Lengths(buckling=0.1, crease=0.2, wing=0.3, damping=0.4)
+    lengths = LengthScales(buckling=0.1, crease=0.2, wing=0.3, damping=0.4)
     film = replace(scenes.load("okuizumi-model-1"), laws=[Triangles(), Creases(), SpringDamping()])
     triangles, creases, damping = lengths.of(film).laws
     assert isinstance(triangles, Triangles)
     assert (triangles.buckling_length, triangles.crease_length) == (0.1, 0.2)
     assert creases == Creases(length_scale=0.3)
     assert damping == SpringDamping(length=0.4)
-    assert Lengths().of(lengths.of(film)).laws == film.laws
+    assert LengthScales().of(lengths.of(film)).laws == film.laws
     slack = FORMS["tension"].of(film).laws[0]
     assert isinstance(slack, Triangles)
     assert (slack.buckling, slack.buckling_on_creases) == (0.0, 0.0)
