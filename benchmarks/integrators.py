@@ -35,10 +35,10 @@ Floats = NDArray[np.float64]
 
 OMEGA = 10.0
 """Of 1 kg on a cord of 100 N/m [rad/s]; its weight of 10 N stretches the cord by 0.1 m."""
-UNWATCHED = RunSettings(until=1.0, watch=10**9)
+UNMONITORED = RunSettings(until=1.0, watch=10**9)
 
 
-def cord(laws: Sequence[Law], axial_stiffness: float = 100.0, run: RunSettings = UNWATCHED) -> Scene:
+def cord(laws: Sequence[Law], axial_stiffness: float = 100.0, run: RunSettings = UNMONITORED) -> Scene:
     """1 kg on a massless cord of 1 m along x."""
     ends = {"start": (0.0, 0.0, 0.0), "end": (1.0, 0.0, 0.0)}
     part = Tether(**ends, segments=1, axial_stiffness=axial_stiffness, linear_density=0.0, tip_mass=1.0)  # type: ignore[arg-type]

@@ -14,12 +14,7 @@ OLD = {
     info.name: getattr(import_module(info.name), "__getattr__", None)
     for info in pkgutil.iter_modules(membrane_rs.__path__, "membrane_rs.")
 }
-NAMES = [
-    (old, name, *new)
-    for old, moved in OLD.items()
-    if isinstance(moved, Moved)
-    for name, new in moved.new.items()
-]
+NAMES = [(old, name, *new) for old, moved in OLD.items() if isinstance(moved, Moved) for name, new in moved.new.items()]
 
 
 @pytest.mark.parametrize(("old", "name", "place", "new"), NAMES)

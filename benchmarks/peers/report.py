@@ -8,18 +8,26 @@ from collections.abc import Sequence
 from machine import cpu
 from membrane_rs._markdown import table
 
-from peers.chart import WANTED, Chart, measured_order, seconds_at
-from peers.measure import GROWTH, TRIAL_STEPS, Ladder, nearest
+from peers.measure import GROWTH, TRIAL_STEPS, Refinement, nearest
 from peers.picture import FILMS
 from peers.program import NEWTON_ITERATIONS
 from peers.speed import Speed
 from peers.speed_report import aims, pace
 from peers.words import bullets, paragraph
+from peers.work_precision import WANTED, WorkPrecision, measured_order, seconds_at
 
 
-def text(chart: Chart, speed: Speed, versions: dict[str, str]) -> str:
+def text(diagram: WorkPrecision, speed: Speed, versions: dict[str, str]) -> str:
     """The whole page."""
-    parts = [*_head(versions), *_same(chart), *_work(chart), _best(chart), *pace(speed), *aims(speed), _limits(chart)]
+    parts = [
+        *_head(versions),
+        *_same(diagram),
+        *_work(diagram),
+        _best(diagram),
+        *pace(speed),
+        *aims(speed),
+        _limits(diagram),
+    ]
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
 
@@ -55,8 +63,8 @@ def _head(versions: dict[str, str]) -> list[str]:
     ]
 
 
-def _same(chart: Chart) -> list[str]:
-    problem, film = chart.problem, chart.problem.material
+def _same(diagram: WorkPrecision) -> list[str]:
+    problem, film = diagram.problem, diagram.problem.material
     x = problem.mesh.reference[:, 0]
     rows = [
         (
@@ -69,7 +77,7 @@ def _same(chart: Chart) -> list[str]:
             "-" if row.apart == 0.0 else f"{row.apart:.1e}",
             f"{row.nearest:.1e}",
         )
-        for row in chart.sameness
+        for row in diagram.sameness
     ]
     head = ("program", "law", "mass [g]", "kinetic energy [mJ]", "corner peak", "at [ms]", "model apart", "nearest run")
     return [
@@ -87,15 +95,15 @@ def _same(chart: Chart) -> list[str]:
             corners' radius, less its flat value, in the converged motion. *Model apart*: how far the converged motion
             lies from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
             the
-            membrane moves beyond rigid rotation. It is the error of the model and has no part in the chart. *Nearest
+            membrane moves beyond rigid rotation. It is the error of the model and has no part in the diagram. *Nearest
             run*:
             the least distance of any of the program's runs from that converged motion: it shows that the motion is its
             own."""
         ),
         paragraph(
-            f"""Converged motions: membrane_rs by its rk4 ({chart.own_error:.0e} from itself at twice the step),
+            f"""Converged motions: membrane_rs by its rk4 ({diagram.own_error:.0e} from itself at twice the step),
             MuJoCo by
-            its own RK4 at half of the finest step of the chart. Newton's single precision cannot converge so far: its
+            its own RK4 at half of the finest step of the diagram. Newton's single precision cannot converge so far: its
             springs are measured against membrane_rs's, its triangles against the same law in double precision
             (`benchmarks/peers/neo_hookean.py`). St. Venant and Kirchhoff's and the neo-Hookean film agree at small
             strain
@@ -104,23 +112,25 @@ def _same(chart: Chart) -> list[str]:
     ]
 
 
-def _work(chart: Chart) -> list[str]:
+def _work(diagram: WorkPrecision) -> list[str]:
     tables = []
     for film, laws in FILMS.items():
-        ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
+        refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
         head = (film, "largest step [us]", "order", *(f"{wanted:.0e}" for wanted in WANTED), "least error")
-        tables.append(table(head, [_costs(ladder) for ladder in ladders]))
-    dopri5 = next(ladder.program for ladder in chart.ladders if ladder.program.name == "membrane_rs dopri5")
+        tables.append(table(head, [_costs(refinement) for refinement in refinements]))
+    dopri5 = next(
+        refinement.program for refinement in diagram.refinements if refinement.program.name == "membrane_rs dopri5"
+    )
     begins = 1e6 * (dopri5.limit_guess or math.nan)
     return [
         "## Error against work",
         "![Error against processor time and steps, for each program on triangles and on springs](peers.png)",
         paragraph(
             f"""Processor time [ms] that each program takes for a given error against its own converged motion, between
-            two steps of its ladder. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g} times that of the
+            two of its steps. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g} times that of the
             start within {TRIAL_STEPS} steps; *none*: an implicit method, which was begun at
-            {1e6 * chart.problem.interval:g} us. dopri5 grows from {begins:.1f} us on (triangles), too slowly to be seen
-            here. *Order*: slope over the steps before rounding shows."""
+            {1e6 * diagram.problem.interval:g} us. dopri5 grows from {begins:.1f} us on (triangles), too slowly to be
+            seen here. *Order*: slope over the steps before rounding shows."""
         ),
         *tables,
         paragraph(
@@ -131,28 +141,28 @@ def _work(chart: Chart) -> list[str]:
     ]
 
 
-def _costs(ladder: Ladder) -> tuple[str, ...]:
+def _costs(refinement: Refinement) -> tuple[str, ...]:
     costs = []
     for wanted in WANTED:
-        seconds = seconds_at(ladder.rungs, wanted)
+        seconds = seconds_at(refinement.levels, wanted)
         costs.append(f"{1e3 * seconds:.3g}" if math.isfinite(seconds) else "-")
-    order, limit = measured_order(ladder.rungs), ladder.limit
+    order, limit = measured_order(refinement.levels), refinement.limit
     return (
-        ladder.program.name + (" (f32)" if ladder.program.bits == 32 else ""),
+        refinement.program.name + (" (f32)" if refinement.program.bits == 32 else ""),
         f"{1e6 * limit:.1f}" if limit else "none",
         f"{order:.1f}" if math.isfinite(order) else "-",
         *costs,
-        f"{nearest(ladder.rungs).error:.0e}",
+        f"{nearest(refinement.levels).error:.0e}",
     )
 
 
-def _best(chart: Chart) -> str:
+def _best(diagram: WorkPrecision) -> str:
     lines = []
     for film, laws in FILMS.items():
-        ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
+        refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
         for wanted in WANTED:
-            ours = _cheapest(ladders, wanted, ours=True)
-            peer = _cheapest(ladders, wanted, ours=False)
+            ours = _cheapest(refinements, wanted, ours=True)
+            peer = _cheapest(refinements, wanted, ours=False)
             what = f"- {film}, error {wanted:.0e}: "
             if ours and peer:
                 ratio = peer[0] / ours[0]
@@ -165,28 +175,28 @@ def _best(chart: Chart) -> str:
     return "## Who is best\n\n" + "\n".join(lines)
 
 
-def _cheapest(ladders: Sequence[Ladder], wanted: float, *, ours: bool) -> tuple[float, str] | None:
+def _cheapest(refinements: Sequence[Refinement], wanted: float, *, ours: bool) -> tuple[float, str] | None:
     costs = [
-        (seconds_at(ladder.rungs, wanted), ladder.program.name)
-        for ladder in ladders
-        if ladder.program.name.startswith("membrane_rs") == ours
+        (seconds_at(refinement.levels, wanted), refinement.program.name)
+        for refinement in refinements
+        if refinement.program.name.startswith("membrane_rs") == ours
     ]
     return min((cost for cost in costs if math.isfinite(cost[0])), default=None)
 
 
-def _limits(chart: Chart) -> str:
-    ours = next(ladder for ladder in chart.ladders if ladder.program.name == "membrane_rs leapfrog")
-    first = ours.rungs[0]
+def _limits(diagram: WorkPrecision) -> str:
+    ours = next(refinement for refinement in diagram.refinements if refinement.program.name == "membrane_rs leapfrog")
+    first = ours.levels[0]
     named = "; ".join(
-        f"{ladder.program.name} on {ladder.program.law}, {rung.error:.1e} in {rung.seconds:.2g} s"
-        for ladder in chart.ladders
-        if ladder.limit is None
-        for rung in [nearest(ladder.rungs)]
+        f"{refinement.program.name} on {refinement.program.law}, {level.error:.1e} in {level.seconds:.2g} s"
+        for refinement in diagram.refinements
+        if refinement.limit is None
+        for level in [nearest(refinement.levels)]
     )
     floors = ", ".join(
-        f"{nearest(ladder.rungs).error:.1e} on {ladder.program.law}"
-        for ladder in chart.ladders
-        if ladder.program.name == "Newton semi-implicit"
+        f"{nearest(refinement.levels).error:.1e} on {refinement.program.law}"
+        for refinement in diagram.refinements
+        if refinement.program.name == "Newton semi-implicit"
     )
     points = [
         f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and go on at steps at which every explicit method blows
