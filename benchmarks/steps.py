@@ -1,6 +1,6 @@
 """A step of membrane_rs, and of MuJoCo and Newton where they are installed: all in turn, on the flat sail of model 1.
 
-membrane_rs with springs and with triangles, and model 1 itself with everything on; MuJoCo by its RK4, Newton by its
+membrane_rs with springs and with triangles, and model 1 itself with all laws; MuJoCo by its RK4, Newton by its
 semi-implicit solver at its best and as it comes. See docs/peers.md for what they are and for all the others.
 """
 
@@ -36,7 +36,7 @@ def peers(problem: Problem) -> list[Program]:
 def text(found: Steps, missing: str | None) -> str:
     """The table of steps, and the ratios or what is missing for them."""
     rows = [
-        (f"model 1, everything on: membrane_rs {method}", f"{1e6 * step:.1f}") for method, step in found.model.items()
+        (f"model 1, all laws: membrane_rs {method}", f"{1e6 * step:.1f}") for method, step in found.model.items()
     ]
     for pace in found.paces:
         name = pace.name + (" (f32)" if pace.bits == 32 else "")

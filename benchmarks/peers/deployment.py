@@ -22,8 +22,8 @@ INSTANTS = 100
 """At which the curves are compared, as in the diagram."""
 METHOD, SHARE = "leapfrog", 0.9
 """The cheapest method of the diagram, and its step over its limit."""
-SHORT_STEPS = 4
-"""In a step: slow laws are evaluated once in so many."""
+SUBSTEPS = 4
+"""Substeps in a step; slow laws are evaluated once a step."""
 FINER, FINER_SHARE = "rk4", 0.25
 """What it is compared with."""
 
@@ -53,7 +53,7 @@ class Deployment:
 
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
-    scene = replace(scene, run=replace(scene.run, short_steps=SHORT_STEPS))
+    scene = replace(scene, run=replace(scene.run, short_steps=SUBSTEPS))
     case = study_case(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
     finer = run_case(case, FINER, FINER_SHARE * limits[FINER]).completed()

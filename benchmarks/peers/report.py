@@ -47,18 +47,18 @@ def _head(versions: dict[str, str]) -> list[str]:
         paragraph(
             f"""Made by `make peers`, which installs MuJoCo and Newton as an optional extra: {named}. Processor:
             {cpu()};
-            one core, one thread, processor time. All programs are run in turn in one go."""
+            one core, one thread, processor time. All programs are run alternately in one session."""
         ),
         paragraph(
             """A flat elastic membrane with tip masses on its corners is set spinning in empty space, unstretched. It
-            widens, rings in its own plane and turns on. No creases, no buckling, no contact, no damping: what all of
-            the
-            programs can do."""
+            expands, vibrates in its own plane and continues to turn. It has no creases, buckling, contact or damping,
+            so that all of the programs can simulate it."""
         ),
         bullets(programs),
         paragraph(
-            """Each program runs at its best: contact and whatever else is not needed is off, MuJoCo takes all steps in
-            one call, Newton's steps are captured as a graph and replayed without Python. Compilation is not timed."""
+            """Each program runs in its fastest configuration: contact and other unneeded features are off, MuJoCo takes
+            all steps in one call, Newton's steps are captured as a graph and replayed without Python. Compilation is
+            not timed."""
         ),
     ]
 
@@ -85,29 +85,26 @@ def _same(diagram: WorkPrecision) -> list[str]:
         paragraph(
             f"""The {problem.name}, {len(problem.mesh.triangles)} triangles, {len(problem.mesh.edges)} edges,
             {x.max() - x.min():g} m wide: rubber of E = {film.youngs_modulus:g} Pa, nu = {film.poisson_ratio:.3g},
-            {film.density:g} kg/m3, {film.thickness:g} m thick, soft so that single precision can see it stretch; tips
-            of
-            {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g} s."""
+            {film.density:g} kg/m3, {film.thickness:g} m thick, soft so that its strain is well above single precision;
+            tips of {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g}
+            s."""
         ),
         table(head, rows, range(2)),
         paragraph(
             f"""*Mass* and *kinetic energy* as each program holds them at the start. *Corner peak*: first maximum of the
             corners' radius, less its flat value, in the converged motion. *Model apart*: how far the converged motion
             lies from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
-            the
-            membrane moves beyond rigid rotation. It is the error of the model and has no part in the diagram. *Nearest
-            run*:
-            the least distance of any of the program's runs from that converged motion: it shows that the motion is its
-            own."""
+            the membrane moves beyond rigid rotation. It is the error of the model, which the diagram excludes. *Nearest
+            run*: the least distance of any of the program's runs from that converged motion, which shows that the
+            program converges to it."""
         ),
         paragraph(
             f"""Converged motions: membrane_rs by its rk4 ({diagram.own_error:.0e} from itself at twice the step),
-            MuJoCo by
-            its own RK4 at half of the finest step of the diagram. Newton's single precision cannot converge so far: its
-            springs are measured against membrane_rs's, its triangles against the same law in double precision
-            (`benchmarks/peers/neo_hookean.py`). St. Venant and Kirchhoff's and the neo-Hookean film agree at small
-            strain
-            only. A net of springs is another model of the film: on right triangles it is not isotropic."""
+            MuJoCo by its own RK4 at half of the finest step of the diagram. Newton's single precision does not allow
+            such convergence: its springs are measured against membrane_rs's, its triangles against the same law in
+            double precision (`benchmarks/peers/neo_hookean.py`). St. Venant and Kirchhoff's and the neo-Hookean film
+            agree at small strain only. A network of springs is another model of the film: on right triangles it is not
+            isotropic."""
         ),
     ]
 
@@ -126,17 +123,17 @@ def _work(diagram: WorkPrecision) -> list[str]:
         "## Error against work",
         "![Error against processor time and steps, for each program on triangles and on springs](peers.png)",
         paragraph(
-            f"""Processor time [ms] that each program takes for a given error against its own converged motion, between
-            two of its steps. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g} times that of the
-            start within {TRIAL_STEPS} steps; *none*: an implicit method, which was begun at
+            f"""Processor time [ms] that each program takes for a given error against its own converged motion,
+            interpolated between two of its steps. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g}
+            times that of the start within {TRIAL_STEPS} steps; *none*: an implicit method, whose largest step here is
             {1e6 * diagram.problem.interval:g} us. dopri5 grows from {begins:.1f} us on (triangles), too slowly to be
-            seen here. *Order*: slope over the steps before rounding shows."""
+            detected here. *Order*: slope over the steps above the rounding error."""
         ),
         *tables,
         paragraph(
-            """The start is free of elastic force. So symplectic Euler, with velocities of the start where leapfrog has
-            those of half a step later, gives the positions of leapfrog: order 2, and the same error at the same step in
-            all three programs, as long as rounding does not show."""
+            """The start is free of elastic force. Symplectic Euler with the initial velocities therefore gives the
+            positions of leapfrog, whose velocities are those of half a step later: order 2, and the same error at the
+            same step in all three programs, above the rounding error."""
         ),
     ]
 
@@ -199,13 +196,12 @@ def _limits(diagram: WorkPrecision) -> str:
         if refinement.program.name == "Newton semi-implicit"
     )
     points = [
-        f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and go on at steps at which every explicit method blows
-        up. Where a motion only has to settle, or a stiff part must not set the step, that is what is wanted. A motion
-        that is to be followed is another matter: they damp it, at order 1. Their nearest runs here: {named}. The
-        longest step of membrane_rs's leapfrog has an error of {first.error:.1e} on {ours.program.law}, in
-        {first.seconds:.2g} s.""",
-        f"""Newton's single precision bounds its error from below, here by {floors}: from there on more steps make it
-        worse. The stretch of a stiff film, which is far smaller, would drown in it.""",
+        f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and remain stable at steps at which every explicit
+        method is unstable. This suits relaxation to equilibrium, and stiff parts that must not set the step. A
+        transient motion they damp, at order 1. Their nearest runs here: {named}. The longest step of membrane_rs's
+        leapfrog has an error of {first.error:.1e} on {ours.program.law}, in {first.seconds:.2g} s.""",
+        f"""Single precision bounds the error of Newton from below, here by {floors}: more steps only increase it. The
+        strain of a stiff film is far smaller than that.""",
         """MuJoCo and Newton simulate rigid bodies, joints, friction and contact between anything and anything; Newton
         runs on graphics processors, many scenes at once. None of that is used here, and membrane_rs has none of it.""",
     ]
