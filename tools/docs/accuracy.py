@@ -60,7 +60,7 @@ def tether_period() -> Row:
     amplitude = math.asin((cord.end[1] - cord.start[1]) / length)
     soft = 4 * (2 * math.pi * spin.frequency) ** 2 * cord.tip_mass * length / cord.axial_stiffness
     exact = math.sqrt(length / hub * (1 + soft)) / spin.frequency * (1 + amplitude**2 / 16)
-    return compare("swing of a tip mass on a turning hub, period [s]", period, exact, ".4f")
+    return compare("oscillation of a tip mass on a turning hub, period [s]", period, exact, ".4f")
 
 
 def disc_growth() -> Row:
@@ -103,7 +103,7 @@ def energy(until: float = 0.02) -> list[Row]:
         at_end = sim.ledger()
         share = max(worst) / at_end["turned_over"]
         label = f"model 1, energy error after {1e3 * until:g} ms at a step of {1e6 * sim.dt:.2f} us [%]"
-        note = f"of {at_end['turned_over']:.2e} J; spurious gain at most {100 * share:.0e}"
+        note = f"of {at_end['turned_over']:.2e} J; gain at most {100 * share:.0e}"
         rows.append((label, f"{100 * at_end['error']:+.4f}", note))
     return rows
 
@@ -119,7 +119,7 @@ def growth(shift: float = 1e-12) -> list[Row]:
         for run in runs:
             run.run(until=time, frames=2, samples=2)
         apart = float(np.linalg.norm(runs[0].positions - runs[1].positions, axis=1).max())
-        label = f"model 1, a shift of {shift:g} m after {1e3 * time:g} ms [m]"
+        label = f"model 1, a displacement of {shift:g} m after {1e3 * time:g} ms [m]"
         rows.append((label, f"{apart:.1e}", "chaos, not an error"))
     return rows
 
