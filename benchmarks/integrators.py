@@ -161,7 +161,7 @@ def energy_error(name: str, oscillations: int) -> float:
 
 
 def facts_table() -> str:
-    """What each method states, and what was measured."""
+    """Stated and measured properties of each method."""
     head = (
         "method",
         "order",

@@ -29,7 +29,7 @@ class Ours:
         return self._sim.masses
 
     def step(self, n: int) -> None:
-        """Raises BlownError where the watch stops the run."""
+        """Raises BlownError where the monitor stops the run."""
         try:
             self._sim.step(n)
         except UnstableError as error:
