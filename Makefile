@@ -62,7 +62,7 @@ peers: $(VENV)/built
 accuracy: $(VENV)/built
 	$(BIN)/python benchmarks/remake.py $(PART)
 
-# Every number and picture of README.md, made anew.
+# Remakes every number and picture of README.md.
 readme: demo
 	$(BIN)/python tools/docs/accuracy.py
 	$(BIN)/python tools/docs/readme_numbers.py --write

@@ -79,8 +79,8 @@ def page(rows: list[Limits]) -> str:
         "",
         "Predicted: from the largest eigenvalues of the stiffness and damping at the start (`Simulation.stable_dt`).",
         "Measured: by bisection on the growth of a small disturbance under the method's own steps, to 0.3 %",
-        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a perturbed grid, with linear laws and",
-        "negative springs set to zero. Made by `python tests/limit_cases.py`.",
+        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a perturbed grid, with linear laws",
+        "and negative springs set to zero. Made by `python tests/limit_cases.py`.",
         "",
     ]
     head = ("scene", "method", "predicted [s]", "measured [s]", "measured / predicted", "set by")

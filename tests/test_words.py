@@ -80,7 +80,7 @@ def places(text: str) -> list[str]:
     return [f"{text.count(chr(10), 0, m.start()) + 1}: {m[0]!r}: {term_for(m[0])}" for m in PATTERN.finditer(text)]
 
 
-@pytest.mark.parametrize("file", files(), ids=lambda file: str(file.relative_to(ROOT)))
+@pytest.mark.parametrize("file", list(files()), ids=lambda file: str(file.relative_to(ROOT)))
 def test_no_private_word_stands_in(file: Path) -> None:
     assert places(file.read_text(encoding="utf-8")) == []
 

@@ -25,7 +25,7 @@ METHOD, SHARE = "leapfrog", 0.9
 SUBSTEPS = 4
 """Substeps in a step; slow laws are evaluated once a step."""
 FINER, FINER_SHARE = "rk4", 0.25
-"""What it is compared with."""
+"""Method and step of the finer run."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Largest stable steps, errors over refined steps, and times of a step.
 
-Processor time is counted, so that other programs on the machine show little. What is timed is done in turn, so
-that a slow moment falls on all alike; of repeated runs at one level the shortest counts, of repeated times of a step
+Times are processor times, so that other programs on the machine have little effect, and are taken alternately, so
+that a slow moment affects all alike; of repeated runs at one level the shortest counts, of repeated times of a step
 the median.
 """
 

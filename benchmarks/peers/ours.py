@@ -9,7 +9,7 @@ from peers.program import BlownError
 
 
 class Ours:
-    """One integrator of membrane_rs on springs or triangles, in the inertial frame, as it comes."""
+    """One integrator of membrane_rs on springs or triangles, in the inertial frame, in its default configuration."""
 
     bits = 64
 

@@ -28,7 +28,7 @@ NO_BUCKLING = 1e9
 
 @dataclass(frozen=True)
 class Problem:
-    """What is simulated.
+    """The simulated problem.
 
     Attributes
     ----------

@@ -81,7 +81,7 @@ def _same(diagram: WorkPrecision) -> list[str]:
     ]
     head = ("program", "law", "mass [g]", "kinetic energy [mJ]", "corner peak", "at [ms]", "model apart", "nearest run")
     return [
-        "## The same problem?",
+        "## Equivalence of the problems",
         paragraph(
             f"""The {problem.name}, {len(problem.mesh.triangles)} triangles, {len(problem.mesh.edges)} edges,
             {x.max() - x.min():g} m wide: rubber of E = {film.youngs_modulus:g} Pa, nu = {film.poisson_ratio:.3g},
@@ -92,8 +92,8 @@ def _same(diagram: WorkPrecision) -> list[str]:
         table(head, rows, range(2)),
         paragraph(
             f"""*Mass* and *kinetic energy* as each program holds them at the start. *Corner peak*: first maximum of the
-            corners' radius, less its flat value, in the converged motion. *Model apart*: how far the converged motion
-            lies from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
+            corners' radius, less its flat value, in the converged motion. *Model apart*: the distance of the converged
+            motion from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
             the membrane moves beyond rigid rotation. It is the error of the model, which the diagram excludes. *Nearest
             run*: the least distance of any of the program's runs from that converged motion, which shows that the
             program converges to it."""
@@ -169,7 +169,7 @@ def _best(diagram: WorkPrecision) -> str:
                 lines.append(f"{what}{ours[1]}; no peer gets there.")
             elif peer:
                 lines.append(f"{what}**{peer[1]} only.**")
-    return "## Who is best\n\n" + "\n".join(lines)
+    return "## Best program for each error\n\n" + "\n".join(lines)
 
 
 def _cheapest(refinements: Sequence[Refinement], wanted: float, *, ours: bool) -> tuple[float, str] | None:

@@ -33,7 +33,7 @@ def pace(speed: Speed) -> list[str]:
     versus = ("/ rk4", "/ leapfrog", "/ model 1 rk4", "/ model 1 leapfrog")
     head = ("flat sail", "law", "step [us]", *versus, "largest step [us]", f"{UNTIL:g} s take [s]")
     return [
-        "## The time of a step",
+        "## Time of a step",
         paragraph(
             f"""The membrane of model 1 laid flat, its petals joined: {mesh.node_count} nodes, {len(mesh.edges)} edges,
             {len(mesh.triangles)} triangles, its own film, rate and tip masses. Medians. The columns that begin with a
@@ -52,7 +52,7 @@ def pace(speed: Speed) -> list[str]:
 
 
 def steps(found: Steps) -> list[tuple[str, ...]]:
-    """What was aimed at for a step, and what was reached: rows of a table."""
+    """Aims for a step and the ratios reached: rows of a table."""
     mujoco, rows = found.pace("MuJoCo RK4", "triangles"), []
     flat = "MuJoCo RK4, flat, triangles"
     for law in ("triangles", "springs"):
@@ -73,7 +73,7 @@ AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
 
 
 def aims(speed: Speed) -> list[str]:
-    """What was aimed at, and what was reached."""
+    """Aims and the ratios reached."""
     done, mujoco = speed.deployment, speed.pace("MuJoCo RK4", "triangles")
     ours = f"model 1, {METHOD} in {SUBSTEPS} substeps, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
     against = f"MuJoCo RK4, flat, triangles: {mujoco.whole:.4g} s"
@@ -83,7 +83,7 @@ def aims(speed: Speed) -> list[str]:
         for name, curve in (("rate", "deployment rate"), ("phase", "phase in degrees"))
     )
     return [
-        "## What was aimed at",
+        "## Aims",
         paragraph(
             f"""Aims for {speed.width}, the vector instructions of this machine. The whole deployment of model 1 was run
             by {METHOD} in {SUBSTEPS} substeps with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us:

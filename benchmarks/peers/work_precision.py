@@ -28,7 +28,7 @@ NUMPY_STEPS = 40
 
 @dataclass(frozen=True)
 class Sameness:
-    """A converged motion: what it is of, and how far from membrane_rs's on triangles.
+    """A converged motion: its program and law, and its distance from membrane_rs's on triangles.
 
     `mass` [kg] and `energy` [J], kinetic at the start, as the program itself holds them; `peak` [-] and `peak_time`
     [s] of the corners' first stretch; `apart` is a distance as `Problem.error` measures it, and `nearest` that of the

@@ -34,9 +34,7 @@ def copy_pictures(out: Path) -> None:
 def main() -> None:
     """Compare, or write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument(
-        "--out", type=Path, default=ROOT / "out", help="folder of the results"
-    )
+    parser.add_argument("--out", type=Path, default=ROOT / "out", help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write README.md and docs/*.png")
     parser.add_argument("--tables", nargs="+", choices=TABLES, help="only these tables, without the pictures")
     options = parser.parse_args()

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from membrane_rs._moved import REMOVAL
+
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
 
@@ -86,4 +88,4 @@ def substeps_of(substeps: int | None, short_steps: int | None) -> int | None:
 
 def warn_renamed(old: str, new: str) -> None:
     """Say that a command or an option has a new name."""
-    typer.secho(f"Warning: {old} is deprecated; use {new}", fg="yellow", err=True)
+    typer.secho(f"Warning: {old} is deprecated and goes with version {REMOVAL}; use {new}", fg="yellow", err=True)

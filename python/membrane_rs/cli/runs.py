@@ -1,4 +1,4 @@
-"""Commands about one scene: run it, resume it, list what is built in, check it."""
+"""Commands on one scene: run, resume, check; and the list of built-in scenes."""
 
 from __future__ import annotations
 
@@ -179,7 +179,7 @@ def _run(
         except KeyboardInterrupt:
             show.stop()
             state = folder / "state.npz"
-            typer.echo(f"Stopped at {sim.time:.6g} s. What was written so far is in {folder}", err=True)
+            typer.echo(f"Stopped at {sim.time:.6g} s. The results so far are in {folder}", err=True)
             if state.is_file() and sim.time < (settings.until if until is None else until):
                 typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
             raise typer.Exit(INTERRUPTED) from None

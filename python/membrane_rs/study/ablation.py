@@ -267,7 +267,7 @@ def ablate(
 
 @dataclass(frozen=True)
 class _Comparison:
-    """What each variant is compared with: the complete scene, its run, and the allowed change."""
+    """The reference of each variant: the complete scene, its run, and the allowed change."""
 
     case: StudyCase
     whole: Simulation
@@ -280,7 +280,7 @@ class _Comparison:
     tell: Tell
 
     def named(self, variant: Variant) -> Variant:
-        """The variant; its name says so where its run is shortened."""
+        """The variant, whose name contains the end of a shortened run."""
         case = self.case.shortened(self.dense_until)
         if variant.density <= 1.0 or case is self.case:
             return variant

@@ -23,7 +23,7 @@ class Variant:
     Attributes
     ----------
     name : str
-        Description of what is left out or replaced.
+        Name of the element that is left out or replaced.
     place : (str, int)
         Its place in the scene: "laws", "parts" or "mesh", and its index.
     scene : Scene or None
