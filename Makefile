@@ -59,11 +59,11 @@ peers: $(VENV)/built
 	cd benchmarks && ../$(BIN)/python -m peers --write
 
 # Every figure and table of the accuracy side from nothing, in less than an hour on two cores; some of them:
-# make accuracy PART="charts limits". Parts: benchmarks/remake.py --list.
+# make accuracy PART="work-precision limits". Parts: benchmarks/remake.py --list.
 accuracy: $(VENV)/built
 	$(BIN)/python benchmarks/remake.py $(PART)
 
-# Every number and picture of README.md, made anew.
+# Remakes every number and picture of README.md.
 readme: demo
 	$(BIN)/python tools/docs/accuracy.py
 	$(BIN)/python tools/docs/readme_numbers.py --write

@@ -1,7 +1,7 @@
-"""How long it takes to build a mesh of a million nodes, and to import the package.
+"""Time to build a mesh of a million nodes, and to import the package.
 
-The mesh is the square sail with its creases: edges, the sides of triangles, hinges, audit. Its pattern, which works out
-where the nodes lie, flat and stowed, comes before. The import is timed in fresh processes whose byte code is there.
+The mesh is the square sail with its creases: edges, the sides of triangles, hinges, audit. Its pattern, which computes
+the flat and stowed positions, is timed separately. The import is timed in fresh processes with existing byte code.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def import_time() -> float:
 
 
 def text(mesh: Mesh, times: Times) -> str:
-    """The table; what has an aim says so."""
+    """The table, with the aim of each row that has one."""
     rows = [(what, f"{median(found):.2f}", f"{AIMS[what]:g}" if what in AIMS else "") for what, found in times.items()]
     counts = f"{mesh.node_count:,} nodes, {len(mesh.edges):,} edges, {len(mesh.triangles):,} triangles"
     return f"{counts}, {len(mesh.creases):,} creases.\n\n{table(('by the clock', '[s]', 'aim [s]'), rows)}"
@@ -81,7 +81,7 @@ def main() -> None:
     times: Times = {}
     for _ in range(1 if chosen.quick else 3):
         mesh = build(FEW_ROWS if chosen.quick else ROWS, times)
-    import_time()  # writes byte code where there is none
+    import_time()  # writes missing byte code
     times["import of membrane_rs"] = [import_time() for _ in range(3 if chosen.quick else 11)]
     show(PART, f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}", write=chosen.write)
 

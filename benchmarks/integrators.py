@@ -35,10 +35,10 @@ Floats = NDArray[np.float64]
 
 OMEGA = 10.0
 """Of 1 kg on a cord of 100 N/m [rad/s]; its weight of 10 N stretches the cord by 0.1 m."""
-UNWATCHED = RunSettings(until=1.0, watch=10**9)
+UNMONITORED = RunSettings(until=1.0, watch=10**9)
 
 
-def cord(laws: Sequence[Law], axial_stiffness: float = 100.0, run: RunSettings = UNWATCHED) -> Scene:
+def cord(laws: Sequence[Law], axial_stiffness: float = 100.0, run: RunSettings = UNMONITORED) -> Scene:
     """1 kg on a massless cord of 1 m along x."""
     ends = {"start": (0.0, 0.0, 0.0), "end": (1.0, 0.0, 0.0)}
     part = Tether(**ends, segments=1, axial_stiffness=axial_stiffness, linear_density=0.0, tip_mass=1.0)  # type: ignore[arg-type]
@@ -70,7 +70,7 @@ def smooth_error(name: str, count: int) -> float:
 
 
 def damped_order(name: str) -> float:
-    """On a mass whirled by a hub, with a dashpot of half the critical damping, friction and Coriolis force."""
+    """Order on a mass on a turning hub, with a dashpot of half the critical damping, friction and Coriolis force."""
     laws: list[Law] = [Spin(1.0, 0.1), SpringDamping(0.5), MassDamping(1.0)]
     motion = ((1.4, 0.3, 0.1), (0.5, 1.0, -0.5))
 
@@ -85,7 +85,7 @@ def damped_order(name: str) -> float:
 
 
 def bounce(time: float) -> float:
-    """Where the mass is that falls from 1.3 m: an arc of a cosine, free flight, and again [m]."""
+    """Position of the mass that falls from 1.3 m: alternating arcs of a cosine and free flight [m]."""
     taut = math.acos(-0.5) / OMEGA
     speed = 0.2 * OMEGA * math.sin(OMEGA * taut)
     flight = 2 * speed / 10.0
@@ -97,8 +97,8 @@ def bounce(time: float) -> float:
 
 
 def kinked_error(name: str, count: int) -> float:
-    """Error on a cord that goes slack and taut four times: the force has a kink there, as that of buckling and contact
-    has. It hangs on where in the step the kink falls, so the root mean square over 24 steps is taken [m].
+    """Error on a cord that becomes slack and taut four times: the force has kinks there, as those of buckling and
+    contact have. It depends on the place of the kink in the step: root mean square over 24 steps [m].
     """
     squares = []
     for extra in range(24):
@@ -128,7 +128,7 @@ def imaginary_limit(name: str, predicted: float) -> float:
         for k in range(len(sizes)):
             sim.step()
             sizes[k] = abs(sim.positions[1, 0] - 1.1)
-        # A blow-up ends in a swing of the slack cord, or in no number.
+        # An unstable run ends in oscillations of the slack cord, or in NaN.
         return not bool(sizes[-5000:].max() <= min(1.05 * sizes[:300].max(), 1e-6))
 
     return limit(grows, predicted)
@@ -161,7 +161,7 @@ def energy_error(name: str, oscillations: int) -> float:
 
 
 def facts_table() -> str:
-    """What each method states, and what was measured."""
+    """Stated and measured properties of each method."""
     head = (
         "method",
         "order",
@@ -183,15 +183,15 @@ def facts_table() -> str:
         )
         orders = (f"{order:.2f}" for order in measured)
         axes = (
-            *told_limit(name, facts.imaginary_limit, imaginary_limit),
-            *told_limit(name, facts.real_limit, real_limit),
+            *measured_limit(name, facts.imaginary_limit, imaginary_limit),
+            *measured_limit(name, facts.real_limit, real_limit),
         )
         rows.append((name, str(facts.order), *orders, str(facts.evaluations), *axes))
     return table(head, rows)
 
 
-def told_limit(name: str, predicted: float, measure: Callable[[str, float], float]) -> tuple[str, str]:
-    """The predicted limit, and the measured one where there is one."""
+def measured_limit(name: str, predicted: float, measure: Callable[[str, float], float]) -> tuple[str, str]:
+    """The predicted limit, and the measured one of a method with a limit."""
     return (f"{predicted:.3f}", f"{measure(name, predicted):.3f}") if math.isfinite(predicted) else ("none", "-")
 
 
@@ -205,14 +205,14 @@ def cost_table(smooth: int = 600, kinked: int = 4800) -> str:
 
 
 def energy_table() -> str:
-    """What becomes of an undamped oscillation's energy."""
+    """Energy error of an undamped oscillation."""
     counts = (100, 1000, 10_000, 100_000)
     head = ("energy error after", *(f"{count:,}" for count in counts[:-1]), f"{counts[-1]:,} oscillations")
     return table(head, [(name, *(f"{100 * energy_error(name, n):+.3g} %" for n in counts)) for name in integrators()])
 
 
 def release_table(until: float = 5e-3) -> str:
-    """The first 5 ms of model 1's release, the hardest: what it costs, and what becomes of the energy."""
+    """The first 5 ms of the release of model 1, the most demanding: cost and energy error."""
     scene = scenes.load("okuizumi-model-1")
     limits = {name: Simulation(scene, name, 1e-7).stable_dt() for name in integrators()}
     runs: list[tuple[str, str, float | None, float]] = [
@@ -242,8 +242,8 @@ def release_table(until: float = 5e-3) -> str:
     return table(("model 1, first 5 ms", "step [us]", "steps (rejected)", "evaluations", "energy error"), rows)
 
 
-def settling_table() -> str:
-    """A crease that opens against friction and settles: what is fast dies at once, what is slow is wanted."""
+def relaxation_table() -> str:
+    """A crease that relaxes against friction: only its slow motion is of interest."""
     scene = scenes.load("single-crease")
     scene = replace(scene, run=replace(scene.run, energy_loss=10.0))
     until = scene.run.until
@@ -256,7 +256,7 @@ def settling_table() -> str:
         return sim, time.process_time() - began
 
     exact = run("rk4", 0.1 * explicit)[0].positions
-    counted = ("evaluations", "factors", "halved")
+    counted = ("evaluations", "factorisations", "halved steps")
     head = ("single-crease, 0.3 s", "step, of rk4's limit", *counted, "processor [ms]", "error [m]")
     rows = []
     for name, facts in integrators().items():
@@ -272,19 +272,19 @@ def settling_table() -> str:
     return table(head, rows)
 
 
-def stretching_table() -> str:
-    """What damping leaves of leapfrog's limit of 2: what a method stretched along the real axis would have to beat."""
+def damping_table() -> str:
+    """Reduction of leapfrog's limit by damping: the most that a stabilised method could regain."""
     rows = []
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
         found = sim._core.limit()
         limit, omega = found.dt, found.largest_frequency
         rows.append((name, f"{limit:.3g}", f"{limit * omega:.2f}", f"{100 * (1 - limit * omega / 2):.1f} %"))
-    return table(("scene", "leapfrog's limit [s]", "times the highest frequency", "taken by damping"), rows)
+    return table(("scene", "leapfrog's limit [s]", "times the highest frequency", "reduction by damping"), rows)
 
 
 def tangent_table(steps: int = 5) -> str:
-    """What a factorisation of the tangent costs, all else of its Newton iterations included."""
+    """Cost of a factorisation of the tangent, with the rest of the Newton iterations."""
     rows = []
     for name in scenes.names():
         sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
@@ -307,9 +307,9 @@ def main() -> None:
             cost_table(),
             energy_table(),
             release_table(),
-            settling_table(),
+            relaxation_table(),
             tangent_table(),
-            stretching_table(),
+            damping_table(),
         )
     )
     show(PART, text, write=options.write)

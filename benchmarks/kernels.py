@@ -1,7 +1,7 @@
-"""Each law and each step, by plain scalar loops and by the kernels at every width, on four meshes.
+"""Each law and each step, by plain scalar loops and by the kernels with every instruction set, on four meshes.
 
-Runs `cargo bench --bench kernels` (criterion) and makes tables of its medians: one for each mesh, and one of what a
-node costs as the mesh grows. In brackets how many times as fast as the scalar loops.
+Runs `cargo bench --bench kernels` (criterion) and makes tables of its medians: one for each mesh, and one of the cost
+per node against the size of the mesh. In brackets is the speed-up over the scalar loops.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PART = MarkedPart(README, "kernels")
 CRITERION = ROOT / "target" / "criterion"
 COLUMNS = ("scalar", "baseline", "avx2", "avx512")
 WHOLE = ("evaluation: all", "step: leapfrog", "step: rk4")
-"""What is followed from mesh to mesh."""
+"""The rows of the table of costs per node."""
 
 Medians = dict[int, dict[str, dict[str, float]]]
 """[us] by number of nodes, row and column."""
@@ -34,7 +34,7 @@ def run(*, quick: bool) -> None:
 
 
 def medians(folder: Path, since: float) -> Medians:
-    """What criterion has found since a time: what an earlier run left there does not count."""
+    """Results of criterion since a time; those of earlier runs are ignored."""
     found: Medians = {}
     for file in sorted(folder.glob("*-*/*/*/new/estimates.json")):
         group = re.fullmatch(r"(evaluation|step)-(\d+)", file.parts[-5])
@@ -46,7 +46,7 @@ def medians(folder: Path, since: float) -> Medians:
 
 
 def tables(found: Medians) -> str:
-    """One for each mesh, the dearest rows first; then the cost of a node."""
+    """One for each mesh, by decreasing cost; then the cost per node."""
     return "\n".join([*(_of_mesh(nodes, rows) for nodes, rows in found.items()), _growth(found)])
 
 
@@ -64,7 +64,7 @@ def _of_mesh(nodes: int, rows: dict[str, dict[str, float]]) -> str:
 
 
 def _growth(found: Medians) -> str:
-    """A node's share [ns], and how many times that on the first mesh."""
+    """Cost per node [ns], and its ratio to that on the first mesh."""
     columns = _columns({label: row for rows in found.values() for label, row in rows.items()})
     lines = []
     for label in WHOLE:

@@ -1,11 +1,11 @@
-"""What a step of model 1 costs, and what each law has of it, through the public interface.
+"""Cost of a step of model 1, and the share of each law, through the public interface.
 
-A law's cost is the step's time with all laws less the time without that law, over the four evaluations of an
-RK4 step: what a user saves by leaving it out. Processor time is counted, all are timed in turn, and the median
-of the differences is taken, so that a slow moment of the machine falls on all alike.
+The cost of a law is the time of a step with all laws less the time without that law, over the four evaluations of an
+RK4 step: the saving from leaving it out. Times are processor times, taken alternately; the median of the differences
+is used, so that other load on the machine affects all variants equally.
 
-Before it come the kernels against plain scalar loops, and against what the machine allows, which the core's own
-benchmark measures (`cargo bench --bench model_1`).
+The first tables compare the kernels with plain scalar loops and with the bounds of the machine; the benchmark of the
+core measures them (`cargo bench --bench model_1`).
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def sail_table(times: dict[str, list[float]]) -> str:
 
 
 def scalar_table(*, quick: bool) -> str:
-    """The kernels against plain scalar loops and against the machine, as `cargo bench --bench model_1` prints them."""
+    """The kernels against scalar loops and the bounds of the machine, as printed by `cargo bench --bench model_1`."""
     command = ["cargo", "bench", "--package", "membrane-benches", "--bench", "model_1", "--"]
     done = subprocess.run(
         [*command, *(["quick"] if quick else [])], cwd=ROOT, check=True, capture_output=True, text=True

@@ -1,11 +1,11 @@
-"""What a results folder costs: runs of model 1 with it and without it, in turn, in one process.
+"""Cost of a results folder: runs of model 1 with and without it, alternately, in one process.
 
-    leapfrog, near its limit    the fastest stepping there is, and so the hardest case: the whole deployment
+    leapfrog, near its limit    the fastest stepping, and so the most demanding case: the whole deployment
     rk4                         the default method and step: a part of the deployment, frames and samples as dense
 
-Wall time is what a user waits for, the writing thread on a core of its own where one is free: the quickest run of
-each kind, the least disturbed. Processor time, of stepping and writing together, is what the run takes where no core
-is free: the median of the ratios of runs that follow each other. A first short run, not counted, imports what is
+Wall time includes waiting for the writing thread, which has a core of its own where one is free: the fastest run of
+each kind, the least disturbed. Processor time, of stepping and writing together, is the time of a run on one core
+only: the median of the ratios of runs that follow each other. A first short run, not counted, imports what is
 needed. The pictures are drawn after the run, in a fresh process here, as a user does it, and timed apart. With
 --write the table goes into README.md beside this file.
 """

@@ -1,4 +1,4 @@
-"""README.md beside this file: each script of `make bench` writes its tables into a marked part of its own."""
+"""README.md beside this file, where each script of `make bench` writes its tables into a marked part."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from marked import DOCS, MarkedPart  # noqa: E402
 
 
 def options(doc: str | None) -> argparse.ArgumentParser:
-    """What every script of `make bench` understands."""
+    """The options of every script of `make bench`."""
     parser = argparse.ArgumentParser(description=doc.splitlines()[0] if doc else None)
     parser.add_argument("--write", action="store_true", help="put the tables into README.md beside this file")
-    parser.add_argument("--quick", action="store_true", help="few repeats: to see it work, not to measure")
+    parser.add_argument("--quick", action="store_true", help="few repeats: for a check, not for measurements")
     return parser
 
 

@@ -1,8 +1,7 @@
-"""Every figure and table of the accuracy side, made anew from nothing: `make accuracy`.
+"""All figures and tables on accuracy, remade from scratch: `make accuracy`.
 
-Each part is a few commands of its own, which write into docs/ and README.md as they go. One that fails loses nothing
-of the others; what failed is told at the end, and by the exit code. Parts that fill all cores run alone, the others
-side by side.
+Each part is a sequence of commands that write into docs/ and README.md. A part that fails does not affect the others;
+failures are reported at the end and by the exit code. Parts that use all cores run alone, the others in parallel.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ MAP = (
 
 @dataclass(frozen=True)
 class Part:
-    """What can be remade alone: commands for this interpreter, and files to copy once they are done.
+    """A unit of work: commands for this interpreter, and files to copy afterwards.
 
     `fills_cores`: it runs on all cores by itself.
     """
@@ -40,19 +39,19 @@ class Part:
     fills_cores: bool = False
 
 
-CHARTS = ("spinning-tether", "spinning-disc", "single-crease", "release", "deployment")
+DIAGRAMS = ("spinning-tether", "spinning-disc", "single-crease", "release", "deployment")
 ABLATIONS = ("spinning-tether", "okuizumi-model-1", "okuizumi-model-2")
 PARTS = (
     Part(
-        "charts",
-        "docs/studies.md: error against work",
-        [("tools/docs/charts.py", "--write", "--only", *(f"{name}-chart" for name in CHARTS))],
+        "work-precision",
+        "docs/studies.md: work-precision diagrams",
+        [("tools/docs/studies.py", "--write", "--only", *(f"{name}-work-precision" for name in DIAGRAMS))],
         fills_cores=True,
     ),
     Part(
         "ablations",
-        "docs/studies.md: what each law costs and changes",
-        [("tools/docs/charts.py", "--write", "--only", *(f"{name}-ablation" for name in ABLATIONS))],
+        "docs/studies.md: cost and effect of each law",
+        [("tools/docs/studies.py", "--write", "--only", *(f"{name}-ablation" for name in ABLATIONS))],
         fills_cores=True,
     ),
     Part(
@@ -62,24 +61,24 @@ PARTS = (
         fills_cores=True,
     ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
-    Part("limits", "docs/limits.md: steps predicted and measured", [("tests/limit_cases.py",)]),
-    Part("poisoned", "docs/poisoned.md: how poisoned runs end", [("tests/poisoned.py",)]),
+    Part("limits", "docs/limits.md: limits predicted and measured", [("tests/limit_cases.py",)]),
+    Part("faults", "docs/fault_injection.md: outcomes of faulty runs", [("tests/fault_injection.py",)]),
     Part(
         "map",
-        "docs/stability.png: which steps are fine",
+        "docs/stability.png: outcomes over step and damping",
         [("-m", "membrane_rs.cli", *MAP)],
         copies={"out/stability/stability-rk4.png": "docs/stability.png"},
     ),
     Part(
         "readme",
-        "README.md: the table of known answers",
+        "README.md: the table of exact solutions",
         [("tools/docs/accuracy.py",), ("tools/docs/readme_numbers.py", "--write", "--tables", "accuracy.md")],
     ),
 )
 
 
 def remake(part: Part) -> tuple[bool, float]:
-    """Run the commands of a part, its name before every line that they say; whether all went well, and the time [s]."""
+    """Run the commands of a part, its name before every line of their output; (success, time [s])."""
     began = time.perf_counter()
     for words in part.commands:
         process = subprocess.Popen(
@@ -93,7 +92,7 @@ def remake(part: Part) -> tuple[bool, float]:
         assert process.stdout is not None
         try:
             for line in process.stdout:
-                print(f"{part.name:<11} | {line}", end="", flush=True)
+                print(f"{part.name:<14} | {line}", end="", flush=True)
         finally:
             if sys.exc_info()[0] is not None:
                 process.terminate()
@@ -105,14 +104,14 @@ def remake(part: Part) -> tuple[bool, float]:
 
 
 def main() -> None:
-    """Make all parts, or those that are named."""
+    """Make all parts, or the named ones."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("parts", nargs="*", metavar="PART", help="of those that --list shows; default: all")
-    parser.add_argument("--list", action="store_true", help="show the parts, and make none")
+    parser.add_argument("--list", action="store_true", help="list the parts, and make none")
     options = parser.parse_args()
     names = [part.name for part in PARTS]
     if options.list:
-        print("\n".join(f"{part.name:<11} {part.what}" for part in PARTS))
+        print("\n".join(f"{part.name:<14} {part.what}" for part in PARTS))
         return
     for name in options.parts:
         if name not in names:
@@ -126,7 +125,7 @@ def main() -> None:
     def done(part: Part) -> None:
         ended[part.name] = remake(part)
         fine, seconds = ended[part.name]
-        print(f"{part.name:<11} | {'done' if fine else 'FAILED'} after {seconds:.0f} s", flush=True)
+        print(f"{part.name:<14} | {'done' if fine else 'FAILED'} after {seconds:.0f} s", flush=True)
 
     for part in (part for part in chosen if part.fills_cores):
         done(part)
@@ -135,11 +134,10 @@ def main() -> None:
     print(f"\nAll took {time.perf_counter() - began:.0f} s:")
     for part in chosen:
         fine, seconds = ended[part.name]
-        print(f"  {part.name:<11} {seconds:>5.0f} s  {'done' if fine else 'FAILED'}  {part.what}")
+        print(f"  {part.name:<14} {seconds:>5.0f} s  {'done' if fine else 'FAILED'}  {part.what}")
     if not all(fine for fine, _ in ended.values()):
         sys.exit(
-            "Some parts failed; make them alone with: make accuracy PART="
-            + " ".join(n for n in ended if not ended[n][0])
+            "Some parts failed; repeat them with: make accuracy PART=" + " ".join(n for n in ended if not ended[n][0])
         )
 
 

@@ -1,7 +1,7 @@
-"""A step of membrane_rs, and of MuJoCo and Newton where they are installed: all in turn, on the flat sail of model 1.
+"""A step of membrane_rs, and of MuJoCo and Newton where they are installed, alternately on the flat sail of model 1.
 
-membrane_rs with springs and with triangles, and model 1 itself with everything on; MuJoCo by its RK4, Newton by its
-semi-implicit solver at its best and as it comes. See docs/peers.md for what they are and for all the others.
+membrane_rs with springs and with triangles, and model 1 itself with all laws; MuJoCo by its RK4, Newton by its
+semi-implicit solver in its fastest and its default configuration. docs/peers.md describes these and all others.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MISSING = (
 
 
 def peers(problem: Problem) -> list[Program]:
-    """Those of other programs. Raises ImportError, or OSError where a library does not load."""
+    """The programs of the peers. Raises ImportError, or OSError where a library does not load."""
     from peers import every, mujoco_flex, newton_cloth
 
     rk4 = mujoco_flex.Flex(problem, mujoco_flex.model_of(problem), "RK4", None)
@@ -34,10 +34,8 @@ def peers(problem: Problem) -> list[Program]:
 
 
 def text(found: Steps, missing: str | None) -> str:
-    """The table of steps, and the ratios or what is missing for them."""
-    rows = [
-        (f"model 1, everything on: membrane_rs {method}", f"{1e6 * step:.1f}") for method, step in found.model.items()
-    ]
+    """The table of steps, and the ratios or the reason for their absence."""
+    rows = [(f"model 1, all laws: membrane_rs {method}", f"{1e6 * step:.1f}") for method, step in found.model.items()]
     for pace in found.paces:
         name = pace.name + (" (f32)" if pace.bits == 32 else "")
         rows.append((f"flat, {pace.law}: {name}", f"{1e6 * pace.step:.1f}"))

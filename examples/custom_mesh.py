@@ -20,7 +20,7 @@ def folded_square(fold_angle: float) -> Mesh:
     flat = SIDE * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
     folded = flat.copy()
     middle, outward = 0.5 * (flat[0] + flat[2]), np.array([-1.0, 1.0, 0.0]) / math.sqrt(2)
-    up = np.array([0.0, 0.0, 1.0])  # a valley's wings rise
+    up = np.array([0.0, 0.0, 1.0])  # the facets of a valley rise
     folded[3] = middle + SIDE / math.sqrt(2) * (math.cos(fold_angle) * outward + math.sin(fold_angle) * up)
     return Mesh(
         flat,

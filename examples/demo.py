@@ -25,15 +25,15 @@ MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 
 
 def deploy(name: str, until: float, folder: Path, pictures: bool) -> Path:
-    """Run one built-in scene into `folder`, telling each tenth of the way."""
+    """Run one built-in scene into `folder`, and report each tenth of its duration."""
     sim = Simulation(scenes.load(name))
-    began, told = time.perf_counter(), 0
+    began, reported = time.perf_counter(), 0
 
     def progress(sim: Simulation) -> None:
-        nonlocal told
+        nonlocal reported
         tenth = int(10 * sim.time / until + 1e-9)
-        if tenth > told:
-            told = tenth
+        if tenth > reported:
+            reported = tenth
             spent = time.perf_counter() - began
             print(f"{name}: {sim.time:.3f} of {until:g} s, after {spent:.0f} s", flush=True)
 
@@ -48,7 +48,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
 
 
 def table(summaries: list[dict[str, Any]]) -> str:
-    """What the summaries say, as a table in markdown; a dash where a run has not come that far."""
+    """The summaries as a table in Markdown; a dash where a run ended before."""
 
     def cell(summary: dict[str, Any], part: str, key: str, form: str, scale: float) -> str:
         value = summary[part][key] if part else summary[key]
@@ -70,8 +70,8 @@ def table(summaries: list[dict[str, Any]]) -> str:
         ("phase back at zero, at [s]", "curves", "zero_crossing_time", ".3f", 1),
         ("deployment rate there", "curves", "zero_crossing_rate", ".3f", 1),
         ("energy error at the end [%]", "energy_balance", "error", "+.3f", 100),
-        ("energy error at its lowest (lost) [%]", "energy_balance", "lowest_error", "+.3f", 100),
-        ("energy error at its highest (created)", "energy_balance", "highest_error", "+.1e", 1),
+        ("lowest energy error (loss) [%]", "energy_balance", "lowest_error", "+.3f", 100),
+        ("highest energy error (gain)", "energy_balance", "highest_error", "+.1e", 1),
     )
     names = " | ".join(summary["scene"] for summary in summaries)
     lines = [f"| | {names} |", "|---|" + "---:|" * len(summaries)]

@@ -1,4 +1,4 @@
-"""Deploy the sail of model 1, and read what is measured on it; without --until only its first 20 ms."""
+"""Deploy the sail of model 1, and read its measures; without --until only its first 20 ms."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def main() -> None:
     sim.run(until=options.until, frames=11, out=options.out, overwrite=True)
     print(f"t = {sim.time:.3f} s: deployment rate {deployment_rate(sim):.4f}")
     print({name: f"{energy:+.2e} J" for name, energy in sim.energies().items()})
-    print(f"energy error: {100 * sim.ledger()['error']:+.3f} % of the energy turned over")
+    print(f"energy error: {100 * sim.ledger()['error']:+.3f} % of the reference energy")
     print(f"pictures, curves and frames: {options.out}")
 
 

@@ -75,12 +75,12 @@ def linear_scenes() -> list[Scene]:
 def page(rows: list[Limits]) -> str:
     """docs/limits.md."""
     lines = [
-        "# Limits of the step, predicted and measured",
+        "# Stability limits, predicted and measured",
         "",
         "Predicted: from the largest eigenvalues of the stiffness and damping at the start (`Simulation.stable_dt`).",
         "Measured: by bisection on the growth of a small disturbance under the method's own steps, to 0.3 %",
-        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a jittered grid, linear, negative",
-        "springs clipped. Made by `python tests/limit_cases.py`.",
+        "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a perturbed grid, with linear laws",
+        "and negative springs set to zero. Made by `python tests/limit_cases.py`.",
         "",
     ]
     head = ("scene", "method", "predicted [s]", "measured [s]", "measured / predicted", "set by")
@@ -94,14 +94,14 @@ def page(rows: list[Limits]) -> str:
     whole = [row.ratio for row in rows if row.scene in scenes.names()]
     firm = [row.ratio for row in rows if row.scene in scenes.names() and row.integrator != "dopri5"]
     lines += [
-        f"Linear scenes: {min(linear):.3f} to {max(linear):.3f}. dopri5 grows so slowly beyond its limit on the",
-        "imaginary axis, up to 1.7 times it, that a run of some hundred steps hardly shows it; the others stay within",
+        f"Linear scenes: {min(linear):.3f} to {max(linear):.3f}. The growth of dopri5 up to 1.7 times its limit on the",
+        "imaginary axis is so slow that some hundred steps hardly show it; the other methods lie within",
         f"{min(strong):.3f} to {max(strong):.3f}.",
+        "",
         f"Built-in scenes: {min(whole):.3f} to {max(whole):.3f}, without dopri5 from {min(firm):.3f}. Above 1 the",
-        "prediction, which takes every spring for taut and every crease for shut, is on the safe side. dopri5 lives by",
-        "what damping adds to its step, and in a folded sail it finds less of it than taut springs promise.",
-        "Where no step is given, it chooses each by its error, and other methods take 0.4 of the prediction:",
-        "that leaves room for what a start does not show, and for accuracy.",
+        "prediction, with every spring taut and every crease shut, is conservative. The limit of dopri5 depends on",
+        "damping, which is weaker in a folded sail than with all springs taut. The default steps leave a margin for",
+        "nonlinearity and accuracy: dopri5 chooses them by its error, the other methods take 0.4 of the prediction.",
     ]
     return "\n".join(lines) + "\n"
 

@@ -1,4 +1,4 @@
-"""Ablation: what may go, what is needed, what cannot be left out, and the smallest model as a scene."""
+"""Ablation: dispensable and needed elements, what cannot be left out, and the smallest model as a scene."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def strip() -> Ablation:
 
 def test_the_mesh_is_made_coarser_and_finer(strip: Ablation) -> None:
     items = {item.name: item for item in strip.items}
-    coarse, fine = items["every other line of the mesh"], items["nothing, and the mesh twice as dense (first 0.011 s)"]
+    coarse, fine = items["every other line of the mesh"], items["nothing; mesh twice as dense (first 0.011 s)"]
     assert coarse.change is not None
     assert fine.change is not None
     assert coarse.step_limit > 1.3
@@ -144,9 +144,7 @@ def test_what_does_nothing_may_go() -> None:
     assert items["law air_drag"].verdict == "may go"
     assert items["law air_drag"].change == Change(0.0, 0.0, 0.0, 0.0)
     assert items["law gravity"].verdict.startswith("needed")
-    assert items["part fixed"].verdict == (
-        "cannot be left out: it alone holds the scene; without it nothing is held fast"
-    )
+    assert items["part fixed"].verdict == ("cannot be left out: it alone holds the scene; without it no node is fixed")
     assert found.smallest is not None
     assert found.smallest.law("air_drag") is None
     assert found.smallest.law("gravity") is not None
@@ -161,7 +159,7 @@ def test_a_scene_may_be_the_smallest_model_of_itself(tmp_path: Path) -> None:
     assert not (tmp_path / "smallest-model").exists()
 
 
-def test_what_is_hidden_by_chaos_may_go_and_is_told_so() -> None:
+def test_a_change_within_the_spread_may_go_and_is_reported() -> None:
     allowed = Change(0.1, 1.0, 1e-3)
     assert Change(0.05, -1.0, -1e-3).within(allowed)
     assert not Change(0.11, 0.0, 0.0).within(allowed)

@@ -13,6 +13,7 @@ import pytest
 from membrane_rs import Scene, Simulation, scenes
 from membrane_rs.cli import app
 from membrane_rs.results import read_history
+from small_scenes import hanging_strip
 from typer.testing import CliRunner
 
 COMMAND = [sys.executable, "-m", "membrane_rs.cli"]
@@ -63,6 +64,26 @@ def test_run_writes_a_folder(tmp_path: Path) -> None:
     code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run")
     assert (code, shown.count("Error:"), "--overwrite" in shown) == (1, 1, True)
     assert call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run", "--overwrite")[0] == 0
+
+
+@pytest.mark.parametrize(("option", "warnings"), [("--substeps", 0), ("--short-steps", 1)])
+def test_check_and_run_take_substeps_by_both_names(option: str, warnings: int, tmp_path: Path) -> None:
+    path = tmp_path / "strip.toml"
+    path.write_text(hanging_strip().to_toml(), encoding="utf-8")
+    words = ["--integrator", "leapfrog", option, 3]
+    code, shown = call("check", path, *words)
+    assert (code, "once a step  gravity; the others in 3 substeps" in shown) == (0, True)
+    assert shown.count("Warning: --short-steps is deprecated and goes with version 0.4; use --substeps") == warnings
+    code, shown = call("run", path, *words, *SHORT, "--out", tmp_path / "results")
+    assert (code, shown.count("deprecated")) == (0, warnings)
+    assert Scene.from_toml(tmp_path / "results" / "scene.toml").run.substeps == 3
+
+
+def test_chart_is_the_old_name_of_work_precision(tmp_path: Path) -> None:
+    words = ["--until", "0.001", "--steps", "1", "--repeats", "1", "--integrators", "leapfrog"]
+    code, shown = call("chart", "spinning-tether", *words, "--out", tmp_path / "chart")
+    assert (code, (tmp_path / "chart" / "chart.png").is_file()) == (0, True)
+    assert "Warning: membrane-rs chart is deprecated and goes with version 0.4; use membrane-rs work-precision" in shown
 
 
 def test_run_takes_a_file_and_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,13 +181,13 @@ def test_ctrl_c_stops_at_once_and_tells_how_to_go_on(tmp_path: Path) -> None:
     assert took < 2.0  # 0.2 s to stop, and the interpreter's own end on a busy machine
 
 
-def test_chart_writes_data_and_picture(tmp_path: Path) -> None:
+def test_work_precision_writes_data_and_picture(tmp_path: Path) -> None:
     words = ["--until", "0.01", "--steps", "2", "--repeats", "1", "--integrators", "rk4", "--error", "1e-4"]
-    code, shown = call("chart", "spinning-tether", *words, "--out", tmp_path / "chart")
+    code, shown = call("work-precision", "spinning-tether", *words, "--out", tmp_path / "chart")
     assert code == 0
     assert "Least force evaluations for an error of 0.0001 (position): rk4" in shown
     assert sorted(path.name for path in (tmp_path / "chart").iterdir()) == ["chart.csv", "chart.json", "chart.png"]
-    code, shown = call("chart", "spinning-tether", "--integrators", "rk4,rk5", "--out", tmp_path / "none")
+    code, shown = call("work-precision", "spinning-tether", "--integrators", "rk4,rk5", "--out", tmp_path / "none")
     assert (code, "did you mean 'rk4'" in shown, (tmp_path / "none").exists()) == (2, True, False)
 
 

@@ -16,7 +16,7 @@ def told(scene: str | Path) -> dict[str, float]:
     """The shares that `check` prints, by law [%]."""
     result = CliRunner().invoke(app, ["check", str(scene), "--until", "1e-4"])
     assert result.exit_code == 0, result.output
-    line = next(line for line in result.output.splitlines() if line.startswith("  in runs "))
+    line = next(line for line in result.output.splitlines() if line.startswith("  contiguous "))
     return {law: float(share) for law, share in re.findall(r"(\w+) (\d+) %", line)}
 
 

@@ -169,4 +169,4 @@ def test_check_says_so(tmp_path: Any) -> None:
     result = CliRunner().invoke(app, ["check", str(tmp_path / "stiff.toml"), "--until", "0.01"])
     assert result.exit_code == 0
     assert "limited by tethers" in result.output
-    assert "saves        tethers: without it" in result.output
+    assert "savings      tethers: without it" in result.output

@@ -136,7 +136,7 @@ def test_tables_curves_and_points_are_written(tmp_path: Path) -> None:
     assert len(points) == 1 + 8 * 101
 
 
-@pytest.mark.parametrize("words", [["mesh-study"], ["chart", "--mesh"]])
+@pytest.mark.parametrize("words", [["mesh-study"], ["work-precision", "--mesh"], ["chart", "--mesh"]])
 def test_the_command_and_its_other_name(words: list[str], tmp_path: Path) -> None:
     given = [*words, "okuizumi-model-1", "--rows", "8", "--until", "0.001", "--out", str(tmp_path / "study")]
     result = CliRunner().invoke(app, given)

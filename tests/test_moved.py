@@ -1,4 +1,4 @@
-"""Old public places of names: each leads to the new one, and says it."""
+"""Old public names and places: each leads to the new one, and warns."""
 
 from __future__ import annotations
 
@@ -13,21 +13,16 @@ OLD = {
     info.name: getattr(import_module(info.name), "__getattr__", None)
     for info in pkgutil.iter_modules(membrane_rs.__path__, "membrane_rs.")
 }
-NAMES = [
-    (old, name, place)
-    for old, moved in OLD.items()
-    if isinstance(moved, Moved)
-    for name, place in moved.place_of.items()
-]
+NAMES = [(old, name, *new) for old, moved in OLD.items() if isinstance(moved, Moved) for name, new in moved.new.items()]
 
 
-@pytest.mark.parametrize(("old", "name", "place"), NAMES)
-def test_an_old_place_leads_to_the_new_one(old: str, name: str, place: str) -> None:
-    with pytest.warns(DeprecationWarning, match=f"import {name} from {place}$") as told:
+@pytest.mark.parametrize(("old", "name", "place", "new"), NAMES)
+def test_an_old_name_leads_to_the_new_one(old: str, name: str, place: str, new: str) -> None:
+    with pytest.warns(DeprecationWarning, match=f"import {new} from {place}$") as warned:
         found = getattr(import_module(old), name)
-    assert found is getattr(import_module(place), name)
+    assert found is getattr(import_module(place), new)
     assert found is not None
-    assert [warning.filename for warning in told] == [__file__]
+    assert [warning.filename for warning in warned] == [__file__]
 
 
 def test_other_names_are_not_there() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from marked import MarkedPart
 from membrane_rs import Simulation, scenes
-from peers import chart, deployment, measure, ours, picture, problem, report, speed
+from peers import deployment, measure, ours, picture, problem, report, speed, work_precision
 from peers.neo_hookean import NeoHookean
 from peers.problem import Problem
 from peers.program import Program
@@ -97,15 +97,15 @@ def test_largest_steps_are_those_predicted(small: Problem) -> None:
 
 
 def test_costs_are_read_between_steps() -> None:
-    rungs = [measure.Rung(dt, 1, 1.0 / dt, dt**2) for dt in (1.0, 0.5, 0.25)]
-    assert chart.seconds_at(rungs, 0.5**2) == pytest.approx(2.0)
-    assert chart.seconds_at(rungs, 0.3**2) == pytest.approx(1 / 0.3)
-    assert chart.seconds_at(rungs, 10.0) == 1.0
-    assert math.isnan(chart.seconds_at(rungs, 1e-3))
-    assert chart.measured_order([measure.Rung(2.0, 1, 0.5, 4.0), *rungs]) == pytest.approx(2.0)
+    levels = [measure.RefinementLevel(dt, 1, 1.0 / dt, dt**2) for dt in (1.0, 0.5, 0.25)]
+    assert work_precision.seconds_at(levels, 0.5**2) == pytest.approx(2.0)
+    assert work_precision.seconds_at(levels, 0.3**2) == pytest.approx(1 / 0.3)
+    assert work_precision.seconds_at(levels, 10.0) == 1.0
+    assert math.isnan(work_precision.seconds_at(levels, 1e-3))
+    assert work_precision.measured_order([measure.RefinementLevel(2.0, 1, 0.5, 4.0), *levels]) == pytest.approx(2.0)
 
 
-def page(drawn: chart.Chart, small: Problem) -> str:
+def page(drawn: work_precision.WorkPrecision, small: Problem) -> str:
     """The report, with made-up times."""
     names = [("membrane_rs rk4", "triangles"), ("membrane_rs leapfrog", "triangles"), ("membrane_rs rk4", "springs")]
     names += [("membrane_rs leapfrog", "springs"), ("MuJoCo RK4", "triangles"), ("Newton semi-implicit", "springs")]
@@ -118,7 +118,7 @@ def page(drawn: chart.Chart, small: Problem) -> str:
 
 
 def test_the_spread_is_read_from_the_studies() -> None:
-    spreads = deployment.spreads(MarkedPart(deployment.STUDIES, "deployment-chart").read())
+    spreads = deployment.spreads(MarkedPart(deployment.STUDIES, "deployment-work-precision").read())
     assert 0.0 < spreads["rate"] < 0.1
     assert 0.0 < spreads["phase"] < 90.0
     with pytest.raises(ValueError, match="make accuracy"):
@@ -135,10 +135,10 @@ def test_the_deployment_is_run_and_compared() -> None:
 
 def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
     own: list[Program] = [*ours.programs(small, "triangles"), *ours.programs(small, "springs")]
-    drawn = chart.measure(small, own, rungs=3)
-    for ladder in drawn.ladders:
-        errors = [rung.error for rung in ladder.rungs]
-        assert errors[0] > errors[1] > errors[2] > 0.0, ladder.program.name
+    drawn = work_precision.measure(small, own, levels=3)
+    for refinement in drawn.refinements:
+        errors = [level.error for level in refinement.levels]
+        assert errors[0] > errors[1] > errors[2] > 0.0, refinement.program.name
     words = page(drawn, small)
     assert "| RK4 step | flat, triangles | MuJoCo RK4, flat, triangles | 18 | 25 | reached |" in words
     assert "| leapfrog step | flat, springs | Newton semi-implicit, flat, springs | 40 | 20 | not reached |" in words

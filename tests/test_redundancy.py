@@ -1,4 +1,4 @@
-"""What `check` says before a run: laws that cannot matter, and what sets the step."""
+"""What `check` says before a run: laws without effect, and the part that sets the step."""
 
 from __future__ import annotations
 
@@ -116,8 +116,8 @@ def test_a_sliver_is_found_where_it_is() -> None:
 
 def test_check_prints_both() -> None:
     shown = CliRunner().invoke(app, ["check", "okuizumi-model-1", "--until", "0.01"]).output
-    assert "cannot matter" not in shown
-    assert "saves        nothing" in shown
+    assert "without effect" not in shown
+    assert "savings      none" in shown
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from charts import NAMES
+from studies import NAMES
 
 ROOT = Path(__file__).parent.parent
 REMAKE = ROOT / "benchmarks" / "remake.py"
@@ -41,7 +41,7 @@ def test_every_part_names_scripts_and_targets_that_are_there(remake: ModuleType)
         assert (ROOT / part.what.split(":")[0]).is_file()
 
 
-def test_the_parts_make_all_that_charts_can(remake: ModuleType) -> None:
+def test_the_parts_make_all_diagrams_and_ablations(remake: ModuleType) -> None:
     made = [word for part in remake.PARTS for words in part.commands for word in words if word in NAMES]
     assert made == NAMES
 
@@ -60,7 +60,7 @@ def test_a_part_that_fails_loses_nothing_of_the_others(
         remake.main()
     assert kept.read_text() == "x"
     said = capfd.readouterr().out
-    assert "breaks      | halfway" in said
+    assert "breaks         | halfway" in said
     assert "ZeroDivision" not in said  # nothing of a part after its first failure
     assert re.search(r"breaks +\d+ s  FAILED", said)
     assert re.search(r"writes +\d+ s  done", said)
@@ -69,12 +69,12 @@ def test_a_part_that_fails_loses_nothing_of_the_others(
 def test_parts_are_listed_and_wrong_ones_refused() -> None:
     listed = subprocess.run([sys.executable, REMAKE, "--list"], capture_output=True, text=True, check=True).stdout
     assert "docs/limits.md" in listed
-    wrong = subprocess.run([sys.executable, REMAKE, "chartz"], capture_output=True, text=True, check=False)
+    wrong = subprocess.run([sys.executable, REMAKE, "limitz"], capture_output=True, text=True, check=False)
     assert wrong.returncode == 2
-    assert "there is no part 'chartz'; did you mean 'charts'?" in wrong.stderr
+    assert "there is no part 'limitz'; did you mean 'limits'?" in wrong.stderr
     none = subprocess.run(
-        [sys.executable, ROOT / "tools" / "docs" / "charts.py", "--only", "releas-chart"],
+        [sys.executable, ROOT / "tools" / "docs" / "studies.py", "--only", "releas-work-precision"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert none.returncode == 2
-    assert "did you mean release-chart?" in none.stderr
+    assert "did you mean release-work-precision?" in none.stderr

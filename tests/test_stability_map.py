@@ -29,7 +29,7 @@ def test_outcomes_follow_the_predicted_limit(cells: list[Cell]) -> None:
         assert (cell.outcome in ("fine", "inaccurate")) == (cell.dt < cell.limit), cell
     caught = cells[2]
     assert 0 < caught.time < 0.2
-    assert "stability limit" in caught.words
+    assert "stability limit" in caught.message
     # With a ratio of 5 the dashpots bring the limit down, and with it the steps that are fine.
     assert cells[4].limit < 0.3 * cells[0].limit
 
@@ -58,4 +58,4 @@ def test_command(tmp_path: Path) -> None:
     assert "of the limit)" in result.output
     assert (tmp_path / "stability.csv").is_file()
     wrong = CliRunner().invoke(app, ["stability", "single-crease", "--values", "0,a"])
-    assert (wrong.exit_code, "parted by commas" in wrong.output) == (2, True)
+    assert (wrong.exit_code, "separated by commas" in wrong.output) == (2, True)

@@ -8,9 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from membrane_rs import InputError, RunSettings, Scene, Simulation, scenes
-from membrane_rs.cli import app
-from small_scenes import hanging_strip
-from typer.testing import CliRunner
 
 
 def divided(name: str, substeps: int) -> Scene:
@@ -53,18 +50,6 @@ def test_save_and_restore_continue_with_the_same_bits(tmp_path: Path) -> None:
     assert (a.velocities == b.velocities).all()
     assert a.ledger() == b.ledger()
     assert a.slow_laws == b.slow_laws
-
-
-def test_check_and_run_take_substeps_by_word(tmp_path: Path) -> None:
-    path = tmp_path / "strip.toml"
-    path.write_text(hanging_strip().to_toml(), encoding="utf-8")
-    words = ["--integrator", "leapfrog", "--short-steps", "3"]
-    told = CliRunner().invoke(app, ["check", str(path), *words])
-    assert "once a step  gravity; the rest in 3 short steps" in told.output
-    out = tmp_path / "results"
-    done = CliRunner().invoke(app, ["run", str(path), *words, "--until", "0.01", "--out", str(out)])
-    assert done.exit_code == 0, done.output
-    assert Scene.from_toml(out / "scene.toml").run.substeps == 3
 
 
 @pytest.mark.parametrize("count", [0, -1, 1.5, 1001, True])

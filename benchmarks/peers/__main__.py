@@ -32,12 +32,12 @@ def main() -> int:
             file=sys.stderr,
         )
         return 1
-    from peers import chart, deployment, picture, report, speed
+    from peers import deployment, picture, report, speed, work_precision
     from peers.problem import sail, square
 
     brief = options.brief
     problem, flat = square(8 if brief else 32), sail()
-    drawn = chart.measure(problem, every.programs(problem), rungs=2 if brief else chart.RUNGS)
+    drawn = work_precision.measure(problem, every.programs(problem), levels=2 if brief else work_precision.LEVELS)
     timed = speed.measure(
         flat,
         every.programs(flat),

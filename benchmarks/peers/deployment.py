@@ -1,7 +1,7 @@
-"""The whole deployment of model 1, run truly: what it costs, and how far it ends from a finer run.
+"""The whole deployment of model 1: its cost, and its distance from a finer run.
 
 The motion is chaotic, so that a run is as good as any where its curves lie no further from a finer run's than those of
-an ensemble of perturbed starts lie from each other. That spread is the one of the chart in docs/studies.md.
+an ensemble of perturbed starts lie from each other. That spread is the one of the diagram in docs/studies.md.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ from dataclasses import dataclass, replace
 
 from membrane_rs import Scene, Simulation
 from membrane_rs.study.common.differences import CURVES
-from membrane_rs.study.common.run import course, run
+from membrane_rs.study.common.run import run_case, study_case
 from page import DOCS, MarkedPart
 
 STUDIES = DOCS / "studies.md"
 UNTIL = 0.8
 """End [s]."""
 INSTANTS = 100
-"""At which the curves are compared, as in the chart."""
+"""At which the curves are compared, as in the diagram."""
 METHOD, SHARE = "leapfrog", 0.9
-"""The cheapest method of the chart, and its step over its limit."""
-SHORT_STEPS = 4
-"""In a step: slow laws are evaluated once in so many."""
+"""The cheapest method of the diagram, and its step over its limit."""
+SUBSTEPS = 4
+"""Substeps in a step; slow laws are evaluated once a step."""
 FINER, FINER_SHARE = "rk4", 0.25
-"""What it is compared with."""
+"""Method and step of the finer run."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Deployment:
     """`dt`, `limit`: of the run [s]; `wall`, `processor`: times of it [s], scaled to 0.8 s; `finer_dt` [s].
 
     `errors`, `spreads`: by curve ("rate", "phase" [deg]), the largest difference from the finer run and between the
-    perturbed starts of the chart. `steps` of the run.
+    perturbed starts of the diagram. `steps` of the run.
     """
 
     dt: float
@@ -53,32 +53,32 @@ class Deployment:
 
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
-    scene = replace(scene, run=replace(scene.run, substeps=SHORT_STEPS))
-    where = course(scene, until, INSTANTS)
+    scene = replace(scene, run=replace(scene.run, substeps=SUBSTEPS))
+    case = study_case(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
-    finer = run(where, FINER, FINER_SHARE * limits[FINER]).whole()
+    finer = run_case(case, FINER, FINER_SHARE * limits[FINER]).completed()
     began = time.perf_counter()
-    trial = run(where, METHOD, SHARE * limits[METHOD]).whole()
+    run = run_case(case, METHOD, SHARE * limits[METHOD]).completed()
     wall = time.perf_counter() - began
     return Deployment(
-        dt=trial.dt,
+        dt=run.dt,
         limit=limits[METHOD],
-        steps=trial.steps,
+        steps=run.steps,
         wall=wall * UNTIL / until,
-        processor=trial.seconds * UNTIL / until,
+        processor=run.seconds * UNTIL / until,
         finer_dt=finer.dt,
-        errors={name: error(trial, finer, where.start) for name, (_, error) in CURVES.items()},
-        spreads=spreads(MarkedPart(STUDIES, "deployment-chart").read()),
+        errors={name: error(run, finer, case.start) for name, (_, error) in CURVES.items()},
+        spreads=spreads(MarkedPart(STUDIES, "deployment-work-precision").read()),
     )
 
 
-def spreads(chart: str) -> dict[str, float]:
-    """By curve, the spread of perturbed starts that the chart of the deployment tells in docs/studies.md."""
+def spreads(diagram: str) -> dict[str, float]:
+    """By curve, the spread of perturbed starts of the deployment in docs/studies.md."""
     found = {}
     for name, (label, _) in CURVES.items():
-        of_curve = chart.partition(f"{label}:")[2]
-        spread = re.search(r"spread of \d+ starts shifted by \S+ m: ([\d.e+-]+)", of_curve)
+        of_curve = diagram.partition(f"{label}:")[2]
+        spread = re.search(r"spread of \d+ starts perturbed by \S+ m: ([\d.e+-]+)", of_curve)
         if spread is None:
-            raise ValueError(f"{STUDIES} tells no spread of {label!r}; make it anew: make accuracy PART=charts")
+            raise ValueError(f"{STUDIES} holds no spread of {label!r}; remake it: make accuracy PART=work-precision")
         found[name] = float(spread[1])
     return found

@@ -22,5 +22,5 @@ def programs(problem: Problem) -> list[Program]:
 
 
 def plain(problem: Problem) -> list[Program]:
-    """Newton's semi-implicit solver as it comes, on triangles and on springs: for times only."""
+    """Newton's semi-implicit solver in its default configuration, on triangles and on springs: for times only."""
     return [newton_cloth.Cloth(problem, "semi-implicit", law, None, plain=True) for law in ("neo-Hookean", "springs")]

@@ -1,7 +1,7 @@
-"""Largest stable steps, errors over a ladder of steps, and times of a step.
+"""Largest stable steps, errors over refined steps, and times of a step.
 
-Processor time is counted, so that other programs on the machine show little. What is timed is done in turn, so
-that a slow moment falls on all alike; of repeated runs of one rung the shortest counts, of repeated times of a step
+Times are processor times, so that other programs on the machine have little effect, and are taken alternately, so
+that a slow moment affects all alike; of repeated runs at one level the shortest counts, of repeated times of a step
 the median.
 """
 
@@ -24,13 +24,13 @@ TRIAL_STEPS = 400
 PRECISION = 0.005
 """Of a largest stable step."""
 LEAST_TIME = 0.2
-"""A rung is run again until it has taken this long in all [s]."""
+"""A level is repeated until its runs have taken this long in total [s]."""
 MOST_RUNS = 5
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One run. `error` is NaN where it blew up; `seconds` of processor time; `steps` in all."""
+class RefinementLevel:
+    """One run. `error` is NaN if it blew up; `seconds` of processor time; `steps` in total."""
 
     dt: float
     steps: int
@@ -39,12 +39,12 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Ladder:
-    """One program on one problem. `limit` [s] is None where none was found below the longest step tried."""
+class Refinement:
+    """One program on one problem over refined steps. `limit` [s] is None if none was found below the longest step."""
 
     program: Program
     limit: float | None
-    rungs: list[Rung]
+    levels: list[RefinementLevel]
 
 
 def is_stable(program: Program, problem: Problem, dt: float, steps: int = TRIAL_STEPS) -> bool:
@@ -90,20 +90,20 @@ def shapes_of(program: Program, problem: Problem, per_interval: int) -> tuple[Fl
     return np.stack(shapes), seconds
 
 
-def run(program: Program, problem: Problem, per_interval: int, reference: Floats) -> Rung:
-    """One rung."""
+def run(program: Program, problem: Problem, per_interval: int, reference: Floats) -> RefinementLevel:
+    """The run at one level."""
     dt, steps = problem.interval / per_interval, per_interval * problem.instants
     best, spent, error = math.inf, 0.0, math.nan
     for _ in range(MOST_RUNS):
         try:
             shapes, seconds = shapes_of(program, problem, per_interval)
         except BlownError:
-            return Rung(dt, steps, math.nan, math.nan)
+            return RefinementLevel(dt, steps, math.nan, math.nan)
         error = problem.error(shapes, reference)
         best, spent = min(best, seconds), spent + seconds
         if spent > LEAST_TIME:
             break
-    return Rung(dt, steps, best, error)
+    return RefinementLevel(dt, steps, best, error)
 
 
 def coarsest(problem: Problem, limit: float | None) -> int:
@@ -111,9 +111,9 @@ def coarsest(problem: Problem, limit: float | None) -> int:
     return 1 if limit is None else math.ceil(problem.interval / limit)
 
 
-def nearest(rungs: Iterable[Rung]) -> Rung:
+def nearest(levels: Iterable[RefinementLevel]) -> RefinementLevel:
     """The one with the least error."""
-    return min(rungs, key=lambda rung: rung.error if math.isfinite(rung.error) else math.inf)
+    return min(levels, key=lambda level: level.error if math.isfinite(level.error) else math.inf)
 
 
 def step_times(

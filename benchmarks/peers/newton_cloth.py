@@ -20,7 +20,7 @@ from peers.problem import Floats, Problem
 from peers.program import NEWTON_ITERATIONS
 
 wp.config.log_level = wp.LOG_ERROR
-import newton  # noqa: E402 (Warp greets on import of newton unless told before)
+import newton  # noqa: E402 (Warp prints a banner on import of newton unless this is set before)
 
 CHUNKS = (20, 2, 1)
 """Steps in a graph; any number of steps is made up of these."""

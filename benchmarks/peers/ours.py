@@ -9,7 +9,7 @@ from peers.program import BlownError
 
 
 class Ours:
-    """One integrator of membrane_rs on springs or triangles, in the inertial frame, as it comes."""
+    """One integrator of membrane_rs on springs or triangles, in the inertial frame, in its default configuration."""
 
     bits = 64
 
@@ -29,7 +29,7 @@ class Ours:
         return self._sim.masses
 
     def step(self, n: int) -> None:
-        """Raises BlownError where the watch stops the run."""
+        """Raises BlownError where the monitor stops the run."""
         try:
             self._sim.step(n)
         except UnstableError as error:

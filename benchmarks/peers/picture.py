@@ -1,4 +1,4 @@
-"""The chart as a picture: a row of panels for each film, a column for each kind of work."""
+"""The diagram as a picture: a row of panels for each film, a column for each kind of work."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from peers.chart import Chart
-from peers.measure import Ladder
+from peers.measure import Refinement
+from peers.work_precision import WorkPrecision
 
 FILMS = {"Film of triangles": ("triangles", "neo-Hookean"), "Net of springs": ("springs",)}
 STYLE = {
@@ -30,17 +30,17 @@ LARGEST = 10.0
 """Larger errors are left out: such runs blew up."""
 
 
-def draw(chart: Chart, path: Path) -> None:
+def draw(diagram: WorkPrecision, path: Path) -> None:
     """Write a PNG."""
     figure = Figure(figsize=(11.5, 8.0), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(len(FILMS), len(COSTS), sharex="col", sharey="row")
     for (film, laws), row in zip(FILMS.items(), panels, strict=True):
-        ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
+        refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
         for axes, cost in zip(row, COSTS, strict=True):
             axes.set(xscale="log", yscale="log")
-            for ladder in ladders:
-                _line(axes, ladder, cost)
+            for refinement in refinements:
+                _line(axes, refinement, cost)
             axes.xaxis.set_minor_formatter(NullFormatter())
             axes.grid(color="0.92")
             axes.set_axisbelow(True)
@@ -49,18 +49,18 @@ def draw(chart: Chart, path: Path) -> None:
         row[-1].legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1.01, 0.5))
     for axes, label in zip(panels[-1], COSTS.values(), strict=True):
         axes.set_xlabel(label)
-    until = chart.problem.until
-    figure.suptitle(f"Spinning {chart.problem.name}, {until:g} s: each program against its own converged motion")
+    until = diagram.problem.until
+    figure.suptitle(f"Spinning {diagram.problem.name}, {until:g} s: each program against its own converged motion")
     figure.savefig(path, format="png", dpi=120)
 
 
-def _line(axes: Axes, ladder: Ladder, cost: str) -> None:
-    name = ladder.program.name
+def _line(axes: Axes, refinement: Refinement, cost: str) -> None:
+    name = refinement.program.name
     colour, marker = STYLE[name]
-    errors = np.array([rung.error for rung in ladder.rungs])
-    costs = np.array([float(getattr(rung, cost)) for rung in ladder.rungs])
+    errors = np.array([level.error for level in refinement.levels])
+    costs = np.array([float(getattr(level, cost)) for level in refinement.levels])
     shown = np.isfinite(errors) & (errors > 0.0) & (errors < LARGEST)
-    label = name + (" (f32)" if ladder.program.bits == 32 else "")
+    label = name + (" (f32)" if refinement.program.bits == 32 else "")
     is_ours = name.startswith("membrane_rs")
     axes.plot(
         costs[shown],

@@ -28,7 +28,7 @@ NO_BUCKLING = 1e9
 
 @dataclass(frozen=True)
 class Problem:
-    """What is simulated.
+    """The simulated problem.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class Problem:
 
 
 def square(cells: int = 32) -> Problem:
-    """The square of the chart: soft rubber, so that single precision can see the stretch, with tip masses."""
+    """The square of the diagram: soft rubber, so that single precision can see the stretch, with tip masses."""
     return Problem(
         name=f"square of {cells + 1} x {cells + 1} nodes",
         mesh=_square_mesh(0.2, cells),

@@ -8,18 +8,26 @@ from collections.abc import Sequence
 from machine import cpu
 from membrane_rs._markdown import table
 
-from peers.chart import WANTED, Chart, measured_order, seconds_at
-from peers.measure import GROWTH, TRIAL_STEPS, Ladder, nearest
+from peers.measure import GROWTH, TRIAL_STEPS, Refinement, nearest
 from peers.picture import FILMS
 from peers.program import NEWTON_ITERATIONS
 from peers.speed import Speed
 from peers.speed_report import aims, pace
 from peers.words import bullets, paragraph
+from peers.work_precision import WANTED, WorkPrecision, measured_order, seconds_at
 
 
-def text(chart: Chart, speed: Speed, versions: dict[str, str]) -> str:
+def text(diagram: WorkPrecision, speed: Speed, versions: dict[str, str]) -> str:
     """The whole page."""
-    parts = [*_head(versions), *_same(chart), *_work(chart), _best(chart), *pace(speed), *aims(speed), _limits(chart)]
+    parts = [
+        *_head(versions),
+        *_same(diagram),
+        *_work(diagram),
+        _best(diagram),
+        *pace(speed),
+        *aims(speed),
+        _limits(diagram),
+    ]
     return "\n\n".join(part.rstrip() for part in parts) + "\n"
 
 
@@ -39,24 +47,24 @@ def _head(versions: dict[str, str]) -> list[str]:
         paragraph(
             f"""Made by `make peers`, which installs MuJoCo and Newton as an optional extra: {named}. Processor:
             {cpu()};
-            one core, one thread, processor time. All programs are run in turn in one go."""
+            one core, one thread, processor time. All programs are run alternately in one session."""
         ),
         paragraph(
             """A flat elastic membrane with tip masses on its corners is set spinning in empty space, unstretched. It
-            widens, rings in its own plane and turns on. No creases, no buckling, no contact, no damping: what all of
-            the
-            programs can do."""
+            expands, vibrates in its own plane and continues to turn. It has no creases, buckling, contact or damping,
+            so that all of the programs can simulate it."""
         ),
         bullets(programs),
         paragraph(
-            """Each program runs at its best: contact and whatever else is not needed is off, MuJoCo takes all steps in
-            one call, Newton's steps are captured as a graph and replayed without Python. Compilation is not timed."""
+            """Each program runs in its fastest configuration: contact and other unneeded features are off, MuJoCo takes
+            all steps in one call, Newton's steps are captured as a graph and replayed without Python. Compilation is
+            not timed."""
         ),
     ]
 
 
-def _same(chart: Chart) -> list[str]:
-    problem, film = chart.problem, chart.problem.material
+def _same(diagram: WorkPrecision) -> list[str]:
+    problem, film = diagram.problem, diagram.problem.material
     x = problem.mesh.reference[:, 0]
     rows = [
         (
@@ -69,90 +77,89 @@ def _same(chart: Chart) -> list[str]:
             "-" if row.apart == 0.0 else f"{row.apart:.1e}",
             f"{row.nearest:.1e}",
         )
-        for row in chart.sameness
+        for row in diagram.sameness
     ]
     head = ("program", "law", "mass [g]", "kinetic energy [mJ]", "corner peak", "at [ms]", "model apart", "nearest run")
     return [
-        "## The same problem?",
+        "## Equivalence of the problems",
         paragraph(
             f"""The {problem.name}, {len(problem.mesh.triangles)} triangles, {len(problem.mesh.edges)} edges,
             {x.max() - x.min():g} m wide: rubber of E = {film.youngs_modulus:g} Pa, nu = {film.poisson_ratio:.3g},
-            {film.density:g} kg/m3, {film.thickness:g} m thick, soft so that single precision can see it stretch; tips
-            of
-            {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g} s."""
+            {film.density:g} kg/m3, {film.thickness:g} m thick, soft so that its strain is well above single precision;
+            tips of {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g}
+            s."""
         ),
         table(head, rows, range(2)),
         paragraph(
             f"""*Mass* and *kinetic energy* as each program holds them at the start. *Corner peak*: first maximum of the
-            corners' radius, less its flat value, in the converged motion. *Model apart*: how far the converged motion
-            lies from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
-            the
-            membrane moves beyond rigid rotation. It is the error of the model and has no part in the chart. *Nearest
-            run*:
-            the least distance of any of the program's runs from that converged motion: it shows that the motion is its
-            own."""
+            corners' radius, less its flat value, in the converged motion. *Model apart*: the distance of the converged
+            motion from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
+            the membrane moves beyond rigid rotation. It is the error of the model, which the diagram excludes. *Nearest
+            run*: the least distance of any of the program's runs from that converged motion, which shows that the
+            program converges to it."""
         ),
         paragraph(
-            f"""Converged motions: membrane_rs by its rk4 ({chart.own_error:.0e} from itself at twice the step),
-            MuJoCo by
-            its own RK4 at half of the finest step of the chart. Newton's single precision cannot converge so far: its
-            springs are measured against membrane_rs's, its triangles against the same law in double precision
-            (`benchmarks/peers/neo_hookean.py`). St. Venant and Kirchhoff's and the neo-Hookean film agree at small
-            strain
-            only. A net of springs is another model of the film: on right triangles it is not isotropic."""
+            f"""Converged motions: membrane_rs by its rk4 ({diagram.own_error:.0e} from itself at twice the step),
+            MuJoCo by its own RK4 at half of the finest step of the diagram. Newton's single precision does not allow
+            such convergence: its springs are measured against membrane_rs's, its triangles against the same law in
+            double precision (`benchmarks/peers/neo_hookean.py`). St. Venant and Kirchhoff's and the neo-Hookean film
+            agree at small strain only. A network of springs is another model of the film: on right triangles it is not
+            isotropic."""
         ),
     ]
 
 
-def _work(chart: Chart) -> list[str]:
+def _work(diagram: WorkPrecision) -> list[str]:
     tables = []
     for film, laws in FILMS.items():
-        ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
+        refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
         head = (film, "largest step [us]", "order", *(f"{wanted:.0e}" for wanted in WANTED), "least error")
-        tables.append(table(head, [_costs(ladder) for ladder in ladders]))
-    dopri5 = next(ladder.program for ladder in chart.ladders if ladder.program.name == "membrane_rs dopri5")
+        tables.append(table(head, [_costs(refinement) for refinement in refinements]))
+    dopri5 = next(
+        refinement.program for refinement in diagram.refinements if refinement.program.name == "membrane_rs dopri5"
+    )
     begins = 1e6 * (dopri5.limit_guess or math.nan)
     return [
         "## Error against work",
         "![Error against processor time and steps, for each program on triangles and on springs](peers.png)",
         paragraph(
-            f"""Processor time [ms] that each program takes for a given error against its own converged motion, between
-            two steps of its ladder. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g} times that of the
-            start within {TRIAL_STEPS} steps; *none*: an implicit method, which was begun at
-            {1e6 * chart.problem.interval:g} us. dopri5 grows from {begins:.1f} us on (triangles), too slowly to be seen
-            here. *Order*: slope over the steps before rounding shows."""
+            f"""Processor time [ms] that each program takes for a given error against its own converged motion,
+            interpolated between two of its steps. *Largest step*: by bisection on growth, kinetic energy {GROWTH:g}
+            times that of the start within {TRIAL_STEPS} steps; *none*: an implicit method, whose largest step here is
+            {1e6 * diagram.problem.interval:g} us. dopri5 grows from {begins:.1f} us on (triangles), too slowly to be
+            detected here. *Order*: slope over the steps above the rounding error."""
         ),
         *tables,
         paragraph(
-            """The start is free of elastic force. So symplectic Euler, with velocities of the start where leapfrog has
-            those of half a step later, gives the positions of leapfrog: order 2, and the same error at the same step in
-            all three programs, as long as rounding does not show."""
+            """The start is free of elastic force. Symplectic Euler with the initial velocities therefore gives the
+            positions of leapfrog, whose velocities are those of half a step later: order 2, and the same error at the
+            same step in all three programs, above the rounding error."""
         ),
     ]
 
 
-def _costs(ladder: Ladder) -> tuple[str, ...]:
+def _costs(refinement: Refinement) -> tuple[str, ...]:
     costs = []
     for wanted in WANTED:
-        seconds = seconds_at(ladder.rungs, wanted)
+        seconds = seconds_at(refinement.levels, wanted)
         costs.append(f"{1e3 * seconds:.3g}" if math.isfinite(seconds) else "-")
-    order, limit = measured_order(ladder.rungs), ladder.limit
+    order, limit = measured_order(refinement.levels), refinement.limit
     return (
-        ladder.program.name + (" (f32)" if ladder.program.bits == 32 else ""),
+        refinement.program.name + (" (f32)" if refinement.program.bits == 32 else ""),
         f"{1e6 * limit:.1f}" if limit else "none",
         f"{order:.1f}" if math.isfinite(order) else "-",
         *costs,
-        f"{nearest(ladder.rungs).error:.0e}",
+        f"{nearest(refinement.levels).error:.0e}",
     )
 
 
-def _best(chart: Chart) -> str:
+def _best(diagram: WorkPrecision) -> str:
     lines = []
     for film, laws in FILMS.items():
-        ladders = [ladder for ladder in chart.ladders if ladder.program.law in laws]
+        refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
         for wanted in WANTED:
-            ours = _cheapest(ladders, wanted, ours=True)
-            peer = _cheapest(ladders, wanted, ours=False)
+            ours = _cheapest(refinements, wanted, ours=True)
+            peer = _cheapest(refinements, wanted, ours=False)
             what = f"- {film}, error {wanted:.0e}: "
             if ours and peer:
                 ratio = peer[0] / ours[0]
@@ -162,40 +169,39 @@ def _best(chart: Chart) -> str:
                 lines.append(f"{what}{ours[1]}; no peer gets there.")
             elif peer:
                 lines.append(f"{what}**{peer[1]} only.**")
-    return "## Who is best\n\n" + "\n".join(lines)
+    return "## Best program for each error\n\n" + "\n".join(lines)
 
 
-def _cheapest(ladders: Sequence[Ladder], wanted: float, *, ours: bool) -> tuple[float, str] | None:
+def _cheapest(refinements: Sequence[Refinement], wanted: float, *, ours: bool) -> tuple[float, str] | None:
     costs = [
-        (seconds_at(ladder.rungs, wanted), ladder.program.name)
-        for ladder in ladders
-        if ladder.program.name.startswith("membrane_rs") == ours
+        (seconds_at(refinement.levels, wanted), refinement.program.name)
+        for refinement in refinements
+        if refinement.program.name.startswith("membrane_rs") == ours
     ]
     return min((cost for cost in costs if math.isfinite(cost[0])), default=None)
 
 
-def _limits(chart: Chart) -> str:
-    ours = next(ladder for ladder in chart.ladders if ladder.program.name == "membrane_rs leapfrog")
-    first = ours.rungs[0]
+def _limits(diagram: WorkPrecision) -> str:
+    ours = next(refinement for refinement in diagram.refinements if refinement.program.name == "membrane_rs leapfrog")
+    first = ours.levels[0]
     named = "; ".join(
-        f"{ladder.program.name} on {ladder.program.law}, {rung.error:.1e} in {rung.seconds:.2g} s"
-        for ladder in chart.ladders
-        if ladder.limit is None
-        for rung in [nearest(ladder.rungs)]
+        f"{refinement.program.name} on {refinement.program.law}, {level.error:.1e} in {level.seconds:.2g} s"
+        for refinement in diagram.refinements
+        if refinement.limit is None
+        for level in [nearest(refinement.levels)]
     )
     floors = ", ".join(
-        f"{nearest(ladder.rungs).error:.1e} on {ladder.program.law}"
-        for ladder in chart.ladders
-        if ladder.program.name == "Newton semi-implicit"
+        f"{nearest(refinement.levels).error:.1e} on {refinement.program.law}"
+        for refinement in diagram.refinements
+        if refinement.program.name == "Newton semi-implicit"
     )
     points = [
-        f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and go on at steps at which every explicit method blows
-        up. Where a motion only has to settle, or a stiff part must not set the step, that is what is wanted. A motion
-        that is to be followed is another matter: they damp it, at order 1. Their nearest runs here: {named}. The
-        longest step of membrane_rs's leapfrog has an error of {first.error:.1e} on {ours.program.law}, in
-        {first.seconds:.2g} s.""",
-        f"""Newton's single precision bounds its error from below, here by {floors}: from there on more steps make it
-        worse. The stretch of a stiff film, which is far smaller, would drown in it.""",
+        f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and remain stable at steps at which every explicit
+        method is unstable. This suits relaxation to equilibrium, and stiff parts that must not set the step. A
+        transient motion they damp, at order 1. Their nearest runs here: {named}. The longest step of membrane_rs's
+        leapfrog has an error of {first.error:.1e} on {ours.program.law}, in {first.seconds:.2g} s.""",
+        f"""Single precision bounds the error of Newton from below, here by {floors}: more steps only increase it. The
+        strain of a stiff film is far smaller than that.""",
         """MuJoCo and Newton simulate rigid bodies, joints, friction and contact between anything and anything; Newton
         runs on graphics processors, many scenes at once. None of that is used here, and membrane_rs has none of it.""",
     ]

@@ -36,7 +36,7 @@ class Pace:
 
 @dataclass(frozen=True)
 class Steps:
-    """Steps of all programs and of model 1 with everything on, by method [s], timed in turn.
+    """Steps of all programs and of model 1 with all laws, by method [s], timed in turn.
 
     `width`: the vector instructions that membrane_rs runs with.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from membrane_rs._markdown import table
 
-from peers.deployment import FINER, METHOD, SHARE, SHORT_STEPS, UNTIL
+from peers.deployment import FINER, METHOD, SHARE, SUBSTEPS, UNTIL
 from peers.speed import Speed, Steps
 from peers.words import paragraph
 
@@ -33,34 +33,32 @@ def pace(speed: Speed) -> list[str]:
     versus = ("/ rk4", "/ leapfrog", "/ model 1 rk4", "/ model 1 leapfrog")
     head = ("flat sail", "law", "step [us]", *versus, "largest step [us]", f"{UNTIL:g} s take [s]")
     return [
-        "## The time of a step",
+        "## Time of a step",
         paragraph(
             f"""The membrane of model 1 laid flat, its petals joined: {mesh.node_count} nodes, {len(mesh.edges)} edges,
             {len(mesh.triangles)} triangles, its own film, rate and tip masses. Medians. The columns that begin with a
-            stroke divide a step by one of membrane_rs: on the same flat film with the same kind of law, then of model 1
-            itself with everything on (springs that buckle, dashpots, creases with contact, drag, tethers, spool,
-            turning
-            frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
+            stroke give the ratio to a step of membrane_rs: on the same flat film with the same kind of law, then of
+            model 1 itself with all laws (springs that buckle, dashpots, creases with contact, drag, tethers, spool,
+            turning frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
             *{UNTIL:g} s take*: processor time at the largest stable step, extrapolated from the time of a step."""
         ),
         table(head, rows, range(2)),
         paragraph(
-            """"Particle contact on, no graph" is nearer to how Newton comes: it looks for contact between particles in
-            every step, and Python calls every kernel. Its contact of triangles, also on as it comes, is off there
-            too: it
-            tries every particle against every triangle."""
+            """"Particle contact on, no graph" is closer to the default configuration of Newton: it detects contact
+            between particles in every step, and Python calls every kernel. Its contact of triangles, also on by
+            default, is off there too: it tests every particle against every triangle."""
         ),
     ]
 
 
 def steps(found: Steps) -> list[tuple[str, ...]]:
-    """What was aimed at for a step, and what was reached: rows of a table."""
+    """Aims for a step and the ratios reached: rows of a table."""
     mujoco, rows = found.pace("MuJoCo RK4", "triangles"), []
     flat = "MuJoCo RK4, flat, triangles"
     for law in ("triangles", "springs"):
         ratio = mujoco.step / found.pace("membrane_rs rk4", law).step
         rows.append(_aim("RK4 step", f"flat, {law}", flat, ratio, found.width))
-    rows.append(_aim("RK4 step", "model 1, everything on", flat, mujoco.step / found.model["rk4"], found.width))
+    rows.append(_aim("RK4 step", "model 1, all laws", flat, mujoco.step / found.model["rk4"], found.width))
     for law, peer_law in (("triangles", "neo-Hookean"), ("springs", "springs")):
         leapfrog = found.pace("membrane_rs leapfrog", law).step
         for peer in found.paces:
@@ -75,9 +73,9 @@ AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
 
 
 def aims(speed: Speed) -> list[str]:
-    """What was aimed at, and what was reached."""
+    """Aims and the ratios reached."""
     done, mujoco = speed.deployment, speed.pace("MuJoCo RK4", "triangles")
-    ours = f"model 1, {METHOD} in {SHORT_STEPS} short steps, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
+    ours = f"model 1, {METHOD} in {SUBSTEPS} substeps, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
     against = f"MuJoCo RK4, flat, triangles: {mujoco.whole:.4g} s"
     rows = [*steps(speed), _aim("deployment", ours, against, mujoco.whole / done.processor, speed.width)]
     apart = " and ".join(
@@ -85,16 +83,15 @@ def aims(speed: Speed) -> list[str]:
         for name, curve in (("rate", "deployment rate"), ("phase", "phase in degrees"))
     )
     return [
-        "## What was aimed at",
+        "## Aims",
         paragraph(
-            f"""Aims for {speed.width}, the vector instructions of this machine. The deployment of model 1 was run
-            whole, by {METHOD} in {SHORT_STEPS} short steps with {SHARE:g} of its largest step of
-            {1e6 * done.limit:.2f} us: {done.steps} steps in {done.processor:.3g} s of processor time,
-            {done.wall:.3g} s by the clock; the deployment itself takes {UNTIL:g} s. Its curves are at most {apart}
-            from those of {FINER} at {1e6 * done.finer_dt:.2f} us:
-            {"within" if done.is_within else "**beyond**"} the spread of the ensemble in [studies.md](studies.md).
-            MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are extrapolated from the time of a
-            step."""
+            f"""Aims for {speed.width}, the vector instructions of this machine. The whole deployment of model 1 was run
+            by {METHOD} in {SUBSTEPS} substeps with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us:
+            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s by the clock; the
+            deployment itself takes {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at
+            {1e6 * done.finer_dt:.2f} us: {"within" if done.is_within else "**beyond**"} the spread of the ensemble in
+            [studies.md](studies.md). MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are
+            extrapolated from the time of a step."""
         ),
         table(AIMED, rows, range(3)),
     ]

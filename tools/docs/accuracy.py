@@ -1,4 +1,4 @@
-"""How far the numbers can be trusted: known answers, the energy balance, the growth of a small error.
+"""Verification: exact solutions, the energy balance, and the growth of a small perturbation.
 
 Writes accuracy.md into the folder `out`; takes a minute or two.
 """
@@ -20,7 +20,7 @@ Row = tuple[str, str, str]
 def sampled(
     sim: Simulation, until: float, samples: int, read: Callable[[Simulation], float]
 ) -> tuple[list[float], list[float]]:
-    """Times and readings of a run."""
+    """Times and samples of a run."""
     times: list[float] = []
     values: list[float] = []
     for time in np.linspace(0.0, until, samples):
@@ -31,16 +31,16 @@ def sampled(
 
 
 def rises(times: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Interpolated times at which the values rise through zero."""
+    """Interpolated times of upward zero crossings."""
     pairs = zip(zip(times, values, strict=True), zip(times[1:], values[1:], strict=True), strict=False)
     return [t - v * (s - t) / (w - v) for (t, v), (s, w) in pairs if v < 0.0 <= w]
 
 
 def tether_period() -> Row:
-    """A tip mass on a cord swings in the plane of a turning hub, whose centrifugal field makes it a pendulum.
+    """Period of a tip mass on a tether in the plane of a turning hub: a pendulum in the centrifugal field.
 
-    Period 1/f sqrt(L/R) for small swings of a stiff cord. A swing of amplitude a takes 1 + a^2/16 times as
-    long; and a cord that stretches under the Coriolis force, 2 m Omega L a' more of tension, adds
+    The period is 1/f sqrt(L/R) for small oscillations of a stiff tether. An amplitude a multiplies it by
+    1 + a^2/16. A tether that stretches under the Coriolis force, an additional tension of 2 m Omega L a', adds
     4 Omega^2 m L / EA of inertia.
     """
     scene = scenes.load("spinning-tether")
@@ -60,11 +60,11 @@ def tether_period() -> Row:
     amplitude = math.asin((cord.end[1] - cord.start[1]) / length)
     soft = 4 * (2 * math.pi * spin.frequency) ** 2 * cord.tip_mass * length / cord.axial_stiffness
     exact = math.sqrt(length / hub * (1 + soft)) / spin.frequency * (1 + amplitude**2 / 16)
-    return compare("swing of a tip mass on a turning hub, period [s]", period, exact, ".4f")
+    return compare("oscillation of a tip mass on a turning hub, period [s]", period, exact, ".4f")
 
 
 def disc_growth() -> Row:
-    """A free disc that spins: the growth of its radius at rest, from the theory of plane stress.
+    """Radial growth of a free spinning disc at rest, by the theory of plane stress.
 
     At the rate Omega the rim grows by e = (1 - nu)/4 rho Omega^2 a^2 / E, and the moment of inertia by the share
     (7 + nu)/3 e, from u(r) = (1 - nu)/(8 E) rho Omega^2 r ((3 + nu) a^2 - (1 + nu) r^2). The disc keeps its angular
@@ -94,7 +94,7 @@ def compare(label: str, found: float, exact: float, form: str) -> Row:
 
 
 def energy(until: float = 0.02) -> list[Row]:
-    """Model 1's energy error after its first 20 ms, the hardest, at the default step and below."""
+    """Energy error of model 1 after its first 20 ms, the most demanding, at the default step and below."""
     default = Simulation(scenes.load("okuizumi-model-1")).dt
     rows: list[Row] = []
     for parts in (1, 2, 4):
@@ -103,13 +103,13 @@ def energy(until: float = 0.02) -> list[Row]:
         at_end = sim.ledger()
         share = max(worst) / at_end["reference_energy"]
         label = f"model 1, energy error after {1e3 * until:g} ms at a step of {1e6 * sim.dt:.2f} us [%]"
-        note = f"of {at_end['reference_energy']:.2e} J; created at most {100 * share:.0e}"
+        note = f"of {at_end['reference_energy']:.2e} J; gain at most {100 * share:.0e}"
         rows.append((label, f"{100 * at_end['error']:+.4f}", note))
     return rows
 
 
 def growth(shift: float = 1e-12) -> list[Row]:
-    """How a shift of one corner of model 1 grows: the largest distance of any node between the two runs."""
+    """Growth of a displacement of one corner of model 1: the largest distance of any node between two runs."""
     runs = [Simulation(scenes.load("okuizumi-model-1")) for _ in range(2)]
     moved = runs[1].positions
     moved[runs[1].assembly.node_sets["corners"][0], 2] += shift
@@ -119,8 +119,8 @@ def growth(shift: float = 1e-12) -> list[Row]:
         for run in runs:
             run.run(until=time, frames=2, samples=2)
         apart = float(np.linalg.norm(runs[0].positions - runs[1].positions, axis=1).max())
-        label = f"model 1, a shift of {shift:g} m after {1e3 * time:g} ms [m]"
-        rows.append((label, f"{apart:.1e}", "chaos, not a fault"))
+        label = f"model 1, a displacement of {shift:g} m after {1e3 * time:g} ms [m]"
+        rows.append((label, f"{apart:.1e}", "chaos, not an error"))
     return rows
 
 

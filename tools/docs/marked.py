@@ -1,4 +1,4 @@
-"""Parts of pages that scripts write: what stands between two marks.
+"""Parts of pages that scripts write, between two marks.
 
 In a page of Markdown `<!-- name: begin -->` and `<!-- name: end -->` stand on lines of their own. Each script names the
 parts that it writes as constants of its module; `tests/test_marked.py` holds them against the marks of all pages.

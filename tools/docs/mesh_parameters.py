@@ -1,7 +1,7 @@
-"""Which parameters do not belong to one mesh: both sails of the paper on up to four meshes, in three forms.
+"""Dependence of the parameters on the mesh: both sails of the paper on up to four meshes, in four forms.
 
-Finished runs stay in the folder `out` and are not made again; remove it to make all anew. From nothing it takes some
-twenty minutes on two cores. With `--write` docs/mesh_parameters.md and its pictures are made anew.
+Finished runs are kept in the folder `out` and read again; remove it to repeat all runs, which takes some twenty minutes
+on two cores. With `--write` the tables and pictures of docs/mesh_parameters.md are replaced.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
-from membrane_rs.study.lengths import PHYSICAL
+from membrane_rs.study.length_scales import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
@@ -29,18 +29,18 @@ PARTS = {
 }
 PAPERS_ROWS, FINEST = 16, 64
 STARTS = {8: 4, 16: 4, 32: 2}
-"""Starts of the physical form on each mesh; the others have two on the coarser meshes."""
+"""Number of starts of the physical form on each mesh; the others have two on the coarser meshes."""
 SHORT = {FINEST: 0.45}
 """The finest mesh costs eight times the next coarser one, so its runs end here [s]: after the trough of the phase."""
 TRIANGLES, ALPHA_C = "okuizumi-model-1-triangles", "laws.triangles.buckling_on_creases"
 
 
 def main() -> None:
-    """Run what is not there yet; print and write what came of it."""
+    """Make the missing runs; print and write the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--until", type=float, help="a trial: end here [s], on the coarser meshes only")
-    parser.add_argument("--kept", action="store_true", help="tables of the sails' runs that are there; make none")
-    parser.add_argument("--jobs", type=int, help="runs at once; default: one on each core")
+    parser.add_argument("--until", type=float, help="a brief run: end here [s], on the coarser meshes only")
+    parser.add_argument("--kept", action="store_true", help="tables of the kept runs of the sails; make no run")
+    parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/mesh-parameters"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
     options = parser.parse_args()
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def planned(model: str, until: float | None) -> list[Job]:
-    """What to run of a model, the long runs first."""
+    """The runs of a model, the long ones first."""
     if until is not None:
         return jobs_of([8, 16], members=2, until=until)
     forms = ["paper", "strain"] if model == MODELS[0] else ["paper"]
@@ -77,15 +77,15 @@ def planned(model: str, until: float | None) -> list[Job]:
 
 
 def lengths() -> str:
-    """The lengths that agree with the paper's form on the paper's mesh, and those that were chosen."""
+    """The length scales that agree with the paper's form on the paper's mesh, and the chosen ones."""
     found = [agreeing(scenes.load(model)) for model in MODELS]
-    names = ("buckling", "crease", "wing", "damping")
+    names = ("buckling", "crease", "facet", "damping")
     rows = [(name, *(f"{1e3 * getattr(each, name):.2f} mm" for each in (*found, PHYSICAL))) for name in names]
     return table(("", *MODELS, "chosen"), rows)
 
 
 def on_the_papers_mesh(runs: Sequence[MeshRun]) -> str:
-    """How far the physical form is from the paper's, where they should agree."""
+    """Distance of the physical form from the paper's on the mesh where they should agree."""
     of = {form: [mesh for mesh in meshes if mesh.rows == PAPERS_ROWS] for form, meshes in densities(runs).items()}
     (step,) = steps([*of["paper"], *of["physical"]])
     rate, phase = CURVES
@@ -97,7 +97,7 @@ def on_the_papers_mesh(runs: Sequence[MeshRun]) -> str:
 
 
 def compression(until: float | None) -> str:
-    """How much of the compression at which the physical form's film buckles it bears, on average over the unfolding."""
+    """Mean compression in the film of the physical form during deployment, relative to that at buckling."""
     body = []
     for rows in (8, 16, 32) if until is None else (8,):
         scene = scenes.load(MODELS[0])
@@ -114,20 +114,20 @@ def compression(until: float | None) -> str:
         assert PHYSICAL.buckling is not None
         critical = springs.buckling * np.pi**2 * film.thickness**2 / (12 * PHYSICAL.buckling**2)
         weight = k * length**2 / mesh.areas().sum()  # of a strain, in the sum of both principal stress resultants
-        seen = []
+        readings = []
         for instant in np.arange(0.05, 0.301, 0.01) if until is None else [until]:
             sim.run(until=float(instant), frames=2, samples=2)
             strain = sim.spring_strains()[: len(mesh.edges)][~is_crease]
             borne = np.minimum(np.maximum(-strain, 0.0), critical)
-            seen.append([float(weight @ borne), float(np.mean(strain < -critical))])
-        (force, buckled), full = np.mean(seen, axis=0), float(weight.sum() * critical)
+            readings.append([float(weight @ borne), float(np.mean(strain < -critical))])
+        (force, buckled), full = np.mean(readings, axis=0), float(weight.sum() * critical)
         values = (f"{force:.2f}", f"{full:.2f}", f"{force / full:.2f}", f"{100 * buckled:.0f} %")
         body.append((f"{176 / rows:.3g}", *values))
     return table(("cells [mm]", "borne [N/m]", "at buckling [N/m]", "share", "springs buckled"), body, words=())
 
 
 def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:
-    """alpha on creases of a film of triangles, from the curves of springs."""
+    """alpha on creases of a film of triangles, calibrated against the curves of springs."""
     found: Calibration = calibrate(
         scenes.load(TRIANGLES),
         ALPHA_C,

@@ -1,6 +1,6 @@
-"""Keep the README's numbers and pictures in step with what the demo and accuracy.py have left in `out`.
+"""Update the numbers and pictures of README from the results of the demo and of accuracy.py in `out`.
 
-Without --write it only tells whether they are, by its exit code.
+Without --write it only compares them, and the exit code gives the result.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from marked import DOCS, README, ROOT, MarkedPart
 from PIL import Image
 
 TABLES = {name: MarkedPart(README, name) for name in ("summary.md", "accuracy.md")}
-"""By the file that the demo or accuracy.py leaves."""
+"""The marked parts, by the file of the demo or of accuracy.py."""
 SOURCES = {
     "deployment.png": "okuizumi-model-1/snapshots/turning.png",
     "comparison.png": "comparison.png",
@@ -34,9 +34,9 @@ def copy_pictures(out: Path) -> None:
 def main() -> None:
     """Compare, or write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--out", type=Path, default=ROOT / "out", help="what demo.py and accuracy.py left")
+    parser.add_argument("--out", type=Path, default=ROOT / "out", help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write README.md and docs/*.png")
-    parser.add_argument("--tables", nargs="+", choices=TABLES, help="these alone, without the pictures")
+    parser.add_argument("--tables", nargs="+", choices=TABLES, help="only these tables, without the pictures")
     options = parser.parse_args()
 
     tables = {name: (options.out / name).read_text(encoding="utf-8") for name in options.tables or TABLES}

@@ -1,8 +1,7 @@
-"""The command line: words to calls, nothing else.
+"""The command line: translates options into calls of the package, and nothing else.
 
-Exit codes: 0 fine; 1 the run failed, or `check` found errors; 2 wrong usage or a wrong scene file;
-130 interrupted.
-Heavy imports wait inside the commands, so that `--help` is quick.
+Exit codes: 0 success; 1 the run failed, or `check` found errors; 2 wrong usage or an invalid scene file; 130
+interrupted. Heavy imports stand inside the commands, so that `--help` is quick.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The application that commands join, and how their errors are told."""
+"""The application that holds the commands, and the reports of their errors."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 
 
 @contextmanager
-def told_errors() -> Iterator[None]:
-    """One red line for what a user can mend; a traceback is for our own mistakes."""
+def reported_errors() -> Iterator[None]:
+    """Report an error of membrane_rs in one red line; other exceptions keep their traceback."""
     from membrane_rs.errors import InputError, MembraneError, MissingFileError
 
     try:

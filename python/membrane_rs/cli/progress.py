@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Bar:
-    """What the progress bar shows: simulated time, steps per second, time left; then the pictures."""
+    """The progress bar: simulated time, steps per second, time left; then the pictures."""
 
     def __init__(self, progress: Any, start: float, end: float) -> None:
         self._progress = progress
@@ -25,7 +25,7 @@ class Bar:
         self._pictures_task: Any = None
 
     def steps(self, sim: Simulation) -> None:
-        """Called by the run now and then."""
+        """Called by the run at intervals."""
         now = time.perf_counter()
         if self._first_step is None:
             self._first_step, self._began = sim.step_count, now
@@ -39,12 +39,12 @@ class Bar:
             self._pictures_task = self._progress.add_task("", total=total, detail=what)
         self._progress.update(self._pictures_task, completed=done, detail=f"{done} of {total} {what}")
 
-    def settling(self) -> None:
-        """Say what comes before the run."""
-        self._progress.update(self._task, detail="settling")
+    def relaxing(self) -> None:
+        """Show that the start is being relaxed."""
+        self._progress.update(self._task, detail="relaxing")
 
     def stop(self) -> None:
-        """Leave the screen to other words."""
+        """End the bar, so that other text can be shown."""
         self._progress.stop()
 
 
@@ -60,7 +60,7 @@ def progress_bar(console: Console, start: float, end: float) -> Iterator[Bar]:
 
 
 def terminal() -> Console:
-    """Where the bar is shown: beside the results, not among them."""
+    """The console of the bar: the standard error, apart from the results."""
     from rich.console import Console
 
     return Console(stderr=True)

@@ -1,4 +1,4 @@
-"""Commands about one scene: run it, resume it, list what is built in, check it."""
+"""Commands on one scene: run, resume, check; and the list of built-in scenes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from membrane_rs.cli.application import FAILED, INTERRUPTED, app, told_errors
+from membrane_rs.cli.application import FAILED, INTERRUPTED, app, reported_errors
 from membrane_rs.cli.options import (
     Dt,
     Frames,
@@ -19,9 +19,11 @@ from membrane_rs.cli.options import (
     SceneArgument,
     ShortSteps,
     SpectralRadius,
+    Substeps,
     Tolerance,
     Until,
     load,
+    substeps_of,
     with_settings,
 )
 from membrane_rs.cli.progress import progress_bar, terminal
@@ -39,6 +41,7 @@ def run(
     dt: Dt = None,
     tolerance: Tolerance = None,
     spectral_radius: SpectralRadius = None,
+    substeps: Substeps = None,
     short_steps: ShortSteps = None,
     out: Out = None,
     frames: Frames = None,
@@ -46,12 +49,12 @@ def run(
     no_pictures: NoPictures = False,
 ) -> None:
     """Run a scene and write its results into a folder."""
-    with told_errors():
+    with reported_errors():
         from membrane_rs.runs import Simulation
 
         wanted = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
-            "spectral_radius": spectral_radius, "substeps": short_steps, "frames": frames,
+            "spectral_radius": spectral_radius, "substeps": substeps_of(substeps, short_steps), "frames": frames,
         }  # fmt: skip
         chosen = with_settings(load(scene), wanted)
         folder = out or Path("runs") / chosen.name
@@ -69,7 +72,7 @@ def resume(
     no_pictures: NoPictures = False,
 ) -> None:
     """Continue a saved state to the end, into a folder of its own."""
-    with told_errors():
+    with reported_errors():
         from membrane_rs.errors import InputError
         from membrane_rs.runs import Simulation
 
@@ -85,7 +88,7 @@ def resume(
 @app.command()
 def scenes() -> None:
     """List the built-in scenes."""
-    with told_errors():
+    with reported_errors():
         from membrane_rs import scenes as built_in
 
         names = built_in.names()
@@ -100,15 +103,16 @@ def check(
     *,
     integrator: Integrator = None,
     dt: Dt = None,
+    substeps: Substeps = None,
     short_steps: ShortSteps = None,
     until: Until = None,
 ) -> None:
-    """Tell what is wrong or risky in a scene, and what its run will cost, before anything runs."""
-    with told_errors():
+    """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
+    with reported_errors():
         from membrane_rs.check.redundancy import idle_laws, step_savings
         from membrane_rs.runs import Simulation
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": short_steps}
+        wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
         chosen = with_settings(load(scene), wanted)
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
@@ -120,29 +124,29 @@ def check(
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
         idle = idle_laws(chosen)
         if idle:
-            typer.echo("\nLaws that cannot matter here; leave them out")
+            typer.echo("\nLaws without effect in this scene; leave them out")
             width = max(len(kind) for kind, _ in idle)
             for kind, why in idle:
                 typer.echo(f"  {kind:<{width}}  {why}")
         sim = Simulation(chosen)
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
-        typer.echo(f"  step         {sim.dt:.4g} s{' at first, then by the tolerance' if sim.is_adaptive else ''}")
+        typer.echo(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")
         if sim.slow_laws:
-            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the rest in {chosen.run.substeps} short steps")
+            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the others in {chosen.run.substeps} substeps")
         shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.contiguous_shares.items())
-        typer.echo(f"  in runs      {shares or 'nothing'} (elements in straight runs, which are quick)")
+        typer.echo(f"  contiguous   {shares or 'none'} (share of elements in contiguous batches, the fast ones)")
         savings = step_savings(chosen)
         if not savings:
-            typer.echo("  saves        nothing: no single part sets the step, others are within 2 % of it")
+            typer.echo("  savings      none: no single part sets the step, others are within 2 % of it")
         for saving in savings:
             typer.echo(
-                f"  saves        {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
+                f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
             )
             typer.echo(f"               {saving.advice}")
         _warn_of_step(sim)
         steps, seconds = _expected_cost(sim)
-        typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} of stepping on this machine")
+        typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
         if not sound:
             raise typer.Exit(FAILED)
 
@@ -156,7 +160,7 @@ def _run(
     until: float | None = None,
     frames: int | None = None,
 ) -> None:
-    """Run with a progress bar, and tell where the results are or how to go on."""
+    """Run with a progress bar; report the folder of the results, or how to continue."""
     from membrane_rs.runs import RunFolder
 
     console = terminal()
@@ -165,14 +169,14 @@ def _run(
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
         _warn_of_step(sim)
         if settings.relax > 0 and sim.step_count == 0:
-            show.settling()
+            show.relaxing()
             sim.relax()
         try:
             sim.run(until=until, frames=frames, progress=show.steps, observers=(results,))
         except KeyboardInterrupt:
             show.stop()
             state = folder / "state.npz"
-            typer.echo(f"Stopped at {sim.time:.6g} s. What was written so far is in {folder}", err=True)
+            typer.echo(f"Stopped at {sim.time:.6g} s. The results so far are in {folder}", err=True)
             if state.is_file() and sim.time < (settings.until if until is None else until):
                 typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
             raise typer.Exit(INTERRUPTED) from None
@@ -180,7 +184,7 @@ def _run(
 
 
 def _warn_of_step(sim: Simulation) -> None:
-    """Say so where the step is above the stability limit: the watch will stop the run, but late."""
+    """Warn of a step above the stability limit: the monitor stops such a run, but only later."""
     limit = sim.stable_dt()
     if sim.dt > limit:
         text = f"Warning: dt = {sim.dt:.4g} s is above the stability limit of {limit:.4g} s; leave dt out"
@@ -188,7 +192,7 @@ def _warn_of_step(sim: Simulation) -> None:
 
 
 def _expected_cost(sim: Simulation) -> tuple[int, float]:
-    """Steps to the end, and the seconds they take, from a few hundred real ones."""
+    """Number of steps to the end, and their time [s], extrapolated from a few hundred steps."""
     steps = max(1, round(sim.scene.run.until / sim.dt))
     taken, began, spent = 0, time.perf_counter(), 0.0
     while taken < min(steps, 300) and spent < 2.0:

@@ -2,35 +2,48 @@
 
 from __future__ import annotations
 
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from membrane_rs.cli.application import app, told_errors
-from membrane_rs.cli.options import Ensemble, Integrator, Jobs, Out, Rows, SceneArgument, Until, load, numbers, whole
+from membrane_rs.cli.application import app, reported_errors
+from membrane_rs.cli.options import (
+    Ensemble,
+    Integrator,
+    Jobs,
+    Out,
+    Rows,
+    SceneArgument,
+    Until,
+    load,
+    numbers,
+    warn_renamed,
+    whole,
+)
 
 if TYPE_CHECKING:
-    from membrane_rs.study import Ablation, Chart
+    from membrane_rs.study import Ablation, WorkPrecision
 
 
 @app.command()
 def stability(
     scene: SceneArgument,
     *,
-    parameter: Annotated[str, typer.Option(help="A value of the scene, by its name in the scene file.")] = (
+    parameter: Annotated[str, typer.Option(help="The parameter, by its name in the scene file.")] = (
         "laws.spring_damping.ratio"
     ),
-    values: Annotated[str, typer.Option(help="What it takes, parted by commas.")] = "0,0.02,0.1,0.5,2",
-    steps: Annotated[str, typer.Option(help="Shares of the stable step, parted by commas.")] = (
+    values: Annotated[str, typer.Option(help="Its values, separated by commas.")] = "0,0.02,0.1,0.5,2",
+    steps: Annotated[str, typer.Option(help="Steps in multiples of the stability limit, separated by commas.")] = (
         "0.25,0.5,0.75,0.95,1.05,1.5"
     ),
-    integrator: Annotated[str | None, typer.Option(help="Methods, parted by commas. Default: all.")] = None,
+    integrator: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
     until: Until = None,
     out: Out = None,
 ) -> None:
-    """Map how runs end, step against a parameter: fine, inaccurate, energy injected, blown up."""
-    with told_errors():
+    """Map the outcome of runs over step and one parameter: fine, inaccurate, energy injected, blown up."""
+    with reported_errors():
         from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
         chosen = load(scene)
@@ -51,29 +64,31 @@ def stability(
             typer.echo(f"Wrote {path}")
 
 
-@app.command()
-def chart(
+@app.command("work-precision")
+def work_precision(
     scene: SceneArgument,
     *,
-    integrators: Annotated[str | None, typer.Option(help="Methods, with commas between. Default: all.")] = None,
+    integrators: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
     until: Until = None,
     steps: Annotated[int, typer.Option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
     ensemble: Ensemble = None,
-    density: Annotated[str, typer.Option(help="Other meshes, such as 0.5,2 times as dense; with --curves.")] = "",
-    error: Annotated[float, typer.Option(help="The error to reach at least cost.")] = 1e-3,
+    density: Annotated[
+        str, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
+    ] = "",
+    error: Annotated[float, typer.Option(help="The target error, to be reached at least cost.")] = 1e-3,
     repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
-    budget: Annotated[float | None, typer.Option(help="Leave out what takes longer on one core [s].")] = None,
-    mesh: Annotated[bool, typer.Option("--mesh", help="Chart the mesh in place of the step: see mesh-study.")] = False,
+    budget: Annotated[float | None, typer.Option(help="Leave out runs that take longer on one core (s).")] = None,
+    mesh: Annotated[bool, typer.Option("--mesh", help="Refine the mesh instead of the step: see mesh-study.")] = False,
     rows: Rows = "8,16",
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
-    """Chart what accuracy costs: each method over a ladder of steps, against a far finer reference."""
-    with told_errors():
-        from membrane_rs.study import chart as charted
+    """Draw a work-precision diagram: error against cost of each method, over a series of steps."""
+    with reported_errors():
+        from membrane_rs.study import work_precision as study
 
         if mesh:
             _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
@@ -82,11 +97,19 @@ def chart(
         chosen = load(scene)
         names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
         meshes = numbers(density, "--density") if density else []
-        found = charted(
+        found = study(
             chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
             repeats=repeats, budget=budget, jobs=jobs, progress=_tell,
         )  # fmt: skip
-        _save(found, out or Path("runs") / f"{chosen.name}-chart")
+        _save(found, out or Path("runs") / f"{chosen.name}-work-precision")
+
+
+@app.command("chart", help="The old name of work-precision.")
+@wraps(work_precision)
+def chart(**options: Any) -> None:
+    """The old name of work-precision."""
+    warn_renamed("membrane-rs chart", "membrane-rs work-precision")
+    work_precision(**options)
 
 
 @app.command()
@@ -94,20 +117,23 @@ def ablate(
     scene: SceneArgument,
     *,
     until: Until = None,
-    tolerance: Annotated[float, typer.Option(help="Allowed change: of the rate, in turns, of the peaks.")] = 0.01,
+    tolerance: Annotated[
+        float,
+        typer.Option(help="Allowed change: of the rate, of the phase (turns), of the peaks."),
+    ] = 0.01,
     ensemble: Ensemble = None,
     integrator: Integrator = None,
-    share: Annotated[float | None, typer.Option(help="Steps as shares of the stability limit.")] = None,
-    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh [s].")] = None,
+    share: Annotated[float | None, typer.Option(help="Steps in multiples of the stability limit.")] = None,
+    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh (s).")] = None,
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
-    """Leave out each law and part in turn; write the smallest scene that keeps the tolerance."""
-    with told_errors():
-        from membrane_rs.study import ablate as ablated
+    """Leave out each law and part in turn, and write the smallest scene that keeps the tolerance."""
+    with reported_errors():
+        from membrane_rs.study import ablate as study
 
         chosen, members = load(scene), 5 if ensemble is None else ensemble
-        found = ablated(
+        found = study(
             chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
             dense_until=dense_until, jobs=jobs, progress=_tell,
         )  # fmt: skip
@@ -119,14 +145,14 @@ def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
     rows: Rows = "8,16",
-    forms: Annotated[str | None, typer.Option(help="Of the parameters, parted by commas. Default: all.")] = None,
-    ensemble: Annotated[int, typer.Option(help="Runs from perturbed starts, on each mesh, beside the true one.")] = 0,
+    forms: Annotated[str | None, typer.Option(help="Forms of the parameters, by commas. Default: all.")] = None,
+    ensemble: Annotated[int, typer.Option(help="Number of runs from perturbed starts on each mesh.")] = 0,
     until: Until = None,
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
-    """Run a square sail at several mesh densities: do its curves approach a limit, and at what rate?"""
-    with told_errors():
+    """Run a square sail at several mesh densities, and measure the order of convergence of its curves."""
+    with reported_errors():
         _study_meshes(
             scene,
             rows=rows,
@@ -161,10 +187,10 @@ def _study_meshes(
 
 
 def _tell(words: str) -> None:
-    """What a study just did; its result goes to the standard output."""
+    """Report the progress of a study on the standard error, apart from its result."""
     typer.echo(words, err=True)
 
 
-def _save(study: Ablation | Chart, folder: Path) -> None:
+def _save(study: Ablation | WorkPrecision, folder: Path) -> None:
     study.save(folder)
     typer.echo(f"{study.summary()}\nResults are in {folder}")

@@ -1,11 +1,12 @@
-"""Studies: many runs of one scene, compared: what accuracy costs, what a scene can do without, what a mesh changes."""
+"""Studies: comparisons of many runs of one scene, on accuracy and cost, on its laws and parts, and on its mesh."""
 
 from __future__ import annotations
 
+from membrane_rs._moved import Moved
 from membrane_rs.study.ablation import Ablation, ablate
-from membrane_rs.study.accuracy import Chart, chart
+from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
-from membrane_rs.study.lengths import FORMS, Lengths, agreeing
+from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
 
@@ -13,14 +14,18 @@ __all__ = [
     "FORMS",
     "Ablation",
     "Calibration",
-    "Chart",
-    "Lengths",
+    "LengthScales",
     "MeshRun",
+    "WorkPrecision",
     "ablate",
     "agreeing",
     "calibrate",
-    "chart",
     "jobs_of",
     "mesh_study",
+    "work_precision",
     "write_mesh_study",
 ]
+
+__getattr__ = Moved(
+    __name__, {__name__: {"Chart": "WorkPrecision", "Lengths": "LengthScales", "chart": "work_precision"}}
+)

@@ -1,9 +1,9 @@
-"""No more than a scene needs: each law and part left out in turn, the mesh coarser and finer; what that saves and
-what it changes.
+"""Ablation: the scene without each of its laws and parts in turn, and on a coarser and a finer mesh.
 
-Changes are held against a wanted tolerance, and against the spread of an ensemble of perturbed starts: what is
-smaller than that cannot be told from chaos. The smallest model is what is left when everything that may go
-has gone; it is run too, and grows again until it keeps the tolerance as a whole.
+For each variant the study gives the saving in cost and the change in the results. A change is compared with a
+tolerance and with the spread of an ensemble of perturbed starts, below which it is indistinguishable from chaos. The
+smallest model leaves out everything that is dispensable. It is run as a whole; where it exceeds the tolerance, the
+laws and parts of the largest change are restored one by one.
 """
 
 from __future__ import annotations
@@ -27,20 +27,20 @@ from membrane_rs.results.summary import versions, write_summary
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
-from membrane_rs.study.common.executor import Tell, together
-from membrane_rs.study.common.run import Course, Trial, course, ensemble, run
+from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.run import StudyCase, StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
 
 INSTANTS = 100
-"""How often the curves are read."""
+"""Number of samples of the curves."""
 SMALLEST = "smallest model"
-"""The folder of the recommended scene, and its row in the table."""
+"""Folder of the recommended scene, and name of its row in the table."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """How far a run is from that of the whole scene.
+    """Difference between a run and that of the complete scene.
 
     Attributes
     ----------
@@ -60,12 +60,12 @@ class Change:
     stress: float = math.nan
 
     def within(self, allowed: Change) -> bool:
-        """Whether nothing is larger than allowed; what is not a number counts as nothing (no corners, no film)."""
+        """Whether no component exceeds the allowed one; NaN (no corners, no film) is ignored."""
         pairs = zip(vars(self).values(), vars(allowed).values(), strict=True)
         return not any(abs(found) > most for found, most in pairs)
 
     def largest_share(self, allowed: Change) -> float:
-        """The largest change as a multiple of what is allowed."""
+        """The largest ratio of a component to the allowed one."""
         pairs = list(zip(vars(self).values(), vars(allowed).values(), strict=True))
         known = [(abs(a), b) for a, b in pairs if not math.isnan(a + b)]
         return max((a / b if b else (math.inf if a else 0.0) for a, b in known), default=0.0)
@@ -73,19 +73,19 @@ class Change:
 
 @dataclass(frozen=True)
 class Item:
-    """One row: a scene with something left out.
+    """One row of the table: a scene with something left out.
 
     Attributes
     ----------
     name : str
-        What was left out.
+        Name of the variant.
     time_per_step, step_limit, cost : float
-        Of this scene over the whole one; cost is the first over the second. NaN where it did not run.
+        Ratios of this scene to the complete one; cost is the first over the second. NaN for a scene that did not run.
     change : Change or None
-        None where it did not run to its end.
+        None for a run that did not reach its end.
     verdict : str
-        "may go", "may go: chaos hides what it does", "needed", or why it cannot be left out. Of a denser mesh: whether
-        this one is dense enough.
+        "may go", "may go: change within the spread", "needed", or the reason why it cannot be left out. For a denser
+        mesh: whether the scene's mesh is dense enough.
     """
 
     name: str
@@ -97,21 +97,21 @@ class Item:
 
     @property
     def may_go(self) -> bool:
-        """Whether the tolerance is kept without it."""
+        """Whether the scene keeps the tolerance without it."""
         return self.verdict.startswith("may go")
 
     @property
     def share(self) -> float:
-        """What is left out, as a share of the time of a step; NaN where it did not run."""
+        """Share of the time of a step that is saved; NaN for a scene that did not run."""
         return 1.0 - self.time_per_step
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """What leaving out does to a scene, and the smallest model of it.
+    """Result of an ablation, with the smallest model.
 
-    `spread` is that of the ensemble, `allowed` the larger of it and the tolerance, kind by kind. `smallest`
-    is None where nothing may go; its own row is then missing in `items`. `peak_stress` [Pa] is NaN without film.
+    `spread` is that of the ensemble, `allowed` the larger of it and the tolerance, component by component. `smallest`
+    is None if nothing is dispensable; `items` then has no row for it. `peak_stress` [Pa] is NaN without film.
     """
 
     scene: str
@@ -137,19 +137,19 @@ class Ablation:
         return table(head, rows, words=(0, len(head) - 1))
 
     def heading(self) -> str:
-        """What was run, and to what the changes of its peaks compare."""
+        """The case, and the peaks with which the changes compare."""
         stress = "" if math.isnan(self.peak_stress) else f", peak stress {self.peak_stress:.2e} Pa"
         head = f"{self.scene}, {self.until:g} s by steps of {self.dt:.3g} s, {self.members} perturbed starts"
         return f"{head}; tolerance {self.tolerance:g}, peak strain {self.peak_strain:.2e}{stress}"
 
     def verdict(self) -> str:
-        """What the smallest model leaves out."""
+        """The laws and parts that the smallest model leaves out."""
         if self.smallest is None:
             return "Nothing may go: the scene is the smallest model of itself."
         return f"The smallest model leaves out: {', '.join(self.left_out)}."
 
     def summary(self) -> str:
-        """The result in words."""
+        """The result as text."""
         return f"{self.heading()}\n\n{self.table()}\n{self.verdict()}"
 
     def save(self, folder: Path | str) -> None:
@@ -186,37 +186,37 @@ def ablate(
     jobs: int | None = None,
     progress: Tell | None = None,
 ) -> Ablation:
-    """Run a scene whole, with each law and part left out and on coarser and finer meshes, and find its smallest model.
+    """Run a scene complete, without each law and part, and on coarser and finer meshes; find its smallest model.
 
     Parameters
     ----------
     scene : Scene
-        What is run.
+        The complete scene.
     until : float, optional
-        Time at the end [s]; nothing is said about what comes later. Default: the scene's.
+        Time at the end [s]; the result holds up to then. Default: the scene's.
     tolerance : float
-        What may change: the deployment rate by this much, the phase by this many turns, the peak strain and stress by
-        this share of themselves; or each by the spread of the ensemble, if that is larger.
+        Allowed change: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
+        stress by this share of themselves; or of each by the spread of the ensemble, if that is larger.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
-        the true start among them; 0: none. One that the watch stops is not counted.
+        the unperturbed start among them; 0: none. A run that the monitor stops is not counted.
     integrator : str, optional
         The method of all runs. Default: the scene's.
     share : float, optional
         Their steps, as shares of each scene's stability limit. Default: the scene's step, or 0.4.
     dense_until : float, optional
-        Where the run on the denser mesh, which costs about eight times the others, ends [s]. Default: like all.
+        End of the run on the denser mesh, which costs about eight times the others [s]. Default: as for all.
     jobs : int, optional
-        Runs at once. Default: one on each core. Results do not depend on it.
+        Number of parallel runs. Default: one on each core. Results do not depend on it.
     progress : callable, optional
-        Told in words what was just done.
+        Called with a line of text after each run.
 
     Raises
     ------
     InputError
-        A number out of its range, an unknown method.
+        A number outside its range, an unknown method.
     UnstableError
-        The whole scene itself stopped.
+        The run of the complete scene stopped.
     """
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {tolerance}: must be greater than 0 and finite")
@@ -229,32 +229,32 @@ def ablate(
     if integrator is not None and integrator not in integrators():
         raise InputError(f"integrator: there is no {integrator!r}; {nearest(integrator, list(integrators()))}")
     tell = progress or (lambda _: None)
-    where = course(scene, until, INSTANTS)
-    whole = _simulation(where.scene, integrator, share)
-    peer, *others = ensemble(where, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)
-    peer, others = peer.whole(), [trial for trial in others if trial.failure is None]
-    spread = _largest([_change(one, other) for one, other in combinations((peer, *others), 2)])
-    peak = float(peer.strain.max())
-    stress = float(peer.stress.max())
+    case = study_case(scene, until, INSTANTS)
+    whole = _simulation(case.scene, integrator, share)
+    reference, *others = ensemble(case, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)
+    reference, others = reference.completed(), [member for member in others if member.failure is None]
+    spread = _largest([_change(one, other) for one, other in combinations((reference, *others), 2)])
+    peak = float(reference.strain.max())
+    stress = float(reference.stress.max())
     wanted = Change(tolerance, 360.0 * tolerance, tolerance * abs(peak), tolerance * abs(stress))
     allowed = _largest([spread, wanted])
 
-    against = _Against(where, whole, peer, spread, allowed, share, dense_until, jobs, tell)
-    found = [against.named(variant) for variant in variants(where.scene)]
+    comparison = _Comparison(case, whole, reference, spread, allowed, share, dense_until, jobs, tell)
+    found = [comparison.named(variant) for variant in variants(case.scene)]
     runnable = [variant for variant in found if variant.scene is not None]
-    runnable.sort(key=lambda variant: -variant.density)  # the longest run first, so that none is left to run alone
-    trials = dict(zip([v.name for v in runnable], against.trials(runnable), strict=True))
+    runnable.sort(key=lambda variant: -variant.density)  # the longest run first, so that the cores end together
+    runs = dict(zip([v.name for v in runnable], comparison.runs(runnable), strict=True))
     items = []
     for variant in found:
-        items.append(against.item(variant, trials.get(variant.name)))
+        items.append(comparison.item(variant, runs.get(variant.name)))
         tell(f"left out: {variant.name}: {items[-1].verdict}")
-    smallest, row, left_out = _smallest(against, found, items)
+    smallest, row, left_out = _smallest(comparison, found, items)
     return Ablation(
         scene=scene.name,
-        until=where.until,
+        until=case.until,
         tolerance=tolerance,
         members=len(others),
-        dt=peer.dt,
+        dt=reference.dt,
         peak_strain=peak,
         peak_stress=stress,
         spread=spread,
@@ -266,12 +266,12 @@ def ablate(
 
 
 @dataclass(frozen=True)
-class _Against:
-    """What each variant is held against: the whole scene, its run, and what may change."""
+class _Comparison:
+    """The reference of each variant: the complete scene, its run, and the allowed change."""
 
-    where: Course
+    case: StudyCase
     whole: Simulation
-    peer: Trial
+    reference: StudyRun
     spread: Change
     allowed: Change
     share: float | None
@@ -280,36 +280,36 @@ class _Against:
     tell: Tell
 
     def named(self, variant: Variant) -> Variant:
-        """The variant; where its run ends early, its name says so."""
-        where = self.where.shortened(self.dense_until)
-        if variant.density <= 1.0 or where is self.where:
+        """The variant, whose name contains the end of a shortened run."""
+        case = self.case.shortened(self.dense_until)
+        if variant.density <= 1.0 or case is self.case:
             return variant
-        return replace(variant, name=f"{variant.name} (first {where.until:.3g} s)")
+        return replace(variant, name=f"{variant.name} (first {case.until:.3g} s)")
 
-    def trials(self, chosen: Sequence[Variant]) -> list[Trial]:
-        """One run of each, by the whole scene's method and step; or at a smaller one, where its own limit is lower."""
+    def runs(self, chosen: Sequence[Variant]) -> list[StudyRun]:
+        """One run of each by the method and step of the complete scene, or a smaller one where its limit is lower."""
         stop = Event()
 
-        def job(variant: Variant) -> Trial:
+        def job(variant: Variant) -> StudyRun:
             assert variant.scene is not None
-            # A step that suits both: the same one leaves nothing but the model to differ.
+            # One step that is stable for both: then the runs differ by the model alone.
             dt = min(self.whole.dt, _simulation(variant.scene, self.whole.integrator, self.share).dt)
-            where = self.where.shortened(self.dense_until) if variant.density > 1.0 else self.where
-            return run(where.of(variant.scene), self.whole.integrator, dt, stop=stop)
+            case = self.case.shortened(self.dense_until) if variant.density > 1.0 else self.case
+            return run_case(case.of(variant.scene), self.whole.integrator, dt, stop=stop)
 
         names = [f"left out: {variant.name}" for variant in chosen]
         jobs = [lambda v=v: job(v) for v in chosen]
-        return together(jobs, names, stop, workers=self.jobs, tell=self.tell)
+        return run_parallel(jobs, names, stop, workers=self.jobs, tell=self.tell)
 
-    def item(self, variant: Variant, trial: Trial | None) -> Item:
+    def item(self, variant: Variant, run: StudyRun | None) -> Item:
         """The row of a variant."""
-        if variant.scene is None or trial is None:
+        if variant.scene is None or run is None:
             return Item(variant.name, math.nan, math.nan, math.nan, None, f"cannot be left out: {variant.reason}")
         time, limit = cost_against(self.whole, variant.scene)
-        if trial.failure is not None:
-            verdict = f"needed: without it the run stops at {trial.failure.time:.3g} s ({trial.failure.law})"
+        if run.failure is not None:
+            verdict = f"needed: without it the run stops at {run.failure.time:.3g} s ({run.failure.law})"
             return Item(variant.name, time, limit, time / limit, None, verdict)
-        change = _change(trial, self.peer)
+        change = _change(run, self.reference)
         if variant.density > 1.0:
             enough = "within tolerance: the mesh is dense enough"
             verdict = enough if change.within(self.allowed) else "beyond tolerance: a denser mesh gives another answer"
@@ -317,32 +317,32 @@ class _Against:
         verdict = "needed"
         if change.within(self.allowed):
             hidden = any(vars(change).values()) and change.within(self.spread)
-            verdict = "may go: chaos hides what it does" if hidden else "may go"
+            verdict = "may go: change within the spread" if hidden else "may go"
         return Item(variant.name, time, limit, time / limit, change, verdict)
 
 
 def _simulation(scene: Scene, integrator: str | None, share: float | None) -> Simulation:
-    """The scene with its own step, or with a share of its limit."""
+    """The scene with its own step, or with a share of its limit as the step."""
     sim = Simulation(scene, integrator)
     return sim if share is None else Simulation(scene, integrator, share * sim.stable_dt())
 
 
 def _smallest(
-    against: _Against, found: Sequence[Variant], items: Sequence[Item]
+    comparison: _Comparison, found: Sequence[Variant], items: Sequence[Item]
 ) -> tuple[Scene | None, Item | None, list[Variant]]:
-    """The scene without all that may go; what changes most comes back until the whole keeps the tolerance."""
+    """The scene without all that is dispensable; the largest change is restored until the whole keeps the tolerance."""
     rows = zip(found, items, strict=True)
     going = [(variant, item.change) for variant, item in rows if item.may_go and item.change is not None]
-    going.sort(key=lambda pair: pair[1].largest_share(against.allowed))
+    going.sort(key=lambda pair: pair[1].largest_share(comparison.allowed))
     while going:
-        # A part that may go is not also replaced.
+        # A part that is left out is not replaced as well.
         bare = {variant.place for variant, _ in going if variant.other is None}
         chosen = [variant for variant, _ in going if variant.other is None or variant.place not in bare]
         try:
-            scene = without(against.where.scene, chosen)
+            scene = without(comparison.case.scene, chosen)
             variant = Variant(SMALLEST, ("", 0), scene)
-            item = against.item(variant, against.trials([variant])[0])
-        except InputError:  # what is left is no scene
+            item = comparison.item(variant, comparison.runs([variant])[0])
+        except InputError:  # the remainder is not a valid scene
             item = None
         if item is not None and item.may_go:
             return scene, replace(item, verdict="within tolerance"), sorted(chosen, key=found.index)
@@ -350,16 +350,16 @@ def _smallest(
     return None, None, []
 
 
-def _change(trial: Trial, peer: Trial) -> Change:
-    """Over the instants that the trial came to."""
-    count = len(trial.times)
-    rate, phase = (np.abs(a - b[:count]).max() for a, b in ((trial.rate, peer.rate), (trial.phase, peer.phase)))
-    peaks = ((trial.strain, peer.strain), (trial.stress, peer.stress))
+def _change(run: StudyRun, reference: StudyRun) -> Change:
+    """Change over the instants that the run reached."""
+    count = len(run.times)
+    rate, phase = (np.abs(a - b[:count]).max() for a, b in ((run.rate, reference.rate), (run.phase, reference.phase)))
+    peaks = ((run.strain, reference.strain), (run.stress, reference.stress))
     return Change(float(rate), float(phase), *(float(a.max() - b[:count].max()) for a, b in peaks))
 
 
 def _largest(changes: Sequence[Change]) -> Change:
-    """The largest of each; 0 without any."""
+    """The largest of each component; 0 without changes."""
     if not changes:
         return Change(0.0, 0.0, 0.0, 0.0)
     rows = np.abs([list(vars(change).values()) for change in changes])

@@ -1,11 +1,11 @@
-"""Accuracy against work: every method over a ladder of steps or tolerances, against a reference far finer than all.
+"""Work-precision diagram: the error of every method against its cost, over steps or tolerances.
 
-Where the motion is smooth the error is pointwise; where it is chaotic it is that of the curves, and an
-ensemble of perturbed starts tells how near any two runs can be expected to come.
+The reference is a far finer run. For a smooth motion the error is that of the positions. For a chaotic motion it is
+that of the curves, and the spread of an ensemble of perturbed starts bounds it from below.
 
-Steps are shares of each method's own stability limit at the start. Those beyond it show whether the watch
-catches what goes wrong there. A method that chooses its steps climbs a ladder of tolerances, one without limit
-takes multiples of the reference method's.
+Steps are multiples of each method's own stability limit at the start. Those beyond the limit show whether the monitor
+detects the instability. An adaptive method takes tolerances; a method without limit takes multiples of the limit of
+the reference method.
 """
 
 from __future__ import annotations
@@ -31,47 +31,56 @@ from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
-from membrane_rs.study.common.executor import Tell, together
-from membrane_rs.study.common.run import SHIFT, Course, Trial, course, ensemble, run
-from membrane_rs.study.ladder import COARSEST, Best, Point, Rung, cheapest, ladder, line_name, measured_order
+from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.run import SHIFT, StudyCase, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.refinement import (
+    COARSEST,
+    Best,
+    Point,
+    RefinementLevel,
+    cheapest,
+    line_name,
+    measured_order,
+    refinement_levels,
+)
 
 REFERENCE = "rk4"
 """The method of the reference."""
 REFERENCE_SHARE = {False: 0.25, True: 0.5}
-"""Its step over that of its own finest rung: pointwise, and for curves, where chaos makes more in vain."""
+"""Ratio of its step to that of its own finest level; for curves a finer one is useless because of chaos."""
 REFERENCE_MOST = 0.125 * COARSEST
-"""It is no larger than this share of the limit, however few the rungs."""
+"""Upper bound of its step as a share of the limit, for any number of levels."""
 ENSEMBLE, ENSEMBLE_SHARE = "leapfrog", 0.25
-"""The method of the perturbed starts and its step over its limit: their spread is the motion's, not the method's."""
+"""Method of the perturbed starts, and its step over its limit; their spread belongs to the motion, not the method."""
 CLEAR = 10.0
-"""An error counts for a measured order where it is this many times what bounds it from below."""
+"""Ratio to the lower bound from which an error counts for a measured order."""
 
 
 @dataclass(frozen=True)
-class Chart:
-    """What a chart shows.
+class WorkPrecision:
+    """The data of a work-precision diagram.
 
     Attributes
     ----------
     scene, until, instants :
-        What was run, to which time [s], and read how often.
+        Scene, time at the end [s], and number of samples.
     points : tuple of Point
-        Coarsest first, method by method.
+        By method, coarsest level first.
     labels : dict
-        What each kind of error is.
+        Label of each kind of error.
     reference_dt, reference_density : float
-        Step of the reference [s], and the density of its mesh over the scene's.
+        Step of the reference [s], and ratio of the density of its mesh to the scene's.
     reference_errors : dict
-        The reference against itself at twice its step.
+        Difference of the reference from itself at twice its step.
     floors : dict
         Largest error between perturbed starts; NaN without ensemble.
     wanted : float
-        The wanted error, of the first kind.
+        The target error, of the first kind.
     orders : dict
-        Measured order, by line (a method, or a method on another mesh) and kind of error; NaN where too few points
-        stand clear.
+        Measured order, by line (a method, or a method on another mesh) and kind of error; NaN if too few errors
+        exceed the lower bound clearly.
     best : dict
-        By kind of cost; None where no method reaches the wanted error.
+        By kind of cost; None if no method reaches the target error.
     """
 
     scene: str
@@ -88,13 +97,13 @@ class Chart:
     orders: dict[str, dict[str, float]]
     best: dict[str, Best | None]
 
-    def rungs(self, line: str) -> list[Point]:
+    def points_of(self, line: str) -> list[Point]:
         """The points of one line, coarsest first."""
         return [point for point in self.points if point.line == line]
 
     def summary(self) -> str:
-        """The result in words."""
-        lines = [f"{self.scene}, {self.until:g} s, read at {self.instants} instants"]
+        """The result as text."""
+        lines = [f"{self.scene}, {self.until:g} s, {self.instants} samples"]
         for name, label in self.labels.items():
             lines.append(f"{label}:")
             lines.append(
@@ -102,34 +111,34 @@ class Chart:
                 f"{self.reference_errors[name]:.1e} from itself at twice that step"
             )
             if self.members:
-                spread = f"  spread of {self.members} starts shifted by {SHIFT:g} m: {self.floors[name]:.1e}"
-                lines.append(spread + ("; no method can be said to be nearer" if name in CURVES else ""))
-            lines += [f"  {line}: {self._told(line, orders[name])}" for line, orders in self.orders.items()]
+                spread = f"  spread of {self.members} starts perturbed by {SHIFT:g} m: {self.floors[name]:.1e}"
+                lines.append(spread + ("; smaller errors are indistinguishable" if name in CURVES else ""))
+            lines += [f"  {line}: {self._described(line, orders[name])}" for line, orders in self.orders.items()]
         first = next(iter(self.labels))
         for cost, best in self.best.items():
             what = f"{COSTS[cost].lower()} for an error of {self.wanted:g} ({first})"
             lines.append(
                 f"Least {what}: {best.words()}, {best.cost:.3g}"
                 if best
-                else f"Least {what}: no method of the ladder reaches it below its limit"
+                else f"Least {what}: no method reaches it below its limit"
             )
         bound = _bounds(self.reference_errors, self.floors, curves=first in CURVES)[first]
         if self.wanted < bound:
-            lines.append(f"But an error of {self.wanted:g} cannot be told apart here: the bound is {bound:.1e}.")
-            by_line = {line: self.rungs(line) for line in self.orders}
+            lines.append(f"An error of {self.wanted:g} is below the lower bound of {bound:.1e}.")
+            by_line = {line: self.points_of(line) for line in self.orders}
             for cost, words in COSTS.items():
                 found = cheapest(by_line, first, bound, cost)
                 lines += [f"Least {words.lower()} within the bound: {found.words()}, {found.cost:.3g}"] if found else []
         return "\n".join(lines)
 
-    def _told(self, line: str, order: float) -> str:
-        """A line in words: its order, and what became of its runs."""
-        points = self.rungs(line)
+    def _described(self, line: str, order: float) -> str:
+        """A line as text: its order, and the number of runs stopped or left out."""
+        points = self.points_of(line)
         stopped = [p for p in points if p.failed_at is not None]
         dear = [p for p in points if p.failure is not None and p.failed_at is None]
-        why = "no order, too few errors are set by the step and clear of the bounds"
+        why = "no order, too few errors depend on the step and exceed the bounds"
         words = [f"measured order {order:.2f}" if math.isfinite(order) else why]
-        words += [f"{len(stopped)} of {len(points)} runs stopped by the watch"] if stopped else []
+        words += [f"{len(stopped)} of {len(points)} runs stopped by the monitor"] if stopped else []
         words += [f"{len(dear)} of {len(points)} runs left out as too costly"] if dear else []
         return ", ".join(words)
 
@@ -169,8 +178,8 @@ class Chart:
         ]
 
     def _line(self, line: str, name: str) -> Line:
-        """A line's rungs; a run that was stopped is drawn at the cost that it would have had."""
-        points = self.rungs(line)
+        """A line's points; a stopped run is drawn at its extrapolated cost."""
+        points = self.points_of(line)
         done = [p for p in points if p.failure is None]
         costs = {cost: np.array([float(getattr(p, cost)) for p in points]) for cost in COSTS}
         for k, p in enumerate(points):
@@ -184,7 +193,7 @@ class Chart:
         return Line(label, costs, errors, np.array([not p.is_stable for p in points]))
 
 
-def chart(
+def work_precision(
     scene: Scene,
     methods: Sequence[str] | None = None,
     until: float | None = None,
@@ -199,48 +208,48 @@ def chart(
     budget: float | None = None,
     jobs: int | None = None,
     progress: Tell | None = None,
-) -> Chart:
-    """Run a scene by each method over a ladder of steps or tolerances, and measure errors and costs.
+) -> WorkPrecision:
+    """Run a scene by each method over a series of steps or tolerances, and measure errors and costs.
 
     Parameters
     ----------
     scene : Scene
-        What is run. It should be smooth up to the end, or `curves` be set.
+        The scene. Its motion should be smooth up to the end, or `curves` be set.
     methods : sequence of str, optional
         Integrators. Default: all.
     until : float, optional
         Time at the end [s]. Default: the scene's.
     steps : int
-        Rungs below the stability limit, from 0.9 of it, each half as large; two more lie beyond it. As many
+        Levels below the stability limit, from 0.9 of it, each half as large; two more lie beyond it. As many
         tolerances, from 1e-3, each a 32nd; as many steps of a method without limit, from 64 limits of rk4.
     curves : bool
-        The error is that of deployment rate and phase, not that of the positions.
+        Measure the error of deployment rate and phase, not of the positions.
     members : int, optional
-        Runs from perturbed starts, which set the floor; 0: none. Default: 4 with `curves`, else none. One that the
-        watch stops is not counted.
+        Runs from perturbed starts, whose spread is the lower bound; 0: none. Default: 4 with `curves`, else none. A
+        run that the monitor stops is not counted.
     densities : sequence of float
         Other meshes, as multiples of the scene's density; needs `curves`. Each is a line of its own, run by the
         method of the fewest evaluations a step, and all errors are then against the finest mesh.
     wanted : float
-        The error for which the cheapest method is named (of the rate, with `curves`).
+        The target error, for which the cheapest method is given (of the rate, with `curves`).
     repeats : int, optional
         Runs of which the time is the median. Default: 1 with `curves`, else 3.
     instants : int, optional
-        How often positions (default 10) or curves (default 100) are compared.
+        Number of samples at which positions (default 10) or curves (default 100) are compared.
     budget : float, optional
-        Processor time that a rung may take [s]; one that would take more is left out, and said to be.
+        Processor time that a run may take [s]; one that would take more is left out and reported.
     jobs : int, optional
-        Runs at once, of an ensemble and with `curves`. Default: one on each core. No result but the time depends on it.
+        Number of parallel runs of an ensemble and with `curves`. Default: one on each core. Only times depend on it.
     progress : callable, optional
-        Told in words what was just done.
+        Called with a line of text after each run.
 
     Raises
     ------
     InputError
-        An unknown method, a number out of its range, a density that the mesh cannot have, a scene in which nothing
-        moves.
+        An unknown method, a number outside its range, a density that the mesh cannot represent, a scene without
+        motion.
     UnstableError
-        The reference itself stopped.
+        The reference run stopped.
     """
     names = _methods(methods)
     members = (4 if curves else 0) if members is None else members
@@ -253,62 +262,62 @@ def chart(
             raise InputError(f"{what} = {number}: must be greater than 0 and finite")
     if densities and not curves:
         raise InputError(
-            f"densities = {show(tuple(densities))}: other meshes have other nodes, so only curves can be compared; "
-            "give --curves too"
+            f"densities = {show(tuple(densities))}: meshes have different nodes, so only curves can be compared; "
+            "add --curves"
         )
     tell = progress or (lambda _: None)
     kinds = CURVES if curves else POINTWISE
     count = (100 if curves else 10) if instants is None else instants
-    meshes = {1.0: course(scene, until, count)}
-    meshes |= {float(d): course(denser(scene, d), until, count) for d in sorted(set(densities)) if d != 1.0}
-    where, finest_mesh = meshes[1.0], max(meshes)
+    meshes = {1.0: study_case(scene, until, count)}
+    meshes |= {float(d): study_case(denser(scene, d), until, count) for d in sorted(set(densities)) if d != 1.0}
+    case, finest_mesh = meshes[1.0], max(meshes)
 
-    rungs = [rung for density, mesh in meshes.items() for rung in _rungs(mesh, names, density, steps)]
+    levels = [level for density, mesh in meshes.items() for level in _levels(mesh, names, density, steps)]
     finest = min(REFERENCE_SHARE[curves] * COARSEST / 2.0 ** (steps - 1), REFERENCE_MOST)
     finest *= Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
     stop = Event()
 
-    def reference_at(dt: float) -> Trial:
-        return run(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop).whole()
+    def reference_at(dt: float) -> StudyRun:
+        return run_case(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop).completed()
 
-    said = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)]
+    labels = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)]
     makes = [lambda dt=dt: reference_at(dt) for dt in (finest, 2.0 * finest)]
-    reference, check = together(makes, said, stop, workers=jobs, tell=tell)
+    reference, check = run_parallel(makes, labels, stop, workers=jobs, tell=tell)
 
-    def errors(trial: Trial, true: Trial = reference) -> dict[str, float]:
-        failed = trial.failure is not None or trial.expected is not None
-        return {name: math.nan if failed else error(trial, true, where.start) for name, (_, error) in kinds.items()}
+    def errors(run: StudyRun, true: StudyRun = reference) -> dict[str, float]:
+        failed = run.failure is not None or run.expected is not None
+        return {name: math.nan if failed else error(run, true, case.start) for name, (_, error) in kinds.items()}
 
     floors = dict.fromkeys(kinds, math.nan)
     if members:
-        dt = ENSEMBLE_SHARE * Simulation(where.scene, ENSEMBLE).stable_dt()
-        starts = ensemble(where, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
-        peer, *others = [trial for trial in starts if trial.failure is None] or starts
+        dt = ENSEMBLE_SHARE * Simulation(case.scene, ENSEMBLE).stable_dt()
+        starts = ensemble(case, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
+        peer, *others = [run for run in starts if run.failure is None] or starts
         members = len(others) if peer.failure is None else 0
         floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
 
-    def climb(rung: Rung) -> Point:
-        def once(*, keep: bool) -> Trial:
-            mesh, tolerance = meshes[rung.density], rung.tolerance
-            return run(mesh, rung.integrator, rung.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop)
+    def at_level(level: RefinementLevel) -> Point:
+        def once(*, keep: bool) -> StudyRun:
+            ways = {"tolerance": level.tolerance, "budget": budget}
+            return run_case(meshes[level.density], level.integrator, level.dt, shapes=keep, stop=stop, **ways)
 
-        is_check = (rung.integrator, rung.density, rung.dt) == (REFERENCE, finest_mesh, check.dt)
-        trials = [check if is_check and repeats == 1 else once(keep=not curves)]
-        if trials[0].failure is None and trials[0].expected is None:
-            trials += [once(keep=False) for _ in range(repeats - 1)]
-        return _point(rung, trials, errors(trials[0]), budget)
+        is_check = (level.integrator, level.density, level.dt) == (REFERENCE, finest_mesh, check.dt)
+        runs = [check if is_check and repeats == 1 else once(keep=not curves)]
+        if runs[0].failure is None and runs[0].expected is None:
+            runs += [once(keep=False) for _ in range(repeats - 1)]
+        return _point(level, runs, errors(runs[0]), budget)
 
-    climbs = [lambda rung=rung: climb(rung) for rung in rungs]
+    work = [lambda level=level: at_level(level) for level in levels]
     at_once = jobs if curves else 1
-    points = together(climbs, list(map(str, rungs)), stop, workers=at_once, tell=tell, outcome=Point.words)
+    points = run_parallel(work, list(map(str, levels)), stop, workers=at_once, tell=tell, outcome=Point.words)
     bounds = _bounds(errors(check), floors, curves=curves)
     lines: dict[str, list[Point]] = {}
     for p in points:
         lines.setdefault(p.line, []).append(p)
-    return Chart(
-        scene=where.scene.name,
-        until=where.until,
-        instants=where.instants,
+    return WorkPrecision(
+        scene=case.scene.name,
+        until=case.until,
+        instants=case.instants,
         members=members,
         points=tuple(points),
         labels={name: label for name, (label, _) in kinds.items()},
@@ -326,9 +335,9 @@ def chart(
 
 
 def _bounds(reference: dict[str, float], floors: dict[str, float], *, curves: bool) -> dict[str, float]:
-    """Below what errors say nothing: the reference's own, and for curves the spread of perturbed starts.
+    """Lower bounds of meaningful errors: the reference's own error, and for curves the spread of perturbed starts.
 
-    Pointwise all runs have the same start to the last bit, so a spread does not keep them apart.
+    Pointwise all runs have the same start to the last bit, so the spread is no bound.
     """
     return {name: float(np.fmax(value, floors[name] if curves else 0.0)) for name, value in reference.items()}
 
@@ -341,37 +350,39 @@ def _methods(wanted: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(wanted or known))
 
 
-def _rungs(where: Course, methods: Sequence[str], density: float, steps: int) -> list[Rung]:
-    """The ladders of all methods; on another mesh than the scene's only of the one whose steps are cheapest."""
+def _levels(case: StudyCase, methods: Sequence[str], density: float, steps: int) -> list[RefinementLevel]:
+    """The levels of all methods; on another mesh than the scene's only of the method with the cheapest step."""
     facts = integrators()
-    limits = {name: Simulation(where.scene, name, where.interval * 1e-9).stable_dt() for name in (*methods, REFERENCE)}
+    limits = {name: Simulation(case.scene, name, case.interval * 1e-9).stable_dt() for name in (*methods, REFERENCE)}
     if density != 1.0:
         limited = [name for name in methods if math.isfinite(limits[name]) and not facts[name].is_adaptive]
         methods = [min(limited or methods, key=lambda name: facts[name].evaluations)]
-    found: dict[Rung, None] = {}
+    found: dict[RefinementLevel, None] = {}
     for name in methods:
         adaptive = facts[name].is_adaptive
-        for rung in ladder(name, density, steps, limit=limits[name], unit=limits[REFERENCE], is_adaptive=adaptive):
-            found[rung if rung.dt is None else replace(rung, dt=where.step_near(rung.dt))] = None
+        for level in refinement_levels(
+            name, density, steps, limit=limits[name], unit=limits[REFERENCE], is_adaptive=adaptive
+        ):
+            found[level if level.dt is None else replace(level, dt=case.step_near(level.dt))] = None
     return list(found)
 
 
-def _point(rung: Rung, trials: Sequence[Trial], errors: dict[str, float], budget: float | None) -> Point:
-    trial, failed = trials[0], trials[0].failure
+def _point(level: RefinementLevel, runs: Sequence[StudyRun], errors: dict[str, float], budget: float | None) -> Point:
+    run, failed = runs[0], runs[0].failure
     failure = None if failed is None else str(failed)
-    if trial.expected is not None:
-        failure = f"left out: it would have taken about {trial.expected:.3g} s, more than the budget of {budget:g} s"
+    if run.expected is not None:
+        failure = f"left out: it would have taken about {run.expected:.3g} s, more than the budget of {budget:g} s"
     return Point(
-        integrator=rung.integrator,
-        dt=trial.dt,
-        share=trial.dt / rung.limit,
-        steps=trial.steps,
-        evaluations=trial.evaluations,
-        seconds=median(t.seconds for t in trials),
+        integrator=level.integrator,
+        dt=run.dt,
+        share=run.dt / level.limit,
+        steps=run.steps,
+        evaluations=run.evaluations,
+        seconds=median(t.seconds for t in runs),
         errors=errors,
         failure=failure,
         failed_at=None if failed is None else failed.time,
-        tolerance=rung.tolerance,
-        rejected=trial.rejected,
-        density=rung.density,
+        tolerance=level.tolerance,
+        rejected=run.rejected,
+        density=level.density,
     )

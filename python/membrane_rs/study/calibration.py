@@ -1,7 +1,7 @@
-"""The value of a parameter with which a scene's curves come nearest to those of another.
+"""Calibration: the value of a parameter with which a scene's curves are nearest to those of a target scene.
 
-The misfit is the distance of the mean curves over the spread of the target's own starts: at one, the two scenes
-differ no more than two runs of the target do.
+The misfit is the distance of the mean curves over the spread of the target's own starts: at a misfit of one the two
+scenes differ no more than two runs of the target do.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell
 from membrane_rs.study.common.variation import varied
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
-from membrane_rs.study.lengths import PAPER
+from membrane_rs.study.length_scales import PAPER
 from membrane_rs.study.mesh import jobs_of, mesh_study
 
 
 @dataclass(frozen=True)
 class Tried:
-    """One value, and how far its curves are from the target's."""
+    """One value, and the distance of its curves from the target's."""
 
     value: float
     density: Density
@@ -36,7 +36,7 @@ class Tried:
 
 @dataclass(frozen=True)
 class Calibration:
-    """What was tried, and the best of it."""
+    """All values tried, and the best of them."""
 
     parameter: str
     target: Density
@@ -46,11 +46,11 @@ class Calibration:
 
     @property
     def best(self) -> Tried:
-        """The value of the least misfit."""
+        """The value with the least misfit."""
         return min(self.tried, key=lambda tried: tried.misfit)
 
     def table(self) -> str:
-        """What was tried, in Markdown, by value."""
+        """The values tried, as a table in Markdown, sorted by value."""
         head = (self.parameter, "distance of the rates", "of the phases [deg]", "misfit")
         by_value = sorted(self.tried, key=lambda tried: tried.value)
         rows = [(f"{tried.value:.3g}", *_sizes(tried.distance), f"{tried.misfit:.1f}") for tried in by_value]
@@ -71,24 +71,24 @@ def calibrate(
     workers: int | None = None,
     tell: Tell | None = None,
 ) -> Calibration:
-    """Find the value by Brent's method on its logarithm, between two bounds.
+    """Minimise the misfit by Brent's bounded method on the logarithm of the parameter.
 
     Parameters
     ----------
     scene : Scene
-        What is calibrated; a square sail.
+        The scene to calibrate; a square sail.
     parameter : str
-        A value of it, such as laws.triangles.buckling_on_creases; see `varied`.
+        Name of the parameter, such as laws.triangles.buckling_on_creases; see `varied`.
     between : (float, float)
         Bounds, above 0.
     target : Scene
-        Whose curves are to be met.
+        The scene whose curves are the target.
     folder : path
-        Where runs are kept, see `mesh_study`.
+        Folder of the runs, see `mesh_study`.
     first : sequence of float
-        Values tried beside those that the method asks for.
+        Values tried in addition to those of the method.
     tries : int
-        Values that the method may ask for.
+        Maximum number of values that the method tries.
     starts : int
         Runs for each value, and half of those of the target; 2 or above.
     until : float, optional
@@ -99,9 +99,9 @@ def calibrate(
     Raises
     ------
     InputError
-        Bounds that are none, too few starts or tries, or what `mesh_study` and `varied` refuse.
+        Invalid bounds, too few starts or tries, or input that `mesh_study` and `varied` refuse.
     """
-    from scipy.optimize import minimize_scalar  # takes a while to import
+    from scipy.optimize import minimize_scalar  # slow to import
 
     low, high = between
     if not 0.0 < low < high < math.inf:

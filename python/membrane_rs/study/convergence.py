@@ -1,9 +1,9 @@
-"""What a mesh study's runs say together: how far the curves of one mesh are from those of the next, and at what rate.
+"""Convergence of a mesh study: distances between the curves of successive meshes, orders, extrapolated limits.
 
-With d(h) the distance of the curves on cells of height h from those on cells of h/r, an error that goes with h^p makes
-d(h)/d(h/r) = r^p. So three meshes give one order p, and with p the limit that a number is on its way to (Richardson).
-Where starts that differ by nothing to speak of make curves that differ, the mean over starts stands for a mesh,
-and a distance counts where it is clear of what is left of that spread.
+With d(h) the distance of the curves on cells of height h from those on cells of h/r, an error proportional to h^p
+implies d(h)/d(h/r) = r^p. Three meshes thus give one order p, and p gives the limit of a feature by Richardson's
+extrapolation. Where the motion is chaotic the mean over perturbed starts represents a mesh, and a distance is
+significant if it exceeds the standard error of those means.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from membrane_rs.results.summary import curve_features
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
 POINTS = 2001
-"""Instants at which curves are compared."""
+"""Number of instants at which curves are compared."""
 CURVES = COLUMNS[1:]
 
 
@@ -36,7 +36,7 @@ class Density:
 
     @property
     def until(self) -> float:
-        """Time that all runs came to [s]."""
+        """Time that all runs reached [s]."""
         return min(float(run.table["time"][-1]) for run in self.runs)
 
     def mean(self, column: str, times: Floats) -> Floats:
@@ -51,7 +51,7 @@ class Density:
         return float(np.sqrt(np.mean(curves.var(axis=0, ddof=1))))
 
     def feature(self, key: str) -> tuple[float, float]:
-        """Mean over the starts of what a curve shows, and its standard deviation; NaN where there is none."""
+        """Mean over the starts of a feature of a curve, and its standard deviation; NaN where it is undefined."""
         found = [run_features(run)[key] for run in self.runs]
         known = [value for value in found if value is not None]
         if len(known) < len(found):
@@ -72,21 +72,21 @@ class Step:
     distance: dict[str, float]
     """Root mean square distance of the mean curves, by column."""
     noise: dict[str, float]
-    """What the spread of starts leaves in that distance, by column; NaN where no mesh has two starts."""
+    """Standard error of that distance from the spread of the starts, by column; NaN where no mesh has two starts."""
 
     @property
     def ratio(self) -> float:
-        """By how much the cells are smaller."""
+        """Ratio of the cell heights."""
         return self.coarse.cell / self.fine.cell
 
 
 def run_features(run: MeshRun) -> dict[str, float | None]:
-    """Peak, trough and zero of a run's curves, None where it has not come that far."""
+    """Peak, trough and zero crossing of a run's curves, None where the run ended before."""
     return curve_features(run.table)
 
 
 def densities(runs: Sequence[MeshRun]) -> dict[str, list[Density]]:
-    """By form, from coarse to fine."""
+    """The meshes by form, from coarse to fine."""
     groups: dict[tuple[str, int], list[MeshRun]] = {}
     for run in runs:
         groups.setdefault((run.form, run.rows), []).append(run)
@@ -113,12 +113,12 @@ def steps(meshes: Sequence[Density], until: float | None = None) -> list[Step]:
 
 
 def _known(spreads: Sequence[float], k: int) -> float:
-    """The spread of a mesh, or of the next coarser one that has several starts."""
+    """The spread of a mesh, or of the next coarser mesh with several starts."""
     return next((spread for spread in reversed(spreads[: k + 1]) if math.isfinite(spread)), math.nan)
 
 
 def orders(found: Sequence[Step], column: str) -> list[float]:
-    """p from each three meshes in a row; NaN where the cells do not shrink by one ratio."""
+    """p from each three successive meshes; NaN where the ratio of the cells is not constant."""
     return [
         math.log(a.distance[column] / b.distance[column]) / math.log(a.ratio)
         if math.isclose(a.ratio, b.ratio, rel_tol=1e-6) and min(a.distance[column], b.distance[column]) > 0.0
@@ -137,7 +137,7 @@ def overall_order(found: Sequence[Step], column: str) -> float:
 
 
 def limit(meshes: Sequence[Density], key: str, order: float) -> float:
-    """What a feature tends to, from the two finest meshes and the order; NaN where that is not above a half."""
+    """Extrapolated limit of a feature from the two finest meshes and the order; NaN unless that is above a half."""
     if len(meshes) < 2 or not order > 0.5:
         return math.nan
     coarse, fine = (mesh.feature(key)[0] for mesh in meshes[-2:])

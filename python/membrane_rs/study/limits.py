@@ -1,15 +1,15 @@
-"""The largest stable step: what is predicted, and what is measured on the method's own steps.
+"""Stability limits, predicted from the eigenvalues and measured on the method's own steps.
 
-The measurement knows nothing of the prediction's matrices. Around the scene's start (x0, at rest) one step of the
+The measurement is independent of the matrices of the prediction. Around the scene's start (x0, at rest) one step of the
 method maps a small disturbance (p, q) of positions and velocities to
 
     J (p, q) = step(x0 + p, q) - step(x0, 0)
 
-together with what the method keeps from step to step, and a step is stable if no disturbance grows under J, again
-and again, faster than it does at a fraction of the step: a free body drifts, and a compressed film buckles, at any
-step. Rigid motions keep their velocity, so growth is measured on velocities. What the start pulls at does not enter,
-but what is slack at the start, buckled or out of contact, is measured as it is; the prediction takes it for taut and
-in contact, and is then mostly the smaller one.
+together with the history that the method keeps from step to step. A step is stable if no disturbance grows under
+repeated application of J faster than it does at a fraction of the step, since a free body drifts and a compressed film
+buckles at any step. Rigid motions keep their velocity, so growth is measured on velocities. Prestress does not enter.
+Elements that are slack, buckled or out of contact at the start are measured as they are; the prediction takes them as
+taut and in contact, and is then mostly the smaller one.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 
 STEPS = 800
-"""Steps over which growth is watched: enough for 0.3 % beyond the limit to show."""
+"""Number of steps over which growth is measured: enough to detect a step 0.3 % beyond the limit."""
 RESOLUTION = 0.003
 """Relative width at which the bisection ends."""
 CALM = 0.3
-"""Share of the predicted limit at which the growth that belongs to the scene itself is measured."""
+"""Share of the predicted limit at which the scene's own growth is measured."""
 SIZE = 1e-6
-"""Largest disturbance, as a share of the shortest spring."""
+"""Largest disturbance over the length of the shortest spring."""
 NEVER_CHECK = 10**9
 
 
 @dataclass(frozen=True)
 class Limits:
-    """A scene's largest stable step under one method [s], and what sets it."""
+    """A scene's largest stable step under one method [s], and the part that sets it."""
 
     scene: str
     integrator: str
@@ -52,9 +52,9 @@ class Limits:
 
 
 def measured_limit(scene: Scene, integrator: str | None = None, seed: int = 1, steps: int = STEPS) -> float:
-    """The largest step under which no small disturbance of the scene's start grows [s]; inf where none was found.
+    """The largest step at which no small disturbance of the scene's start grows [s]; inf if none was found.
 
-    Found by bisection, to 0.3 %, from steps around the predicted one.
+    By bisection to 0.3 %, starting from steps around the predicted limit.
     """
     calm = replace(scene, run=replace(scene.run, watch=NEVER_CHECK))
     predicted = Simulation(calm, integrator).stable_dt()
@@ -64,7 +64,7 @@ def measured_limit(scene: Scene, integrator: str | None = None, seed: int = 1, s
     own = max(0.0, _growth(calm, integrator, slow, seed, round(steps / CALM))) / slow
 
     def grows(dt: float) -> bool:
-        # Twice the scene's own growth, and e-fold in a third of the steps watched.
+        # Twice the scene's own growth, and e-fold in a third of the steps.
         return _growth(calm, integrator, dt, seed, steps) > 2.0 * own * dt + 3.0 / steps
 
     low, high = 0.9 * predicted, 1.1 * predicted
@@ -81,14 +81,14 @@ def measured_limit(scene: Scene, integrator: str | None = None, seed: int = 1, s
 
 
 def _growth(scene: Scene, integrator: str | None, dt: float, seed: int, steps: int) -> float:
-    """How much a disturbance grows per step, as a logarithm, in the second half of `steps`."""
+    """Logarithmic growth of a disturbance per step, in the second half of `steps`."""
     sim = Simulation(scene, integrator, dt)
     ends, start = sim.spring_pairs, sim.positions
     size = SIZE * float(np.linalg.norm(start[ends[:, 1]] - start[ends[:, 0]], axis=1).min())
     q = np.random.default_rng(seed).normal(size=start.shape)
     q[sim.assembly.fixed] = 0.0
     q *= size / dt / np.abs(q).max()
-    # Positions, velocities, and what the method keeps from step to step: after one step there is something.
+    # Positions, velocities, and the method's history, which exists after one step.
     sim.step(1)
     saved = sim.state() | {"positions": start, "velocities": np.zeros_like(start)}
     parts = [name for name in ("positions", "velocities", "history_vectors") if name in saved]
@@ -120,7 +120,7 @@ def _growth(scene: Scene, integrator: str | None, dt: float, seed: int, steps: i
 
 
 def limits(scene: Scene, methods: Sequence[str], name: str | None = None) -> list[Limits]:
-    """Predicted and measured limits of a scene, one row for each method that has a limit."""
+    """Predicted and measured limits of a scene, one row for each method with a limit."""
     rows: list[Limits] = []
     for integrator in methods:
         sim = Simulation(scene, integrator)

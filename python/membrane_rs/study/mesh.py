@@ -1,8 +1,8 @@
-"""Does a sail's deployment approach a limit as its mesh gets finer?
+"""Mesh study: convergence of a sail's deployment under refinement of its mesh.
 
-One scene runs at several densities of its mesh, in the paper's form and with physical lengths (see `lengths`), from the
-true start and from starts that are a little off. Finished runs are kept as files, so that a study that was
-interrupted goes on where it was. What the runs say together is in `convergence`.
+One scene runs at several densities of its mesh, with the length scales of the paper and with physical ones (see
+`length_scales`), from the unperturbed start and from perturbed starts. Finished runs are kept as files, so that an
+interrupted study continues. `convergence` evaluates the runs.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell, together
-from membrane_rs.study.common.run import SHIFT, course
-from membrane_rs.study.lengths import FORMS, Lengths
+from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.run import SHIFT, study_case
+from membrane_rs.study.length_scales import FORMS, LengthScales
 
 INTEGRATOR, SHARE = "leapfrog", 0.8
 """The method of all runs, and its step as a share of the stability limit."""
 SAMPLE_INTERVAL = 1e-3
 """Time between two points of a curve [s]."""
 ENERGY_LOSS = 0.2
-"""Share of the energy turned over that a run may lose: near its limit leapfrog is off by some percent."""
+"""Allowed energy error of a run: near its stability limit leapfrog has an error of some percent."""
 COLUMNS = ("time", "deployment_rate", "phase_difference_deg")
 
 
 @dataclass(frozen=True)
 class MeshRun:
-    """One run of the study: its curves, and how it went."""
+    """One run of the study: its curves and its facts."""
 
     form: str
     rows: int
@@ -48,16 +48,16 @@ class MeshRun:
     cell: float
     """Height of a cell [m]."""
     member: int
-    """0: from the true start; else from a shifted one."""
+    """0: from the unperturbed start; else from a perturbed one."""
     node_count: int
     dt: float
     """Step [s]."""
     energy_error: float
-    """Share of the energy turned over that is missing (below zero) or from nowhere at the end."""
+    """Residual of the energy balance at the end over the reference energy: below zero a loss, above zero a gain."""
     seconds: float
     """Processor time of the stepping [s]."""
     stopped: str | None
-    """The error that ended the run before its time."""
+    """The error that stopped the run before its end."""
     table: Mapping[str, Floats]
     """(samples,) "time" [s], "deployment_rate", "phase_difference_deg"."""
 
@@ -67,40 +67,40 @@ class Job:
     """A run to be made."""
 
     form: str
-    lengths: Lengths
+    length_scales: LengthScales
     rows: int
     member: int = 0
     until: float | None = None
 
     @property
     def name(self) -> str:
-        """For files and words."""
+        """For files and messages."""
         return f"{self.form}-{self.rows}-{self.member}"
 
 
 def jobs_of(
     rows: Sequence[int],
-    forms: Sequence[str] | Mapping[str, Lengths] = tuple(FORMS),
+    forms: Sequence[str] | Mapping[str, LengthScales] = tuple(FORMS),
     members: int | Mapping[int, int] = 1,
     until: float | Mapping[int, float] | None = None,
 ) -> list[Job]:
-    """Every form on every mesh, from each start; the long runs first.
+    """A job for every form, mesh and start; the long runs first.
 
     Parameters
     ----------
     rows : sequence of int
         Rows of cells from the inner to the outer edge.
     forms : sequence of str, or mapping
-        Names out of `FORMS`, or names and lengths.
+        Names of `FORMS`, or names and length scales.
     members : int, or mapping
-        Starts, the true one among them, of all meshes or by their rows (1 where it has none).
+        Starts, the unperturbed one among them, of all meshes or by their rows (1 for rows without an entry).
     until : float or mapping, optional
         Time at the end [s], of all meshes or by their rows. Default: the scene's.
 
     Raises
     ------
     InputError
-        A form that is not there, less than one start.
+        An unknown form, fewer than one start.
     """
     if not isinstance(forms, Mapping):
         unknown = next((form for form in forms if form not in FORMS), None)
@@ -113,33 +113,33 @@ def jobs_of(
         end = until.get(count) if isinstance(until, Mapping) else until
         if starts < 1:
             raise InputError(f"members = {starts}: must be 1 or above")
-        jobs += [Job(form, lengths, count, member, end) for form, lengths in forms.items() for member in range(starts)]
+        jobs += [Job(form, scales, count, member, end) for form, scales in forms.items() for member in range(starts)]
     return jobs
 
 
 def mesh_study(
     scene: Scene, jobs: Sequence[Job], folder: str | Path, *, workers: int | None = None, tell: Tell | None = None
 ) -> list[MeshRun]:
-    """Make all runs, several at once; those whose files are in the folder already are read.
+    """Make all runs in parallel; those whose files are in the folder already are read.
 
     Parameters
     ----------
     scene : Scene
         Its mesh must be of a pattern in rows, such as "square-sail".
     jobs : sequence of Job
-        What to run; the long ones first.
+        The runs; the long ones first.
     folder : path
-        Where the runs are kept. A file counts where the scene, its lengths and the way it was run are the same to
-        the last digit; remove the folder to make all anew.
+        Folder of the runs. A file is read if scene, length scales, method and step are the same to the last digit;
+        remove the folder to repeat all runs.
     workers : int, optional
-        Runs at once. Default: one on each core.
+        Number of parallel runs. Default: one on each core.
     tell : callable, optional
-        Told in words whenever a run is done.
+        Called with a line of text after each run.
 
     Returns
     -------
     list of MeshRun
-        By form (those of `FORMS` first), then from coarse to fine, then by member.
+        By form (those of `FORMS` first), then from coarse to fine, then by start.
 
     Raises
     ------
@@ -150,12 +150,12 @@ def mesh_study(
     """
     sail = _sail(scene)
     for job in jobs:
-        sail.with_rows(job.rows)  # what does not fit is refused before anything runs
+        sail.with_rows(job.rows)  # refuses rows that do not fit, before anything runs
     folder = Path(folder)
     with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
     stop = Event()
-    runs = together(
+    runs = run_parallel(
         [lambda job=job: _kept(scene, sail, job, folder, stop) for job in jobs],  # type: ignore[misc]
         [f"{scene.name} {job.name}" for job in jobs],
         stop,
@@ -168,7 +168,7 @@ def mesh_study(
 
 
 def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
-    """Those of the jobs whose runs are in the folder already. Raises InputError as `mesh_study` does."""
+    """The jobs whose runs are in the folder already. Raises InputError as `mesh_study` does."""
     sail = _sail(scene)
     return [job for job in jobs if _place(scene, sail, job, Path(folder))[1].is_file()]
 
@@ -176,25 +176,25 @@ def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
 def _sail(scene: Scene) -> RowPattern:
     sail = pattern_of(scene.mesh)
     if not isinstance(sail, RowPattern):
-        raise InputError(f"scene {scene.name!r}: its mesh is no square sail, whose rows could be varied; take another")
+        raise InputError(f"scene {scene.name!r}: its mesh is not a square sail; a mesh study varies the rows of one")
     return sail
 
 
 def _place(scene: Scene, sail: RowPattern, job: Job, folder: Path) -> tuple[Scene, Path]:
-    """What to run for a job, and the file of the run."""
+    """The scene of a job, and the file of its run."""
     end = scene.run.until if job.until is None else job.until
     samples = max(2, round(end / SAMPLE_INTERVAL) + 1)
     settings = replace(
         scene.run, until=end, samples=samples, frames=2, snapshots=(), dt=None, integrator=INTEGRATOR,
         energy_loss=ENERGY_LOSS,
     )  # fmt: skip
-    finer = job.lengths.of(replace(scene, mesh=sail.with_rows(job.rows).mesh(), run=settings))
+    finer = job.length_scales.of(replace(scene, mesh=sail.with_rows(job.rows).mesh(), run=settings))
     mark = hashlib.sha256(f"{finer.to_toml()}\n{SHARE} {SHIFT} {job.member}".encode()).hexdigest()[:12]
     return finer, folder / f"{scene.name}-{job.name}-{mark}.npz"
 
 
 def _kept(scene: Scene, sail: RowPattern, job: Job, folder: Path, stop: Event) -> MeshRun:
-    """The run out of its file, or made and put there."""
+    """The run, read from its file or made and written there."""
     finer, path = _place(scene, sail, job, folder)
     if path.is_file():
         return _read(path)
@@ -205,7 +205,7 @@ def _kept(scene: Scene, sail: RowPattern, job: Job, folder: Path, stop: Event) -
 
 
 class _Curves:
-    """Keeps the curves of one run; ends it where it is asked to."""
+    """Observer that keeps the curves of one run, and ends it once `stop` is set."""
 
     def __init__(self, stop: Event) -> None:
         self.rows: list[tuple[float, float, float]] = []
@@ -232,13 +232,13 @@ class _Curves:
 
 
 def _run(job: Job, sail: RowPattern, scene: Scene, stop: Event) -> MeshRun:
-    where = course(scene, None, 1)
+    case = study_case(scene, None, 1)
     if job.member:
-        where = where.shifted(job.member - 1)
-    limit = Simulation(where.scene).stable_dt()
-    steps = int(np.ceil(where.until / (SHARE * limit)))
-    sim = Simulation(where.scene, dt=where.until / steps)
-    sim.positions = where.start
+        case = case.perturbed(job.member - 1)
+    limit = Simulation(case.scene).stable_dt()
+    steps = int(np.ceil(case.until / (SHARE * limit)))
+    sim = Simulation(case.scene, dt=case.until / steps)
+    sim.positions = case.start
     curves, stopped, began = _Curves(stop), None, time.thread_time()
     try:
         sim.run(observers=[curves])

@@ -1,4 +1,4 @@
-"""What a mesh study shows, as tables, curves and a verdict."""
+"""The result of a mesh study: tables, curves and a verdict."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SHOWN = (
 
 
 def report(runs: Sequence[MeshRun]) -> str:
-    """Tables in Markdown: what the curves show, how far each mesh is from the next, at what order; then the verdict."""
+    """Tables in Markdown: features of the curves, differences from mesh to mesh, orders; then the verdict."""
     forms = densities(runs)
     return "\n".join([_shown(forms), _stepped(forms), verdict(forms)])
 
@@ -63,7 +63,7 @@ def _stepped(forms: dict[str, list[Density]]) -> str:
 
 
 def verdict(forms: dict[str, list[Density]]) -> str:
-    """For each form with three meshes and more, in words: whether its curves approach a limit, and which."""
+    """For each form with at least three meshes: whether its curves approach a limit, and which."""
     lines = []
     for form, meshes in forms.items():
         found = steps(meshes)

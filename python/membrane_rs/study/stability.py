@@ -1,7 +1,7 @@
-"""Where a scene runs well: a map of step against one of its parameters, for each method.
+"""Stability map: outcomes of runs over step and one parameter of a scene, for each method.
 
-Every cell is a run of its own, to its end or to where the watch stops it. Steps are shares of the limit that is
-predicted for the scene as given; the limit of each changed scene is drawn across them as a line.
+Every cell is a run, to its end or until the monitor stops it. Steps are multiples of the limit predicted for the scene
+as given; the predicted limit of each changed scene is drawn as a line.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from membrane_rs.simulation import integrators
 from membrane_rs.study.common.variation import varied
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
-"""Refused: before the run, with words. Energy injected and blown up: stopped by the watch, at a known time."""
+"""Refused: before the run, with a reason. Energy injected and blown up: stopped by the monitor at a known time."""
+ENERGY_GAIN = " J appeared "
+"""Words of the monitor's error by which an energy gain is known."""
 ACCURATE = 0.01
 """Energy error up to which a run counts as fine."""
 SHARES = (0.25, 0.5, 0.75, 0.95, 1.05, 1.5)
@@ -33,7 +35,7 @@ SAMPLES = 41
 
 @dataclass(frozen=True)
 class Cell:
-    """One run: what was asked, and how it ended."""
+    """One run: parameter, step and outcome."""
 
     integrator: str
     value: float
@@ -42,15 +44,15 @@ class Cell:
     """Predicted limit of the step for this value [s]."""
     outcome: str
     time: float
-    """When it was caught, or the end [s]."""
+    """Time at which the monitor stopped it, or the end [s]."""
     energy_error: float
-    """The largest in size, of the energy turned over; NaN where it was not reached."""
-    words: str
-    """Of the error; empty where there was none."""
+    """The energy error of the largest magnitude; NaN for a run that was refused."""
+    message: str
+    """Message of the error; empty without one."""
 
 
-class _Worst:
-    """Watches the energy error of a run."""
+class _WorstError:
+    """Observer of the largest energy error of a run."""
 
     def __init__(self) -> None:
         self.error = 0.0
@@ -68,7 +70,7 @@ class _Worst:
 
 
 def explicit_integrators(scene: Scene) -> list[str]:
-    """The methods whose step the scene limits."""
+    """The methods with a stability limit in this scene."""
     return [name for name in integrators() if math.isfinite(Simulation(scene, name).stable_dt())]
 
 
@@ -89,13 +91,13 @@ def stability_map(
     ----------
     scene : Scene
     parameter : str
-        Its name in the scene file, such as laws.spring_damping.ratio; see `varied`.
+        Name of the parameter in the scene file, such as laws.spring_damping.ratio; see `varied`.
     values : sequence of float
-        What it takes.
+        Its values.
     methods : sequence of str
         Names of the methods.
     shares : sequence of float
-        Steps, as shares of the limit predicted for `scene` under each method.
+        Steps, in multiples of the limit predicted for `scene` under each method.
     until : float, optional
         End of each run [s]. Default: the scene's.
     accurate : float
@@ -106,7 +108,7 @@ def stability_map(
     Raises
     ------
     InputError
-        Nothing to run, a parameter or value that the scene does not take, a method without a limit.
+        No values, methods or steps, a parameter or value that the scene does not accept, a method without a limit.
     """
     if not values or not shares or not methods or min(shares) <= 0:
         raise InputError("stability map: give at least one value, one method and one step above 0")
@@ -117,7 +119,7 @@ def stability_map(
     for integrator in methods:
         limit = Simulation(base, integrator).stable_dt()
         if limit == math.inf:
-            raise InputError(f"integrator {integrator}: has no stability limit to take shares of; leave it out")
+            raise InputError(f"integrator {integrator}: has no stability limit; leave it out")
         for value in values:
             changed = varied(base, parameter, value)
             for share in shares:
@@ -128,7 +130,7 @@ def stability_map(
 
 
 def _run(scene: Scene, integrator: str, value: float, dt: float, accurate: float) -> Cell:
-    worst = _Worst()
+    worst = _WorstError()
     limit = float("nan")
     try:
         limit = Simulation(scene, integrator).stable_dt()
@@ -137,7 +139,7 @@ def _run(scene: Scene, integrator: str, value: float, dt: float, accurate: float
     except InputError as error:
         return Cell(integrator, value, dt, limit, "refused", 0.0, float("nan"), str(error))
     except UnstableError as error:
-        outcome = "energy injected" if "from nowhere" in str(error) else "blown up"
+        outcome = "energy injected" if ENERGY_GAIN in str(error) else "blown up"
         return Cell(integrator, value, dt, limit, outcome, error.time, worst.error, str(error))
     outcome = "fine" if abs(worst.error) <= accurate else "inaccurate"
     return Cell(integrator, value, dt, limit, outcome, sim.time, worst.error, "")
@@ -152,11 +154,11 @@ def write_map(cells: Sequence[Cell], parameter: str, folder: Path, title: str = 
         folder.mkdir(parents=True, exist_ok=True)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(["integrator", parameter, "dt", "predicted_limit", "outcome", "time", "energy_error", "words"])
+    table.writerow(["integrator", parameter, "dt", "predicted_limit", "outcome", "time", "energy_error", "message"])
     for c in cells:
         numbers = [f"{x:.9g}" for x in (c.value, c.dt, c.limit)]
-        words = re.sub(r"\s+", " ", c.words)
-        table.writerow([c.integrator, *numbers, c.outcome, f"{c.time:.6g}", f"{c.energy_error:.4g}", words])
+        message = re.sub(r"\s+", " ", c.message)
+        table.writerow([c.integrator, *numbers, c.outcome, f"{c.time:.6g}", f"{c.energy_error:.4g}", message])
     paths = [folder / "stability.csv"]
     write_text(paths[0], text.getvalue())
     for name in dict.fromkeys(cell.integrator for cell in cells):

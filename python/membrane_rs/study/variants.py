@@ -1,4 +1,4 @@
-"""A scene with something left out: each law, each part, cords of fewer segments, a mesh of fewer lines."""
+"""Variants of a scene: without a law, without a part, with fewer segments in a cord, with a coarser or finer mesh."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from membrane_rs.scene.parts import Part
 from membrane_rs.study.common.density import denser
 
 COARSER = 4
-"""By how much the segments of a cord are fewer, where that is tried."""
+"""Factor by which the number of segments of a cord is reduced."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A scene without one thing.
+    """A scene without one of its elements.
 
     Attributes
     ----------
     name : str
-        What was left out, or put in its place.
+        Name of the element that is left out or replaced.
     place : (str, int)
-        Where it stands in the scene: "laws", "parts" or "mesh", and its index.
+        Its place in the scene: "laws", "parts" or "mesh", and its index.
     scene : Scene or None
         None where it cannot be left out.
     reason : str
-        Then why.
+        The reason, where it cannot be left out.
     other : Part or None
-        What stands in its place.
+        The part in its place.
     density : float
-        Of its mesh, over that of the scene.
+        Ratio of the density of its mesh to that of the scene.
     """
 
     name: str
@@ -45,8 +45,8 @@ class Variant:
 
 
 def variants(scene: Scene) -> list[Variant]:
-    """Every law left out, every part, and every cord with a quarter of its segments, in the order of the scene; then
-    the mesh at half and at twice its density.
+    """The scene without each law and part, and with a quarter of the segments in each cord, in the order of the scene;
+    then with the mesh at half and at twice its density.
     """
     found = [Variant(f"law {law.kind}", ("laws", k)) for k, law in enumerate(scene.laws)]
     kinds = [part.kind for part in scene.parts]
@@ -58,19 +58,19 @@ def variants(scene: Scene) -> list[Variant]:
             found.append(Variant(f"{gone} in part {part.kind}{number}", ("parts", k), other=other))
     if scene.mesh is not None:
         found.append(Variant("every other line of the mesh", ("mesh", 0), density=0.5))
-        found.append(Variant("nothing, and the mesh twice as dense", ("mesh", 0), density=2.0))
+        found.append(Variant("nothing; mesh twice as dense", ("mesh", 0), density=2.0))
     return [_built(scene, variant) for variant in found]
 
 
 def without(scene: Scene, chosen: Sequence[Variant]) -> Scene:
-    """The scene without several things at once.
+    """The scene without several elements at once.
 
     Raises
     ------
     SceneError
-        They hold each other: what is left is no scene.
+        The remainder is not a valid scene.
     InputError
-        A density that its mesh cannot have.
+        A density that its mesh cannot represent.
     """
     gone = {variant.place: variant.other for variant in chosen if variant.density == 1.0}
     laws = [law for k, law in enumerate(scene.laws) if ("laws", k) not in gone]
@@ -80,11 +80,11 @@ def without(scene: Scene, chosen: Sequence[Variant]) -> Scene:
 
 
 def _built(scene: Scene, variant: Variant) -> Variant:
-    """The variant with its scene, or with the reason why there is none."""
+    """The variant with its scene, or with the reason why it has none."""
     try:
         left = without(scene, [variant])
         if len(scene.assemble().fixed) and not len(left.assemble().fixed):
-            return replace(variant, reason="it alone holds the scene; without it nothing is held fast")
+            return replace(variant, reason="it alone holds the scene; without it no node is fixed")
         Simulation(left)
     except InputError as error:
         return replace(variant, reason=str(error))

@@ -1,4 +1,4 @@
-"""The same scene on a coarser or finer mesh, where its folding pattern counts what can be multiplied."""
+"""The same scene on a coarser or finer mesh: the counts of its folding pattern are multiplied."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def denser(scene: Scene, density: float) -> Scene:
     Raises
     ------
     InputError
-        A density that is not above 0, or that the pattern cannot have; a mesh of no pattern, or no mesh; a part
-        that names nodes by their numbers, which another mesh gives to other nodes.
+        A density that is not above 0 or that the pattern cannot represent; a mesh without pattern, or no mesh; a part
+        that refers to nodes by number, since another mesh numbers them differently.
     """
     if isinstance(density, bool) or not isinstance(density, int | float) or not 0.0 < density < math.inf:
         raise InputError(f"density = {show(density)}: must be a number greater than 0 and finite")

@@ -1,7 +1,7 @@
-"""Many runs at once, one on each core.
+"""Parallel execution of many runs, one on each core.
 
-Threads do: the core lets go of the interpreter while it steps, so two of them step on two cores. Unlike processes
-they need no guard in the caller's script, no second import and no copy of the scene.
+Threads suffice: the core releases the interpreter's lock while it steps, so two of them step on two cores. Unlike
+processes they need no guard in the caller's script, no second import and no copy of the scene.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ Tell = Callable[[str], None]
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def together(
+def run_parallel(
     jobs: Sequence[Callable[[], Result]],
     names: Sequence[str],
     stop: Event,
@@ -32,27 +32,27 @@ def together(
     tell: Tell | None = None,
     outcome: Callable[[Result], str] = lambda _: "",
 ) -> list[Result]:
-    """Do all jobs, several at once, and give their results in the order of the jobs.
+    """Run jobs in parallel and return their results in the order of the jobs.
 
     Parameters
     ----------
     jobs : sequence of callable
-        Each looks at `stop` now and then.
+        Each polls `stop` and ends soon once it is set.
     names : sequence of str
-        What each is, for `tell`.
+        Descriptions of the jobs, for `tell`.
     stop : Event
-        Set where the user interrupts or a job fails; the rest then ends soon.
+        Set when the user interrupts or a job fails, so that the other jobs end.
     workers : int, optional
-        How many at once. Default: one on each core. Results do not depend on it.
+        Number of threads. Default: one for each core. Results do not depend on it.
     tell : callable, optional
-        Told in words whenever a job is done.
+        Called with a line of text after each job.
     outcome : callable
-        What a result is, for `tell`.
+        Description of a result, for `tell`.
 
     Raises
     ------
     InputError
-        Less than one worker.
+        Fewer than one worker.
     """
     count = cores() if workers is None else workers
     if count < 1:

@@ -1,4 +1,4 @@
-"""One run of a study: a scene from a given start, by a given method and step, read at given instants."""
+"""The runs that studies compare: one scene from one start by one method and step, sampled at fixed instants."""
 
 from __future__ import annotations
 
@@ -14,96 +14,97 @@ from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell, together
+from membrane_rs.study.common.executor import Tell, run_parallel
 
 SHIFT = 1e-12
-"""By how much the starts of an ensemble differ: the standard deviation of each coordinate [m]."""
-LEAST_READ = 0.02
-"""Share of a run after which its cost is judged."""
+"""Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
+BUDGET_CHECK = 0.02
+"""Share of a run after which its cost is extrapolated and compared with the budget."""
 
 
 @dataclass(frozen=True)
-class Course:
-    """What all runs of a study share.
+class StudyCase:
+    """What all runs of a study have in common: scene, start, duration and sampling.
 
     Attributes
     ----------
     scene : Scene
-        Settled already, if it wants to be.
+        Without relaxation and snapshots in its run settings.
     start : (N, 3) float64
-        Positions at time 0 [m].
+        Positions at time 0 [m], relaxed where the scene asks for it.
     until : float
         Time at the end [s].
     instants : int
-        Readings, evenly spaced, the start not counted; each step divides the time between two.
-    settle : float
-        For how long the start was settled [s]; a scene of another mesh is settled for as long.
+        Number of samples, evenly spaced, the start not counted. Each step divides the interval between two.
+    relaxation : float
+        Duration of the relaxation of the start [s]; a scene with another mesh is relaxed for as long.
     """
 
     scene: Scene
     start: Floats
     until: float
     instants: int
-    settle: float = 0.0
+    relaxation: float = 0.0
 
     @property
     def interval(self) -> float:
-        """Time between two readings [s]."""
+        """Time between two samples [s]."""
         return self.until / self.instants
 
     def step_near(self, dt: float) -> float:
-        """The step nearest to `dt` of which a whole number fit between two readings [s]."""
+        """The step nearest to `dt` that divides the interval between two samples [s]."""
         return self.interval / max(1, round(self.interval / dt))
 
-    def of(self, scene: Scene) -> Course:
-        """The same course for another scene: with the same mesh from the same start, with another from its own.
+    def of(self, scene: Scene) -> StudyCase:
+        """The same case for another scene: from the same start on the same mesh, else from the scene's own start.
 
-        Cords of other segments take their own start.
+        Cords with another number of segments keep the start that the scene gives them.
         """
         if scene.mesh is not self.scene.mesh:
-            return course(replace(scene, run=replace(scene.run, relax=self.settle)), self.until, self.instants)
+            relaxing = replace(scene, run=replace(scene.run, relax=self.relaxation))
+            return study_case(relaxing, self.until, self.instants)
         start = scene.assemble().positions.copy()
         same = len(start) if start.shape == self.start.shape else 0 if scene.mesh is None else len(scene.mesh.reference)
         start[:same] = self.start[:same]
-        return replace(self, scene=_plain(scene), start=start)
+        return replace(self, scene=_bare(scene), start=start)
 
-    def shortened(self, until: float | None) -> Course:
-        """The same course to the last reading that is not after `until` [s], and at least to the first."""
+    def shortened(self, until: float | None) -> StudyCase:
+        """The same case up to its last sample not after `until` [s], and at least to its first sample."""
         if until is None or until >= self.until:
             return self
         count = max(1, int(until / self.interval * (1.0 + 1e-9)))
         return replace(self, until=count * self.interval, instants=count)
 
-    def shifted(self, seed: int) -> Course:
-        """The same course from a start in which every node that is free is shifted at random by `SHIFT`."""
+    def perturbed(self, seed: int) -> StudyCase:
+        """The same case with a random displacement of standard deviation `SHIFT` at every free node of the start."""
         shift = SHIFT * np.random.default_rng(seed).standard_normal(self.start.shape)
         shift[self.scene.assemble().fixed] = 0.0
         return replace(self, start=self.start + shift)
 
 
 @dataclass(frozen=True)
-class Trial:
-    """What one run showed.
+class StudyRun:
+    """The result of one run.
 
     Attributes
     ----------
     integrator : str
         The method.
     dt : float
-        Step [s]; the mean one where steps were chosen by their error.
+        Step [s]; the mean step where steps were chosen by their error.
     times, rate, phase, strain, stress : (k,) float64
-        At the instants that the run came to: time [s], deployment rate, phase difference [deg], the largest strain
-        of any spring, and the largest stress in the film [Pa] (NaN without film).
+        At the instants reached: time [s], deployment rate, phase difference [deg], the largest strain of any spring,
+        and the largest stress in the film [Pa] (NaN without film).
     shapes : (k, N, 3) float64
-        Positions [m] at the same instants; (0, N, 3) where they were not wanted.
+        Positions [m] at the same instants; (0, N, 3) where they were not requested.
     steps, rejected, evaluations : int
-        Steps, tries in vain, and evaluations of the forces, those of tries in vain among them.
+        Accepted steps, rejected steps, and evaluations of the forces in both.
     seconds : float
         Processor time of the stepping [s].
     failure : UnstableError or None
-        Why it stopped before its end.
+        The error that stopped the run before its end.
     expected : float or None
-        Where it was given up because of its cost: the processor time that it would have taken [s], about.
+        Extrapolated processor time [s] of a run that was abandoned because of its cost.
     """
 
     integrator: str
@@ -121,20 +122,20 @@ class Trial:
     failure: UnstableError | None = None
     expected: float | None = None
 
-    def whole(self) -> Trial:
-        """The trial itself, where it came to its end. Raises UnstableError where it did not."""
+    def completed(self) -> StudyRun:
+        """The run itself if it reached its end. Raises UnstableError if it did not."""
         if self.failure is not None:
             raise self.failure
         return self
 
 
-def course(scene: Scene, until: float | None, instants: int) -> Course:
-    """A course from the scene's own start, settled if the scene wants to be.
+def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
+    """The case of a scene from its own start, relaxed where the scene asks for it.
 
     Raises
     ------
     InputError
-        An end that is not above 0, less than one instant, or whatever a simulation of the scene refuses.
+        An end that is not above 0, fewer than one instant, or a scene that a simulation refuses.
     """
     end = scene.run.until if until is None else float(until)
     if not 0.0 < end < float("inf"):
@@ -144,11 +145,11 @@ def course(scene: Scene, until: float | None, instants: int) -> Course:
     sim = Simulation(scene)
     if scene.run.relax > 0:
         sim.relax()
-    return Course(_plain(scene), sim.positions, end, instants, scene.run.relax)
+    return StudyCase(_bare(scene), sim.positions, end, instants, scene.run.relax)
 
 
-def run(
-    where: Course,
+def run_case(
+    case: StudyCase,
     integrator: str,
     dt: float | None,
     *,
@@ -156,27 +157,27 @@ def run(
     shapes: bool = False,
     budget: float | None = None,
     stop: Event | None = None,
-) -> Trial:
-    """Run a course by one method: with the step nearest to `dt` that meets the instants, or by a tolerance.
+) -> StudyRun:
+    """Run a case by one method, with the step nearest to `dt` that meets the instants, or with a tolerance.
 
-    A run that the watch stops is a result, not an error: what was read before stays. So is one that would take
-    more processor time than `budget` [s]. `stop`, once set, ends the run at its next instant.
+    A run that the monitor stops is a result, not an error; its samples up to then are kept. So is a run that would
+    take more processor time than `budget` [s]. Setting `stop` ends the run at its next instant.
     """
-    scene, step = where.scene, None if dt is None else where.step_near(dt)
+    scene, step = case.scene, None if dt is None else case.step_near(dt)
     if tolerance is not None:
         scene = replace(scene, run=replace(scene.run, tolerance=tolerance, dt=None))
     sim = Simulation(scene, integrator, step)
-    sim.positions = where.start
+    sim.positions = case.start
     corners = Corners(sim.assembly)
     rows: list[tuple[float, ...]] = []
     kept: list[Floats] = []
     seconds, failure, expected = 0.0, None, None
-    for k in range(1, where.instants + 1):
+    for k in range(1, case.instants + 1):
         if stop is not None and stop.is_set():
             break
         began = time.thread_time()
         try:
-            sim.run(until=k * where.interval, frames=2, samples=2)
+            sim.run(until=k * case.interval, frames=2, samples=2)
         except UnstableError as error:
             failure = error
         seconds += time.thread_time() - began
@@ -187,11 +188,11 @@ def run(
         rows.append((sim.time, rate, phase, float(strains.max()) if len(strains) else 0.0, peak_stress(sim)))
         if shapes:
             kept.append(positions)
-        if budget is not None and k >= LEAST_READ * where.instants and seconds / k * where.instants > budget:
-            expected = seconds / k * where.instants
+        if budget is not None and k >= BUDGET_CHECK * case.instants and seconds / k * case.instants > budget:
+            expected = seconds / k * case.instants
             break
     times, rates, phases, strain, stress = np.array(rows, dtype=np.float64).reshape(-1, 5).T
-    return Trial(
+    return StudyRun(
         integrator=sim.integrator,
         dt=sim.dt if step is not None else sim.time / max(sim.step_count, 1),
         times=times,
@@ -210,7 +211,7 @@ def run(
 
 
 def ensemble(
-    where: Course,
+    case: StudyCase,
     integrator: str,
     dt: float,
     count: int,
@@ -218,18 +219,18 @@ def ensemble(
     shapes: bool = False,
     jobs: int | None = None,
     tell: Tell | None = None,
-) -> list[Trial]:
-    """The run from the true start, then `count` from shifted ones, with the seeds 0, 1, 2 ..."""
-    courses = [where, *(where.shifted(seed) for seed in range(count))]
-    names = ["from the true start", *(f"from a shifted start, seed {seed}" for seed in range(count))]
+) -> list[StudyRun]:
+    """The run from the unperturbed start, then `count` from perturbed starts with the seeds 0, 1, 2 ..."""
+    cases = [case, *(case.perturbed(seed) for seed in range(count))]
+    names = ["unperturbed start", *(f"perturbed start, seed {seed}" for seed in range(count))]
 
-    def of(one: Course) -> Trial:
-        return run(one, integrator, dt, shapes=shapes, stop=stop)
+    def member(one: StudyCase) -> StudyRun:
+        return run_case(one, integrator, dt, shapes=shapes, stop=stop)
 
     stop = Event()
-    return together([lambda one=one: of(one) for one in courses], names, stop, workers=jobs, tell=tell)  # type: ignore[misc]
+    return run_parallel([lambda one=one: member(one) for one in cases], names, stop, workers=jobs, tell=tell)  # type: ignore[misc]
 
 
-def _plain(scene: Scene) -> Scene:
-    """The scene without settling and snapshots, which a course sees to itself."""
+def _bare(scene: Scene) -> Scene:
+    """The scene without relaxation and snapshots: the case holds the relaxed start."""
     return replace(scene, run=replace(scene.run, relax=0.0, snapshots=()))

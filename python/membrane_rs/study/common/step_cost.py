@@ -1,6 +1,6 @@
-"""What a step costs, one scene against another.
+"""Cost of a step of one scene relative to another.
 
-Timed in turns, and in processor time, so that a machine that is busy with other things slows both alike.
+Both are timed alternately and in processor time, so that other load on the machine affects them equally.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from membrane_rs.scene import Scene
 
 ROUNDS = 9
 BATCH = 0.02
-"""Time of the whole scene's steps in each round [s], about."""
+"""Approximate duration of the complete scene's steps in each round [s]."""
 
 
 def cost_against(whole: Simulation, scene: Scene) -> tuple[float, float]:
-    """Time per step and stability limit of a scene, over those of the whole one; two without limit are alike.
+    """Ratios of time per step and of stability limit, the scene over the complete one; 1 for two infinite limits.
 
-    The time is the median over rounds in which both take the same number of steps of the same size; NaN
-    where the scene goes wrong within them.
+    The time is the median over rounds in which both take the same number of steps of the same size. It is NaN where
+    the monitor stops the scene within them.
     """
     dt = min(whole.dt, Simulation(scene, whole.integrator).dt)
     mine = Simulation(whole.scene, whole.integrator, dt)

@@ -49,7 +49,7 @@ def varied(scene: Scene, parameter: str, value: Any) -> Scene:
         pattern: Any = _changed(scene.mesh.source, rest[0], value, "mesh")
         return replace(scene, mesh=pattern.mesh())
     raise SceneError(
-        f"parameter {parameter!r}: is nothing that this scene holds; give one such as laws.creases.stiffness, "
+        f"parameter {parameter!r}: this scene has none of that name; give one such as laws.creases.stiffness, "
         "parts.0.axial_stiffness, material.thickness, mesh.rows (of a pattern) or run.dt"
     )
 

@@ -1,4 +1,4 @@
-"""A ladder of steps or tolerances: the points that a method leaves on it, its order, the cheapest way to an error."""
+"""Refinement levels, steps or tolerances: the results of a method at each, its order, and the cheapest to an error."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 
 BEYOND = (1.3, 1.05)
-"""The coarsest rungs of a method with a limit, as shares of it: beyond it."""
+"""The two coarsest levels of a method with a stability limit, in multiples of it."""
 COARSEST = 0.9
-"""The rung below the limit; each further one is half as large."""
+"""The coarsest level below the limit, in multiples of it; each further step is half as large."""
 COARSEST_TOLERANCE = 1e-3
-"""The first tolerance of a method that chooses its steps."""
+"""The coarsest tolerance of an adaptive method."""
 TOLERANCE_RATIO = 10.0**1.5
-"""From one tolerance to the next: 32, which halves the steps of a pair of orders 5 and 4."""
+"""Ratio of one tolerance to the next: 32, which halves the steps of a pair of orders 5 and 4."""
 COARSEST_MULTIPLE = 64.0
-"""The first rung of a method without limit, in limits of the reference method; each further one is half as large."""
+"""The coarsest level of a method without limit, in multiples of the reference method's; each further one is half."""
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One run to be made: a method with a step [s], or with a tolerance; and the method's stability limit [s]."""
+class RefinementLevel:
+    """A run to be made: a method with a step [s] or a tolerance, and the method's stability limit [s]."""
 
     integrator: str
     density: float
@@ -40,11 +40,11 @@ class Rung:
 
 @dataclass(frozen=True)
 class Point:
-    """One method at one step, or at one tolerance.
+    """The result of one method at one step or tolerance.
 
-    `dt` is the mean step where a tolerance chose it, and `rejected` counts tries in vain. `share` is `dt` over the
-    method's stability limit at the start, 0 without limit. `errors` are NaN and `failure` says why where the watch
-    stopped the run, or where it would have cost too much. `evaluations` and `seconds` are then what it had spent.
+    `dt` is the mean step of an adaptive method, and `rejected` counts its rejected steps. `share` is `dt` over the
+    method's stability limit at the start, 0 without limit. If the monitor stopped the run, or its cost exceeded the
+    budget, `errors` are NaN, `failure` is the reason, and `evaluations` and `seconds` count the part that was run.
     """
 
     integrator: str
@@ -62,21 +62,21 @@ class Point:
 
     @property
     def line(self) -> str:
-        """The line of the chart that it lies on: its method, and its mesh where that is another."""
+        """The line of the diagram that it lies on: its method, and its mesh where that is not the scene's own."""
         return line_name(self.integrator, self.density)
 
     @property
     def resolves(self) -> bool:
-        """Whether a measured order may count it: stability has no say in its step, chosen or given."""
+        """Whether a measured order may include it: its step is set by accuracy, not by stability."""
         return self.share <= 0.5
 
     @property
     def is_stable(self) -> bool:
-        """Whether the step does not lie beyond the limit; one chosen by the error takes care of that itself."""
+        """Whether the step is within the limit, or chosen by the error."""
         return self.tolerance is not None or self.share <= 1.0
 
     def words(self) -> str:
-        """What it came to."""
+        """The result as text."""
         if self.failed_at is not None:
             return f"stopped at {self.failed_at:.3g} s"
         error = self.failure or f"error {next(iter(self.errors.values())):.2e}"
@@ -85,7 +85,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Best:
-    """The method that reaches the wanted error at least cost, and its step or tolerance, between two rungs."""
+    """The method that reaches the target error at least cost, with its interpolated step or tolerance."""
 
     integrator: str
     dt: float
@@ -94,7 +94,7 @@ class Best:
     density: float = 1.0
 
     def words(self) -> str:
-        """How to get there."""
+        """The method with its step or tolerance as text."""
         name = line_name(self.integrator, self.density)
         if self.tolerance is not None:
             return f"{name} with tolerance = {self.tolerance:.2g}"
@@ -102,27 +102,32 @@ class Best:
 
 
 def line_name(integrator: str, density: float) -> str:
-    """A method, and the density of the mesh where it is not the scene's own."""
+    """The method, with the density of the mesh where that is not the scene's own."""
     return integrator if density == 1.0 else f"{integrator} on {density:g} x the mesh"
 
 
-def ladder(integrator: str, density: float, steps: int, *, limit: float, unit: float, is_adaptive: bool) -> list[Rung]:
-    """The ladder of a method, coarsest first.
+def refinement_levels(
+    integrator: str, density: float, steps: int, *, limit: float, unit: float, is_adaptive: bool
+) -> list[RefinementLevel]:
+    """The levels of a method, coarsest first.
 
     `limit` is its stability limit [s], infinite without one; `unit` that of the reference method.
     """
     if is_adaptive:
-        return [Rung(integrator, density, None, COARSEST_TOLERANCE / TOLERANCE_RATIO**k, limit) for k in range(steps)]
+        return [
+            RefinementLevel(integrator, density, None, COARSEST_TOLERANCE / TOLERANCE_RATIO**k, limit)
+            for k in range(steps)
+        ]
     if math.isinf(limit):
         sizes = [COARSEST_MULTIPLE * unit / 2.0**k for k in range(steps)]
-        return [Rung(integrator, density, dt, None, limit) for dt in sizes]
+        return [RefinementLevel(integrator, density, dt, None, limit) for dt in sizes]
     shares = [*BEYOND, *(COARSEST / 2.0**k for k in range(steps))]
-    return [Rung(integrator, density, share * limit, None, limit) for share in shares]
+    return [RefinementLevel(integrator, density, share * limit, None, limit) for share in shares]
 
 
 def measured_order(points: Sequence[Point], name: str, clear: float) -> float:
     """Slope of error against step by least squares on logarithms, over the points that resolve the motion and
-    whose error is above `clear`; NaN with fewer than two of them.
+    whose error is above `clear`; NaN for fewer than two such points.
     """
     used = [(p.dt, p.errors[name]) for p in points if p.resolves and p.errors[name] > clear]
     if len({dt for dt, _ in used}) < 2:
@@ -132,15 +137,15 @@ def measured_order(points: Sequence[Point], name: str, clear: float) -> float:
 
 
 def cheapest(lines: Mapping[str, Sequence[Point]], name: str, wanted: float, cost: str) -> Best | None:
-    """The line that reaches an error at least cost, steps beyond the limit left aside.
+    """The line that reaches an error at least cost, steps beyond the limit excluded.
 
-    Between the last rung above the wanted error and the first from which all finer ones are below it, step,
-    tolerance and cost are interpolated on logarithms.
+    Step, tolerance and cost are interpolated on logarithms between the last level above the target error and the first
+    from which all finer levels are below it.
     """
     found = []
     for points in lines.values():
         below = [p for p in points if p.is_stable]
-        fits = [p.errors[name] <= wanted for p in below]  # False where the run was stopped
+        fits = [p.errors[name] <= wanted for p in below]  # False for a stopped run
         k = next((i for i in range(len(below)) if all(fits[i:])), None)
         if k is None:
             continue

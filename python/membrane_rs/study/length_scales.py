@@ -1,9 +1,9 @@
-"""Lengths in place of those that the paper's formulas take from the mesh.
+"""Length scales in place of the lengths that the paper's formulas take from the mesh.
 
-Four of the paper's quantities hold a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force at
-which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
-the dashpots (2 zeta sqrt(k m), whose m goes with L^2). On a finer mesh each is another one. With lengths of their own
-they belong to the film, to which degree is in docs/mesh_parameters.md.
+Four of the paper's quantities contain a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force
+at which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
+the dashpots (2 zeta sqrt(k m), where m is proportional to L^2). On a finer mesh each has another value. With length
+scales of their own they are properties of the film; docs/mesh_parameters.md shows to which degree.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from membrane_rs.scene.laws import Springs
 
 
 @dataclass(frozen=True)
-class Lengths:
-    """Physical lengths [m]; None: the mesh's own, the paper's form.
+class LengthScales:
+    """Physical length scales [m]; None: the length of the mesh, the paper's form.
 
     Attributes
     ----------
@@ -27,55 +27,54 @@ class Lengths:
         In the critical strain of the film: `Springs.buckling_length`.
     crease : float or None
         In the force at which a crease buckles: `Springs.crease_length`.
-    wing : float or None
+    facet : float or None
         In the stiffness of a crease: `Creases.length_scale`.
     damping : float or None
         Of the dashpots: `SpringDamping.length`.
     tension_only : bool
-        The film bears no compression at all, alpha = alpha_c = 0: a tension field.
+        The film bears no compression, alpha = alpha_c = 0: a tension field.
     """
 
     buckling: float | None = None
     crease: float | None = None
-    wing: float | None = None
+    facet: float | None = None
     damping: float | None = None
     tension_only: bool = False
 
     def of(self, scene: Scene) -> Scene:
-        """The scene with these lengths in its laws."""
-        lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.wing, "damping": self.damping}
+        """The scene with these length scales in its laws."""
+        lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.facet, "damping": self.damping}
         laws = [law.with_lengths(lengths) for law in scene.laws]
         return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)
 
 
-PAPER = Lengths()
+PAPER = LengthScales()
 """The paper's form."""
-STRAIN = Lengths(buckling=0.012, wing=0.011)
-"""One critical strain and one crease stiffness on every mesh, the dashpots and the creases' own force left to it."""
-PHYSICAL = Lengths(buckling=0.012, crease=0.010, wing=0.011, damping=0.011)
+STRAIN = LengthScales(buckling=0.012, facet=0.011)
+"""One critical strain and one crease stiffness on every mesh; dashpots and the creases' own force depend on it."""
+PHYSICAL = LengthScales(buckling=0.012, crease=0.010, facet=0.011, damping=0.011)
 """`agreeing` for the paper's model 1, in whole millimetres."""
-TENSION = Lengths(wing=0.011, damping=0.011, tension_only=True)
-"""A film that wrinkles at no stress."""
+TENSION = LengthScales(facet=0.011, damping=0.011, tension_only=True)
+"""A film that wrinkles at zero compressive stress."""
 FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL, "tension": TENSION}
-"""The forms that a mesh study compares, by name."""
+"""The forms of a mesh study, by name."""
 
 
-def agreeing(scene: Scene) -> Lengths:
-    """The lengths with which the physical form is nearest to the paper's on the scene's own mesh.
+def agreeing(scene: Scene) -> LengthScales:
+    """The length scales with which the physical form equals the paper's on average over the scene's own mesh.
 
-    With e the critical strain, N = k e L the force of an edge as it buckles, sums over edges of the reference:
+    With e the critical strain and N = k e L the force of an edge at buckling, these sums over edges of the reference
+    are equal in both forms:
 
         film      sum of N L (the mean stress at which the film buckles)
         creases   sum of N L (the mean force along a crease)
-        wings     the mean height of the creases' wings
-        dashpots  sum of c L^2 (what is lost at one rate of strain in all directions)
-
-    each equal in both forms.
+        facets    the mean height of the creases' facets
+        dashpots  sum of c L^2 (the dissipation at an isotropic rate of strain)
 
     Raises
     ------
     InputError
-        A scene without film, springs, creases or damping, or whose creases are no stronger than its film.
+        A scene without film, springs, creases or damping, or with creases that are no stronger than its film.
     """
     mesh, film, springs, damping = scene.mesh, scene.material, scene.law(Springs), scene.law("spring_damping")
     if mesh is None or film is None or springs is None or damping is None or not len(mesh.creases):
@@ -101,9 +100,9 @@ def agreeing(scene: Scene) -> Lengths:
         np.add.at(areas, rows, mesh.areas())
     masses = mesh.masses(film)[mesh.edges].mean(axis=1)
     square = film.density * film.thickness
-    return Lengths(
+    return LengthScales(
         buckling=buckling,
         crease=float(more * np.sum(on * of) / own),
-        wing=float(np.mean(areas[creases] / of)),
+        facet=float(np.mean(areas[creases] / of)),
         damping=float(np.sum(np.sqrt(k * masses) * length**2) / np.sum(np.sqrt(k * square) * length**2)),
     )

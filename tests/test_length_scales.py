@@ -1,4 +1,4 @@
-"""Lengths of the film in place of the mesh's own: dashpots and creases that are the same on every mesh."""
+"""LengthScales of the film in place of the mesh's own: dashpots and creases that are the same on every mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from membrane_rs import InputError, Mesh, Scene, Simulation, SpringDamping, Springs, TipMasses, Triangles, scenes
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
 from membrane_rs.scene.laws import Creases, Law
-from membrane_rs.study import FORMS, Lengths, agreeing
+from membrane_rs.study import FORMS, LengthScales, agreeing
 from small_scenes import FILM, RUBBER, cord, refused
 
 SIDE = 0.01
@@ -144,12 +144,12 @@ def test_lengths_go_through_scene_files(tmp_path: Path) -> None:
 def test_agreeing_lengths() -> None:
     found = agreeing(scenes.load("okuizumi-model-1"))
     chosen = FORMS["physical"]
-    for name in ("buckling", "crease", "wing", "damping"):
+    for name in ("buckling", "crease", "facet", "damping"):
         assert getattr(found, name) == pytest.approx(getattr(chosen, name), rel=0.015)
-    # On cells of another size the lengths go with them.
+    # On cells of another size the length scales are proportional to it.
     other = SquareSail(rows=32)
     finer = agreeing(replace(scenes.load("okuizumi-model-1"), mesh=other.mesh()))
-    for name in ("buckling", "crease", "wing", "damping"):
+    for name in ("buckling", "crease", "facet", "damping"):
         assert getattr(finer, name) == pytest.approx(0.5 * getattr(found, name), rel=0.03)
     disc = scenes.load("spinning-disc")
     refused(lambda: agreeing(disc), InputError, "need a film of springs, with creases and damping")
@@ -160,14 +160,14 @@ def test_agreeing_lengths() -> None:
 
 
 def test_lengths_set_what_each_law_takes() -> None:
-    lengths = Lengths(buckling=0.1, crease=0.2, wing=0.3, damping=0.4)
+    lengths = LengthScales(buckling=0.1, crease=0.2, facet=0.3, damping=0.4)
     film = replace(scenes.load("okuizumi-model-1"), laws=[Triangles(), Creases(), SpringDamping()])
     triangles, creases, damping = lengths.of(film).laws
     assert isinstance(triangles, Triangles)
     assert (triangles.buckling_length, triangles.crease_length) == (0.1, 0.2)
     assert creases == Creases(length_scale=0.3)
     assert damping == SpringDamping(length=0.4)
-    assert Lengths().of(lengths.of(film)).laws == film.laws
+    assert LengthScales().of(lengths.of(film)).laws == film.laws
     slack = FORMS["tension"].of(film).laws[0]
     assert isinstance(slack, Triangles)
     assert (slack.buckling, slack.buckling_on_creases) == (0.0, 0.0)

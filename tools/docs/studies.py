@@ -1,7 +1,7 @@
-"""What accuracy costs and what a scene can do without: a chart for each of five motions, and three ablations.
+"""Work-precision diagrams of five motions and ablations of three scenes, for docs/studies.md.
 
-Writes into the folder `out`. With `--write` the pictures, tables and smallest models of docs/studies.md are made anew,
-each as soon as it is done; `--only` makes some of them.
+Writes into the folder `out`. With `--write` the pictures, tables and smallest models in docs/ are replaced, each as
+soon as it is done; `--only` makes some of them.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from pathlib import Path
 from marked import DOCS, MarkedPart
 from membrane_rs import MembraneError, Scene, Springs, scenes
 from membrane_rs.scene.laws import Law
-from membrane_rs.study import Ablation, Chart, ablate, chart
+from membrane_rs.study import Ablation, WorkPrecision, ablate, work_precision
 
-TRIAL_STEPS = 2
-"""Rungs of a trial's ladders."""
+BRIEF_STEPS = 2
+"""Number of levels below the limit in a brief run."""
 NEVER = 1e12
-"""With this alpha no spring buckles."""
+"""A value of alpha at which no spring buckles."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A chart of the docs: what runs, to when [s], and how it is compared.
+    """The motion of a diagram: scene, end [s], and kind of comparison.
 
-    `kinks`: to this time [s] rk4 is also run without buckling, to show what the kinks cost. `budget` is that of a
-    rung [s].
+    `kinks`: end [s] of two more series by rk4, with and without buckling, which show the effect of kinks on the order.
+    `budget` is that of a run [s].
     """
 
     scene: str
@@ -46,7 +46,7 @@ class Motion:
     kinks: float | None = None
 
 
-CHARTS = {
+DIAGRAMS = {
     "spinning-tether": Motion("spinning-tether", 0.1),
     "spinning-disc": Motion("spinning-disc", 0.02),
     "single-crease": Motion("single-crease", 0.05, kinks=0.05),
@@ -58,28 +58,33 @@ ABLATIONS = {
     "okuizumi-model-1": (0.8, 0.2),
     "okuizumi-model-2": (0.8, 0.2),
 }
-"""Scenes, and the time at the end of their runs and of that on the denser mesh [s]."""
+"""Scenes, with the end of their runs and of the run on the denser mesh [s]."""
 SHARE = 0.3
-"""Steps of the ablations over the limit: at larger ones leapfrog's energy balance over 0.8 s is not good enough."""
+"""Steps of the ablations over the limit: at larger ones the energy error of leapfrog over 0.8 s is too large."""
 Make = Callable[[str, float, Path], tuple[str, dict[str, Path]]]
-NAMES = [*(f"{name}-chart" for name in CHARTS), *(f"{name}-ablation" for name in ABLATIONS)]
-"""What can be made."""
+NAMES = [*(f"{name}-work-precision" for name in DIAGRAMS), *(f"{name}-ablation" for name in ABLATIONS)]
+"""All parts."""
 PARTS = {name: MarkedPart(DOCS / "studies.md", name) for name in NAMES}
-TRIED = ("spinning-disc-chart", "single-crease-chart", "deployment-chart", "spinning-tether-ablation")
-"""What a trial makes."""
+BRIEF = (
+    "spinning-disc-work-precision",
+    "single-crease-work-precision",
+    "deployment-work-precision",
+    "spinning-tether-ablation",
+)
+"""The parts of a brief run."""
 
 
 def main() -> None:
-    """Make all charts and tables, or some."""
+    """Make all diagrams and tables, or some."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--only", nargs="+", metavar="NAME", help=f"of {', '.join(NAMES)}")
     parser.add_argument(
-        "--until", type=float, default=math.inf, help="a trial: end here [s]; a few, with short ladders"
+        "--until", type=float, default=math.inf, help="a brief run: end here [s]; some parts, with few levels"
     )
     parser.add_argument("--out", type=Path, default=Path("out"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
     options = parser.parse_args()
-    wanted: Sequence[str] = options.only or (NAMES if math.isinf(options.until) else TRIED)
+    wanted: Sequence[str] = options.only or (NAMES if math.isinf(options.until) else BRIEF)
     for name in wanted:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, 1) or [", ".join(NAMES)]
@@ -88,8 +93,8 @@ def main() -> None:
     failed = []
     for name in wanted:
         began = time.perf_counter()
-        what, _, kind = name.rpartition("-")
-        make: Make = charted if kind == "chart" else ablated
+        make: Make = ablated if name.endswith("-ablation") else diagrammed
+        what = name.removesuffix("-ablation").removesuffix("-work-precision")
         try:
             text, files = make(what, options.until, options.out / name)
         except MembraneError as error:
@@ -105,22 +110,22 @@ def main() -> None:
         sys.exit(f"failed: {', '.join(failed)}; the others are done")
 
 
-def charted(name: str, until: float, folder: Path) -> tuple[str, dict[str, Path]]:
-    """One chart: what docs/studies.md says of it, and its picture."""
-    motion, is_trial = CHARTS[name], until < CHARTS[name].until
-    if is_trial:
-        motion = replace(motion, until=until, steps=TRIAL_STEPS, repeats=1, members=min(motion.members, 1))
+def diagrammed(name: str, until: float, folder: Path) -> tuple[str, dict[str, Path]]:
+    """One diagram: its text in docs/studies.md, and its picture."""
+    motion, is_brief = DIAGRAMS[name], until < DIAGRAMS[name].until
+    if is_brief:
+        motion = replace(motion, until=until, steps=BRIEF_STEPS, repeats=1, members=min(motion.members, 1))
     scene = scenes.load(motion.scene)
-    found = _chart(scene, motion)
+    found = _diagram(scene, motion)
     found.save(folder)
     text = f"```text\n{found.summary()}\n```"
     if motion.kinks is not None:
         alone = replace(motion, until=min(motion.kinks, motion.until), members=0, repeats=1)
         smooth = replace(scene, laws=[_unbuckled(law) for law in scene.laws])
-        orders = [_order(_chart(each, alone, ["rk4"]).orders["rk4"]["position"]) for each in (scene, smooth)]
+        orders = [_order(_diagram(each, alone, ["rk4"]).orders["rk4"]["position"]) for each in (scene, smooth)]
         text += f"\n\nMeasured order of rk4 over {1e3 * alone.until:g} ms: {orders[0]}; where no spring may buckle"
         text += f" (alpha {NEVER:g}): {orders[1]}."
-    return text, {f"chart-{name}.png": folder / "chart.png"}
+    return text, {f"work-precision-{name}.png": folder / "chart.png"}
 
 
 def ablated(name: str, until: float, folder: Path) -> tuple[str, dict[str, Path]]:
@@ -143,8 +148,8 @@ def ablated(name: str, until: float, folder: Path) -> tuple[str, dict[str, Path]
     return f"{found.heading()}.\n\n{found.table()}\n{found.verdict()}{link}", files
 
 
-def _chart(scene: Scene, motion: Motion, methods: list[str] | None = None) -> Chart:
-    return chart(
+def _diagram(scene: Scene, motion: Motion, methods: list[str] | None = None) -> WorkPrecision:
+    return work_precision(
         scene,
         methods,
         motion.until,
@@ -163,7 +168,7 @@ def _unbuckled(law: Law) -> Law:
 
 
 def _order(value: float) -> str:
-    return f"{value:.2f}" if math.isfinite(value) else "not clear of the bounds"
+    return f"{value:.2f}" if math.isfinite(value) else "none, errors too close to the bounds"
 
 
 def _tell(words: str) -> None:
