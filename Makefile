@@ -12,17 +12,24 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 
-RUST := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
+# What the module is built from: neither tests nor benches.
+RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml rust/python -type f)
 
-.PHONY: demo test check lint lint-rust lint-python golden bench peers readme accuracy clean
+.PHONY: demo test test-rust check lint lint-rust lint-python golden bench peers readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
 	$(BIN)/python examples/demo.py --out out
 
-test: $(VENV)/built
-	cargo test --workspace
-	$(BIN)/python -m pytest
+# The tests of the core are built and run while the environment and the module are made. Files of tests are shared out to
+# all cores; what a file prepares once stays with one of them.
+test:
+	@$(MAKE) --no-print-directory --jobs=2 test-rust $(VENV)/built
+	$(BIN)/python -m pytest --numprocesses=auto --maxprocesses=8 --dist=loadfile
+
+# Cargo is not to share the two jobs of `make test`: it has its own, one for each core.
+test-rust: | $(VENV)/made
+	MAKEFLAGS= cargo test --workspace
 
 check: test lint
 
@@ -73,17 +80,20 @@ clean:
 	rm -f python/membrane_rs/_core*.so
 	find python tests examples benchmarks tools -name __pycache__ -prune -exec rm -rf {} +
 
-# pip learned dependency groups with version 25.1.
-$(VENV)/tools: pyproject.toml
+$(VENV)/made:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 		{ echo "membrane_rs needs Python 3.10 or later; name one: make PYTHON=python3.12"; exit 1; }
 	@command -v cargo > /dev/null || \
 		{ echo "membrane_rs needs a Rust toolchain (cargo and rustc); install one"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+# pip learned dependency groups with version 25.1.
+$(VENV)/tools: pyproject.toml | $(VENV)/made
 	$(BIN)/python -m pip install --quiet --upgrade 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group dev
 	@touch $@
 
 $(VENV)/built: $(VENV)/tools $(RUST)
-	$(BIN)/maturin develop --release
+	MAKEFLAGS= $(BIN)/maturin develop --release
 	@touch $@
