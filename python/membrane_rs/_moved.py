@@ -1,24 +1,15 @@
-"""Old public names: each still leads to the new one, and says it.
+"""Old public places of names: each still leads to the new one, and its warning says which that is.
 
-A module whose names have moved sets `__getattr__ = Moved(__name__, {new place: names})`. A class keeps an old name of
-an attribute, and a checked class that of a field, as `old = Renamed("new")`. A dict with old keys is a `RenamedKeys`.
+A module whose names have moved sets `__getattr__ = Moved(__name__, {new place: names})`.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
-REMOVAL = "0.4"
-"""The version in which what is deprecated now goes."""
-
-
-def deprecated(old: str, remedy: str, depth: int = 1) -> None:
-    """Give a DeprecationWarning at the place that called so many functions above the caller of this one."""
-    text = f"{old} is deprecated and goes with version {REMOVAL}; {remedy}"
-    warnings.warn(text, DeprecationWarning, stacklevel=2 + depth)
+from membrane_rs._renamed import deprecated
 
 
 class Moved:
@@ -47,57 +38,3 @@ class Moved:
         place, new = self.new[name]
         deprecated(f"{self.module}.{name}", f"import {new} from {place}")
         return getattr(import_module(place), new)
-
-
-class Renamed:
-    """An old name of an attribute or a method: gives the new one, with a DeprecationWarning."""
-
-    def __init__(self, new: str) -> None:
-        self.new = new
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.old = name
-
-    def __get__(self, instance: object, owner: type | None = None) -> Any:
-        if instance is None:
-            return self
-        deprecated(f"{type(instance).__name__}.{self.old}", f"use {self.new}")
-        return getattr(instance, self.new)
-
-
-def new_names(cls: type) -> dict[str, str]:
-    """New names of a class's attributes, by their old ones."""
-    return {name: item.new for name, item in vars(cls).items() if isinstance(item, Renamed)}
-
-
-class RenamedKeys(dict[str, Any]):
-    """A dict that answers old keys too, with a DeprecationWarning.
-
-    Parameters
-    ----------
-    name : str
-        What it is called in the warning.
-    values : mapping
-        Its entries.
-    renamed : mapping of str to str
-        New keys by old ones.
-    """
-
-    def __init__(self, name: str, values: Mapping[str, Any], renamed: Mapping[str, str]) -> None:
-        super().__init__(values)
-        self._name, self._renamed = name, renamed
-
-    def __missing__(self, key: str) -> Any:
-        return self._old(key)
-
-    def get(self, key: str, default: Any = None) -> Any:
-        """The entry of a key, new or old, or `default`."""
-        if key in self:
-            return self[key]
-        return self._old(key) if key in self._renamed else default
-
-    def _old(self, key: str) -> Any:
-        if key not in self._renamed:
-            raise KeyError(key)
-        deprecated(f"{self._name}[{key!r}]", f"use {self._renamed[key]!r}", depth=2)
-        return self[self._renamed[key]]

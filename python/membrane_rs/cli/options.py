@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from membrane_rs._moved import REMOVAL
+from membrane_rs._renamed import REMOVAL
 
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
