@@ -176,7 +176,7 @@ def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
 def _sail(scene: Scene) -> SquareSail:
     sail = scene.mesh.source if scene.mesh is not None else None
     if not isinstance(sail, SquareSail):
-        raise InputError(f"scene {scene.name!r}: its mesh is not a square sail, whose rows a mesh study varies; take one")
+        raise InputError(f"scene {scene.name!r}: its mesh is not a square sail; a mesh study varies the rows of one")
     return sail
 
 
