@@ -125,7 +125,7 @@ def test_check_prints_both() -> None:
     [
         ("laws.crease.stiffness", 1.0, SceneError, "did you mean 'creases'"),
         ("laws.springs.bucklin", 1.0, SceneError, "did you mean 'buckling'"),
-        ("springs", 1.0, SceneError, "nothing that this scene holds"),
+        ("springs", 1.0, SceneError, "this scene has none of that name"),
         ("laws.springs.buckling", -1.0, InputError, "buckling = -1"),
         ("parts.7.nodes", 1.0, SceneError, "no such key"),
     ],
