@@ -24,7 +24,7 @@ from membrane_rs.study.common.variation import varied
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
 """Refused: before the run, with a reason. Energy injected and blown up: stopped by the monitor at a known time."""
-ENERGY_GAIN = " J appeared "
+ENERGY_GAIN = "spurious gain"
 """Words of the monitor's error by which an energy gain is known."""
 ACCURATE = 0.01
 """Energy error up to which a run counts as fine."""
