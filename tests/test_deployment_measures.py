@@ -112,4 +112,4 @@ def test_features_of_nothing() -> None:
     nothing = np.zeros(0)
     table = {"time": nothing, "deployment_rate": nothing, "phase_difference_deg": nothing}
     assert set(curve_features(table).values()) == {None}
-    assert set(energy_balance({"energy_error": nothing, "energy_turned_over": nothing}).values()) == {None}
+    assert set(energy_balance({"energy_error": nothing, "reference_energy": nothing}).values()) == {None}

@@ -72,7 +72,7 @@ def test_crease_angles_lie_on_their_springs(tmp_path: Path) -> None:
     write_frame(tmp_path / "frame.vtu", sim)
     angles = meshio.read(tmp_path / "frame.vtu").cell_data_dict["crease_angle"]["line"]
     by_pair = {tuple(sorted(pair)): angle for pair, angle in zip(sim.spring_pairs, angles, strict=True)}
-    for crease, angle in zip(sim.assembly.creases, sim.crease_angles(), strict=True):
+    for crease, angle in zip(sim.assembly.creases.nodes, sim.crease_angles(), strict=True):
         assert by_pair[tuple(sorted(crease))] == angle
     assert np.isfinite(angles).sum() == len(sim.assembly.creases)
 
@@ -151,6 +151,14 @@ def test_history_of_a_killed_process_ends_at_the_last_whole_line(tmp_path: Path)
     file = tmp_path / "run" / "history.csv"
     file.write_text(file.read_text()[:-9])
     assert read_history(file)["time"].tolist() == [0.0, 0.1]
+
+
+def test_history_of_version_0_1_is_read_by_its_new_names(tmp_path: Path) -> None:
+    run(RunFolder(tmp_path / "run", pictures=False), [0.0, 0.1])
+    file = tmp_path / "run" / "history.csv"
+    new = read_history(file)
+    file.write_text(file.read_text().replace("reference_energy", "energy_turned_over"))
+    assert read_history(file).keys() == new.keys()
 
 
 def test_summary_tells_the_run(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ kinetic_energy         [J] in the turning frame
 stored_energy          [J] springs, creases, contacts, centrifugal potential, gravity
 energy_error           (energy now - energy at the start - work done) / reference energy
 hub_angle              [rad] turned by the hub so far
-energy_turned_over     [J] reference energy: the largest single exchange so far
+reference_energy       [J] the largest single exchange so far
 energy_<law>           [J] one per law that stores energy
 work_<law>             [J] one per law of the scene: work done on the system, negative where it takes energy
 """
@@ -36,8 +36,11 @@ FIRST_COLUMNS = (
     "stored_energy",
     "energy_error",
     "hub_angle",
-    "energy_turned_over",
+    "reference_energy",
 )
+
+RENAMED = {"energy_turned_over": "reference_energy"}
+"""Columns by the names that they had in version 0.1; the reader takes both."""
 
 
 class History(Writer):
@@ -107,7 +110,8 @@ class History(Writer):
 def read_history(path: Path | str) -> dict[str, Floats]:
     """Read a history.csv, or that of a run's folder: one (samples,) array per column.
 
-    A last line that a killed process left unfinished is dropped. Raises MissingFileError and OutputError.
+    A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. Raises
+    MissingFileError and OutputError.
     """
     path = Path(path)
     if path.is_dir():
@@ -116,10 +120,11 @@ def read_history(path: Path | str) -> dict[str, Floats]:
         raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
     text = path.read_text(encoding="utf-8")
     lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    if not lines or lines[0][: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
+    columns = [RENAMED.get(name, name) for name in lines[0]] if lines else []
+    if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
         raise OutputError(f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?")
     try:
-        values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(lines[0]))
+        values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(columns))
     except ValueError as error:
         raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
-    return {name: values[:, k] for k, name in enumerate(lines[0])}
+    return {name: values[:, k] for k, name in enumerate(columns)}

@@ -119,12 +119,12 @@ def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
 
 
 def energy_balance(table: dict[str, Floats]) -> dict[str, float | None]:
-    """Reference energy [J], as "turned_over"; the energy error at the end, the lowest (loss) and the highest (gain)."""
-    error, turned_over = table["energy_error"], table["energy_turned_over"]
+    """Reference energy [J]; the energy error at the end, the lowest (loss) and the highest (gain)."""
+    error, reference = table["energy_error"], table["reference_energy"]
     if not len(error):
-        return dict.fromkeys(("turned_over", "error", "lowest_error", "highest_error"))
+        return dict.fromkeys(("reference_energy", "error", "lowest_error", "highest_error"))
     return {
-        "turned_over": float(turned_over[-1]),
+        "reference_energy": float(reference[-1]),
         "error": float(error[-1]),
         "lowest_error": float(error.min()),
         "highest_error": float(error.max()),
