@@ -37,8 +37,8 @@ pub enum Error {
     /// Springs with a negative constant: the mesh is unstable at rest.
     #[error(
         "{count} of {spring_count} spring constants are negative, the worst {worst:e} N/m on edge {edge:?}; \
-         obtuse triangles cause this: use a mesh without angles above 90 degrees, or ask the law of the springs to clip \
-         or keep them"
+         obtuse triangles cause this: use a mesh without angles above 90 degrees, or ask the law of the springs to \
+         clip or keep them"
     )]
     NegativeSprings { count: usize, spring_count: usize, worst: f64, edge: [usize; 2] },
 
@@ -51,7 +51,8 @@ pub enum Error {
 
     /// A crease that is no edge between two triangles.
     #[error(
-        "crease {crease} (nodes {nodes:?}) {reason}; a crease needs an edge with exactly two triangles of the same winding"
+        "crease {crease} (nodes {nodes:?}) {reason}; a crease needs an edge with exactly two triangles of the same \
+         winding"
     )]
     NotAHinge { crease: usize, nodes: [usize; 2], reason: &'static str },
 
@@ -89,8 +90,8 @@ pub enum Error {
 
     /// A step far beyond the stability limit.
     #[error(
-        "dt = {dt:e} s is {:.1e} times the stability limit of {integrator} here, {limit:e} s, which {part} sets; leave dt \
-         out or choose it below the limit",
+        "dt = {dt:e} s is {:.1e} times the stability limit of {integrator} here, {limit:e} s, which {part} sets; leave \
+         dt out or choose it below the limit",
         dt / limit
     )]
     HopelessStep { dt: f64, limit: f64, integrator: &'static str, part: String },

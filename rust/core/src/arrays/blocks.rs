@@ -1,4 +1,4 @@
-//! Blocks of the rows of node vectors that fit the caches: tiles, on which all laws act before the next, and row blocks.
+//! Blocks of rows of node vectors that fit the caches: tiles, on which all laws act before the next, and row blocks.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! The columns of node vectors, read and written eight rows at a time.
 //!
-//! Kernels access them without bounds checks. Each function states its safety conditions; `layout::ElementSet`, the only
-//! user, checks them once per pass.
+//! Kernels access them without bounds checks. Each function states its safety conditions; `layout::ElementSet`, the
+//! only user, checks them once per pass.
 
 use crate::arrays::state::NodeVectors;
 use crate::simd::lanes::{F64x8, LANES, SimdF64};

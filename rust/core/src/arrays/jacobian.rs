@@ -27,8 +27,8 @@ pub(crate) fn cross_matrix(a: &Vector3<f64>) -> Block {
     a.cross_matrix()
 }
 
-/// Blocks of the forces on the ends of a link, a function of (second - first) on the first and its opposite on the second;
-/// `derivative` is that of the function.
+/// Blocks of the forces on the ends of a link, a function of (second - first) on the first and its opposite on the
+/// second; `derivative` is that of the function.
 pub(crate) fn of_link([i, j]: [u32; 2], derivative: &Block, mut add: impl FnMut(u32, u32, &Block)) {
     let opposite = -derivative;
     add(i, j, derivative);
@@ -37,8 +37,8 @@ pub(crate) fn of_link([i, j]: [u32; 2], derivative: &Block, mut add: impl FnMut(
     add(j, j, &opposite);
 }
 
-/// Blocks of the forces on N nodes with an energy that depends on the N - 1 differences from node 0. `hessian` is that of the
-/// energy by the differences, three rows each; forces are the negative gradient.
+/// Blocks of the forces on N nodes with an energy that depends on the N - 1 differences from node 0. `hessian` is that
+/// of the energy by the differences, three rows each; forces are the negative gradient.
 pub(crate) fn of_differences<const N: usize, const D: usize>(
     nodes: [u32; N],
     hessian: &SMatrix<f64, D, D>,

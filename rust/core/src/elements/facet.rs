@@ -4,7 +4,7 @@ use crate::assembly::Assembly;
 use crate::layout::ElementSet;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, sub};
 
-/// All triangles of a mesh, each with its nodes in cyclic order from the lowest: a facet does not depend on its first node.
+/// All triangles of a mesh, each with its nodes in cyclic order from the lowest: the first node is arbitrary.
 pub(crate) struct FacetSet {
     pub(crate) elements: ElementSet<3>,
     /// 1 for a facet, 0 in padding lanes.

@@ -1,5 +1,5 @@
-//! Kinematics of elements and its transpose: from the motion of the nodes to the deformation of an element, and from its
-//! stress to forces on the nodes. Elements are oriented here, by their lowest node.
+//! Kinematics of elements and its transpose: from the motion of the nodes to the deformation of an element, and from
+//! its stress to forces on the nodes. Elements are oriented here, by their lowest node.
 
 pub(crate) mod facet;
 pub(crate) mod hinge;

@@ -1,5 +1,5 @@
-//! Triangles with a flat reference: deformation gradient, Green's strain, plane stress, and nodal forces of a stress. Common
-//! to the elasticity of a film of triangles and its damping.
+//! Triangles with a flat reference: deformation gradient, Green's strain, plane stress, and nodal forces of a stress.
+//! Common to the elasticity of a film of triangles and its damping.
 
 use super::facet::from_lowest;
 use crate::assembly::Assembly;

@@ -1,7 +1,7 @@
 //! The Jacobian of the nodal forces of a stress.
 //!
-//! With the columns f1, f2 of the deformation gradient, the first Piola-Kirchhoff stress is P_1 = S11 f1 + S12 f2,
-//! P_2 = S12 f1 + S22 f2. Its derivative by the gradient has a part by the change of S, the material part, and a part at
+//! With the columns f1, f2 of the deformation gradient, the first Piola-Kirchhoff stress is P_1 = S11 f1 + S12 f2, P_2
+//! = S12 f1 + S22 f2. Its derivative by the gradient has a part by the change of S, the material part, and a part at
 //! constant S, the geometric part.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};

@@ -1,7 +1,7 @@
 //! Springs and the dashpots along them in one pass.
 //!
-//! Both laws need the span and the length of each link, so that one pass costs half as much as two. The equations are those
-//! of `laws::springs` and `laws::spring_damping`.
+//! Both laws need the span and the length of each link, so that one pass costs half as much as two. The equations are
+//! those of `laws::springs` and `laws::spring_damping`.
 
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::elements::link::Links;

@@ -1,6 +1,6 @@
-//! Deferred power, for methods with predicted velocities: the power of forces on velocities that are known only after the
-//! evaluation. It concerns laws without potential whose forces depend on velocity. The power of other laws is evaluated with
-//! the predicted velocities, at no cost and without loss of order.
+//! Deferred power, for methods with predicted velocities: the power of forces on velocities that are known only after
+//! the evaluation. It concerns laws without potential whose forces depend on velocity. The power of other laws is
+//! evaluated with the predicted velocities, at no cost and without loss of order.
 
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::state::NodeVectors;
@@ -12,8 +12,8 @@ use crate::simd::lanes::F64x8;
 pub(super) enum Deferral {
     /// Resistance per length of each of its dashpots \[N/m\], one array for each set of links.
     Resistances(Vec<Vec<F64x8>>),
-    /// Its forces alone \[N\]: of one row block for a nodal law whose power follows at once, else of all rows, which are zero
-    /// except between the evaluation of the forces and that of their power.
+    /// Its forces alone \[N\]: of one row block for a nodal law whose power follows at once, else of all rows, which
+    /// are zero except between the evaluation of the forces and that of their power.
     Forces(NodeVectors),
 }
 

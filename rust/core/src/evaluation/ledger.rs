@@ -4,8 +4,8 @@
 //!
 //! E is the kinetic energy in the turning frame plus the potential energy of every law. W is the work of forces without
 //! potential and of potentials that depend on time, integrated by the stages of the method. The reference energy is the
-//! largest exchange so far: the largest change of any single term (kinetic energy, potential energy of a law, work of a law)
-//! since the start. It counts no energy twice.
+//! largest exchange so far: the largest change of any single term (kinetic energy, potential energy of a law, work of a
+//! law) since the start. It counts no energy twice.
 
 use crate::arrays::state::columns;
 use crate::laws::Instant;

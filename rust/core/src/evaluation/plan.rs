@@ -1,7 +1,7 @@
 //! The evaluation plan: the passes over the elements of a scene, in the order of its laws, some common to two laws.
 //!
-//! Springs and the dashpots along them have a common pass when both are evaluated. Nodal laws are only prepared here: methods
-//! add their forces row block by row block.
+//! Springs and the dashpots along them have a common pass when both are evaluated. Nodal laws are only prepared here:
+//! methods add their forces row block by row block.
 
 use std::sync::Arc;
 
@@ -122,8 +122,8 @@ impl Plan {
         })
     }
 
-    /// Adds the forces \[N\] of the elements of a tile, for the selected laws, and their power \[W\]. Nodal laws are only
-    /// prepared. A law with deferred power adds its forces to an array of its own, or stores its resistances.
+    /// Adds the forces \[N\] of the elements of a tile, for the selected laws, and their power \[W\]. Nodal laws are
+    /// only prepared. A law with deferred power adds its forces to an array of its own, or stores its resistances.
     pub(super) fn add_to_tile(
         &self,
         laws: &mut [Box<dyn Law>],
@@ -171,8 +171,8 @@ impl Plan {
         }
     }
 
-    /// The power \[W\] of the resistances of the last evaluation of a law on the velocities of `at`, at the positions of that
-    /// evaluation.
+    /// The power \[W\] of the resistances of the last evaluation of a law on the velocities of `at`, at the positions
+    /// of that evaluation.
     pub(super) fn power_of_resistances(&self, row: usize, resistances: &[Vec<F64x8>], at: Instant<'_>) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let mut power = 0.0;

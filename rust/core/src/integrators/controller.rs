@@ -1,5 +1,5 @@
-//! Control of an adaptive step, proportional and integral (Gustafsson 1991), with the constants of DOPRI5 in Hairer, Norsett
-//! and Wanner, Solving Ordinary Differential Equations I, section II.4:
+//! Control of an adaptive step, proportional and integral (Gustafsson 1991), with the constants of DOPRI5 in Hairer,
+//! Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4:
 //!
 //!     dt_next = dt min(5, max(1/10, 0.9 err^-(1/5 - 3/4 beta) err_last^beta)),   beta = 0.04
 //!

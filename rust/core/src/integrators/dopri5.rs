@@ -4,7 +4,7 @@
 //!     y(t + theta dt) = y0 + theta (D + (1 - theta) (B + theta (C + (1 - theta) E)))
 //!     D = y1 - y0,   B = dt k1 - D,   C = D - dt k7 - B,   E = dt sum d_i k_i
 //!
-//! Six evaluations a step: the seventh stage is the first of the next step. Order 5; order 4 of the continuous extension.
+//! Six evaluations a step: the seventh stage is the first of the next step. Order 5, between steps 4.
 //! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5/120 + z^6/600; stable to 3.307 on the negative real axis, and to 1.0
 //! only on the imaginary one.
 //! The step is constant if given; otherwise the difference of the two orders controls it (`controller`).
@@ -47,7 +47,7 @@ struct Dopri5 {
     velocities: [NodeVectors; 7],
     accelerations: [NodeVectors; 7],
     powers: [Vec<f64>; 7],
-    /// Position of the present stage; after the last stage, at the end of the step. The velocity there is that of the last stage.
+    /// Position of the present stage, at last that at the end of the step, with the velocity of the last stage.
     position: NodeVectors,
     error: [NodeVectors; 2],
     /// Whether the last stage is the derivative at the present state.

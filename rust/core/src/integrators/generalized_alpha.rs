@@ -5,22 +5,22 @@
 //!     x' = x + h v + h^2 ((1/2 - b) a + b a'),      v' = v + h ((1 - g) a + g a')
 //!     am = (2 r - 1)/(r + 1),   af = r/(r + 1),   g = 1/2 - am + af,   b = (1 - am + af)^2/4
 //!
-//! Order 2 and, for linear forces, stable at every step for every damping. r, the spectral radius at infinite frequency, is
-//! the amplification per step of vibrations that the step does not resolve. r = 1 is the implicit midpoint rule, in which
-//! they persist; r = 0 removes them in one step. Slow motion is hardly damped in between: at omega h = 0.1 and r = 0.8, by
-//! 7e-8 of the amplitude per step. Hence this method and not the midpoint rule: springs that buckle and contacts that close
-//! excite unresolved vibrations all the time.
+//! Order 2 and, for linear forces, stable at every step for every damping. r, the spectral radius at infinite
+//! frequency, is the amplification per step of vibrations that the step does not resolve. r = 1 is the implicit
+//! midpoint rule, in which they persist; r = 0 removes them in one step. Slow motion is hardly damped in between: at
+//! omega h = 0.1 and r = 0.8, by 7e-8 of the amplitude per step. Hence this method and not the midpoint rule: springs
+//! that buckle and contacts that close excite unresolved vibrations all the time.
 //!
 //! Newton's method finds a' with the symmetric part of the tangent (see `tangent`), from an initial guess of constant
 //! velocity. A factor is reused while each correction is below `CONTRACTION` of the last. Corrections are compared, not
 //! residuals, which the stiffest elements dominate (natural monotonicity test: Deuflhard, Newton Methods for Nonlinear
 //! Problems, 2004, section 3.3). A correction that does not shrink is halved up to `HALVINGS` times. The iteration ends
-//! where the next correction is below 1e-9 of the largest displacement of a node in the step, or below rounding. A matrix
-//! that is not positive definite is factorised again with larger masses. If Newton's method fails the step is halved, down
-//! to 2^-`LEVELS` of it, and each halving is counted. If that fails too the step is `stalled`.
+//! where the next correction is below 1e-9 of the largest displacement of a node in the step, or below rounding. A
+//! matrix that is not positive definite is factorised again with larger masses. If Newton's method fails the step is
+//! halved, down to 2^-`LEVELS` of it, and each halving is counted. If that fails too the step is `stalled`.
 //!
-//! The work of a law is the integral of its power at t_f, extrapolated to the middle of the step by the line through the
-//! power of the step before: order 2, and bounded however stiff a dashpot is.
+//! The work of a law is the integral of its power at t_f, extrapolated to the middle of the step by the line through
+//! the power of the step before: order 2, and bounded however stiff a dashpot is.
 //! Storage: six vectors per node beside the state; the tangent and its factor.
 
 use nalgebra::Matrix3;
@@ -39,7 +39,7 @@ const CONTRACTION: f64 = 0.25;
 const SHIFTS: i32 = 5;
 /// Largest number of halvings of a step.
 const LEVELS: u32 = 10;
-/// Correction at which the iteration ends, relative to the largest displacement in the step and to the size of the scene.
+/// Correction at which the iteration ends, over the largest displacement in the step, and over the size of the scene.
 const TOLERANCE: [f64; 2] = [1e-9, 1e-14];
 /// The same for corrections that no longer shrink because of rounding.
 const ROUNDING: [f64; 2] = [1e-6, 1e-9];

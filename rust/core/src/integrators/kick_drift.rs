@@ -1,4 +1,5 @@
-//! Common parts of leapfrog with and without substeps: drift with prediction, kick with Boris's rotation, amplification.
+//! Common parts of leapfrog with and without substeps: drift with prediction, kick with Boris's rotation,
+//! amplification.
 
 use nalgebra::Matrix3;
 

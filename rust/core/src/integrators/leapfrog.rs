@@ -6,24 +6,24 @@
 //!     a_n+1 = a(t_n+1, x_n+1, p) + w J (v_n+1 - p)
 //!     v_n+1 = v_h + dt/2 a_n+1                       half a kick
 //!
-//! One evaluation a step. Forces that depend on velocity are evaluated with p, at order 2: on x' = -c x the scheme is that
-//! of Adams and Bashforth. The acceleration of Coriolis, w J v with J v = (v_y, -v_x, 0), is instead taken at v_n+1 itself.
-//! The two equations per node have a closed solution, with h = w dt/2 and d = v_n+1 - p:
+//! One evaluation a step. Forces that depend on velocity are evaluated with p, at order 2: on x' = -c x the scheme is
+//! that of Adams and Bashforth. The acceleration of Coriolis, w J v with J v = (v_y, -v_x, 0), is instead taken at
+//! v_n+1 itself. The two equations per node have a closed solution, with h = w dt/2 and d = v_n+1 - p:
 //!
 //!     (1 - h J) d = v_h + dt/2 a(t_n+1, x_n+1, p) - p = r,    d = (r + h J r) / (1 + h^2)
 //!
-//! This is the method of Boris (1970): the force does no work on the mean of two half-step velocities, so that the energy
-//! in a turning frame remains bounded too (Hairer and Lubich 2018). Evaluated with p it would drift.
+//! This is the method of Boris (1970): the force does no work on the mean of two half-step velocities, so that the
+//! energy in a turning frame remains bounded too (Hairer and Lubich 2018). Evaluated with p it would drift.
 //!
 //! Limits: 2 on the imaginary axis, 1 on the negative real one. With both, a damping ratio zeta leaves
-//! omega dt <= 2 (sqrt(4 zeta^2 + 1) - 2 zeta), that is dt^2 omega^2 + 4 dt c = 4 with c = 2 zeta omega. At this limit a
-//! mode changes sign from step to step: K u + 4/dt C u = 4/dt^2 u. For forces linear in x and without damping
+//! omega dt <= 2 (sqrt(4 zeta^2 + 1) - 2 zeta), that is dt^2 omega^2 + 4 dt c = 4 with c = 2 zeta omega. At this limit
+//! a mode changes sign from step to step: K u + 4/dt C u = 4/dt^2 u. For forces linear in x and without damping
 //!
 //!     m/2 (v_n^2 - dt^2/4 a_n^2) + U(x_n) = m/2 v_n-1/2 . v_n+1/2 + U(x_n)
 //!
-//! is conserved (the modified energy). The energy oscillates about it by (omega dt)^2/4 of the potential energy, without
-//! drift. The work of laws is integrated by the trapezoidal rule. The power of a force evaluated with p is its product with
-//! v_n: its sum is the change of the modified energy by the kicks, step by step.
+//! is conserved (the modified energy). The energy oscillates about it by (omega dt)^2/4 of the potential energy,
+//! without drift. The work of laws is integrated by the trapezoidal rule. The power of a force evaluated with p is its
+//! product with v_n: its sum is the change of the modified energy by the kicks, step by step.
 //! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 

@@ -64,8 +64,8 @@ pub struct Properties {
     pub predicts_velocity: bool,
     /// Whether the method solves for the end of a step with the tangent; then no mode limits the step.
     pub is_implicit: bool,
-    /// w of a method whose limit is dt^2 omega^2 + w dt damping = 4 with the Rayleigh quotients of any shape of the scene;
-    /// `None` for a method that multiplies each solution exp(lambda t) by a function of lambda dt.
+    /// w of a method whose limit is dt^2 omega^2 + w dt damping = 4 with the Rayleigh quotients of any shape of the
+    /// scene; `None` for a method that multiplies each solution exp(lambda t) by a function of lambda dt.
     pub damping_weight: Option<f64>,
 }
 

@@ -1,16 +1,17 @@
-//! Leapfrog with substeps, also called r-RESPA or the impulse method (Grubmueller et al. 1991; Tuckerman, Berne and Martyna
-//! 1992): slow laws s are evaluated once a step of length h, fast laws f once a substep of length dt = h/m.
+//! Leapfrog with substeps, also called r-RESPA or the impulse method (Grubmueller et al. 1991; Tuckerman, Berne and
+//! Martyna 1992): slow laws s are evaluated once a step of length h, fast laws f once a substep of length dt = h/m.
 //! With b_k = f_k, and b_k = f_k + m s_k at the ends of the step,
 //!
 //!     v_k+1/2 = v_k + dt/2 b_k,    x_k+1 = x_k + dt v_k+1/2,    v_k+1 = v_k+1/2 + dt/2 b_k+1
 //!
 //! so that slow laws kick by h/2 s at both ends. Forces that depend on velocity are evaluated with the prediction
-//! p = v_k+1/2 + dt/2 f_k, plus h/2 s_n at the end of the step. Its error is O(h^2), at which order 2 holds. The force of
-//! Coriolis is taken at v_k+1 itself, as in `leapfrog`.
+//! p = v_k+1/2 + dt/2 f_k, plus h/2 s_n at the end of the step. Its error is O(h^2), at which order 2 holds. The force
+//! of Coriolis is taken at v_k+1 itself, as in `leapfrog`.
 //!
 //! `simulation::rate_groups` selects the slow laws: those that alone would allow a step many times as long.
-//! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, the kicks of slow laws
-//! can be in resonance with that mode and excite it unless damping dissipates more. The default step stays below.
+//! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, the kicks of
+//! slow laws can be in resonance with that mode and excite it unless damping dissipates more; the default
+//! step stays below.
 //! Storage: two vectors per node beside the state.
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};

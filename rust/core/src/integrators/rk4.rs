@@ -12,10 +12,10 @@
 //!     x_n+1 = x_n + dt/6 (v1 + 2 v2 + 2 v3 + v4)
 //!     v_n+1 = v_n + ((v2 - v_n) + 2 (v3 - v_n) + (v4 - v_n))/3 + dt/6 a4
 //!
-//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real one.
-//! It is dissipative: the amplitude of an oscillator decreases by (omega dt)^6/144 per step.
-//! Storage: three vectors per node beside the state. Each row block proceeds to its next stage as soon as its accelerations
-//! are known.
+//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real
+//! one. It is dissipative: the amplitude of an oscillator decreases by (omega dt)^6/144 per step.
+//! Storage: three vectors per node beside the state. Each row block proceeds to its next stage as soon as its
+//! accelerations are known.
 
 use nalgebra::Complex;
 

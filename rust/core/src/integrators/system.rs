@@ -19,12 +19,12 @@ pub enum RateGroup {
 pub trait System {
     /// Selects the laws of the following evaluations, for methods with rate groups; without a selection, all laws.
     fn select_rate_group(&mut self, group: RateGroup);
-    /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of each
-    /// law to zero.
+    /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
+    /// each law to zero.
     fn accumulate_forces(&mut self, tile: usize, at: PhasePoint<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a row block of the tile of the last `accumulate_forces`, and adds the
-    /// rates at which each law changes the mechanical energy to its power \[W\]. Each row is evaluated once. Its position and
-    /// velocity may change afterwards, so that methods can use a row block while it is in the cache.
+    /// Fills the accelerations \[m/s2\] of `rows`, a row block of the tile of the last `accumulate_forces`, and adds
+    /// the rates at which each law changes the mechanical energy to its power \[W\]. Each row is evaluated once. Its
+    /// position and velocity may change afterwards, so that methods can use a row block while it is in the cache.
     fn accelerations(
         &mut self,
         rows: Range<usize>,
@@ -44,12 +44,12 @@ pub trait System {
     }
     /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;
-    /// Adds deferred power of nodal laws, for methods with `predicts_velocity`: after each `accelerations`, the power of
-    /// its forces on the `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out, for laws
-    /// without potential whose forces depend on velocity.
+    /// Adds deferred power of nodal laws, for methods with `predicts_velocity`: after each `accelerations`, the power
+    /// of its forces on the `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out,
+    /// for laws without potential whose forces depend on velocity.
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
-    /// Adds deferred power of laws between nodes: after all rows, the power of the forces of the last `accumulate_forces` on
-    /// the velocities of `at`, at the same positions.
+    /// Adds deferred power of laws between nodes: after all rows, the power of the forces of the last
+    /// `accumulate_forces` on the velocities of `at`, at the same positions.
     fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]);
     /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for implicit methods. Whether it is positive definite.
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;

@@ -1,9 +1,10 @@
 //! Drag of the residual air, eq. (5), on each node of a triangle against its velocity V relative to the air:
 //!
-//!     D = rho_air V^2 S_n / 6   [N],    S_n = |S . V| / V the area projected along V,   so   F = -(rho_air/6) |S . V| V
+//!     D = rho_air V^2 S_n / 6   [N],    S_n = |S . V| / V the area projected along V,
+//!     F = -(rho_air/6) |S . V| V
 //!
-//! with S the vector area of the triangle and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber, so
-//! that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
+//! with S the vector area of the triangle and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber,
+//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 mod tangent;

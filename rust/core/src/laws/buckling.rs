@@ -3,13 +3,13 @@
 //!     L - l_cr = alpha pi^2 h^2 / (12 L)        [m]   with the length L of the edge: the form of the paper
 //!     L - l_cr = alpha pi^2 h^2 L / (12 l0^2)   [m]   with a physical length l0: one critical strain on every edge
 //!
-//! The first form belongs to one mesh: at half L the critical strain is four times as large. The second has one critical
-//! strain on every mesh. On edges of length l0 the two agree.
+//! The first form belongs to one mesh: at half L the critical strain is four times as large. The second has one
+//! critical strain on every mesh. On edges of length l0 the two agree.
 //!
-//! A crease has its own alpha_c in place of alpha. It is a line, but the film beside it is an area. At one critical strain
-//! the buckling force of an edge, k (L - l_cr), is proportional to the width of film of the edge, so that the force of a
-//! crease tends to zero on finer meshes. With a length l_c the crease has a force of its own in addition to that of the
-//! film, equal on every mesh, since k does not depend on L:
+//! A crease has its own alpha_c in place of alpha. It is a line, but the film beside it is an area. At one critical
+//! strain the buckling force of an edge, k (L - l_cr), is proportional to the width of film of the edge, so that the
+//! force of a crease tends to zero on finer meshes. With a length l_c the crease has a force of its own in addition to
+//! that of the film, equal on every mesh, since k does not depend on L:
 //!
 //!     L - l_cr = (L - l_cr of the film) + (alpha_c - alpha) pi^2 h^2 / (12 l_c)   [m]
 //!

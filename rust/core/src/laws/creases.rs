@@ -1,18 +1,18 @@
 //! Crease stiffness, and contact between the two facets of a crease.
 //!
-//! Facets ABC and ABD share the crease AB. With L = |AB|, H the mean height of the facets in the reference mesh (or a given
-//! length), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
+//! Facets ABC and ABD share the crease AB. With L = |AB|, H the mean height of the facets in the reference mesh (or a
+//! given length), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
 //!
 //!     kappa = beta E J L / H   [N m/rad]
 //!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 min(theta, 0)^2   [J]
 //!     U     = w_C w_D u,   w = A^2 / (A^2 + (c A0)^2)
 //!
-//! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and A0
-//! the reference area of a facet. Without the weights w the force on an apex, u'/height, is singular as a facet collapses,
-//! and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
+//! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
+//! A0 the reference area of a facet. Without the weights w the force on an apex, u'/height, is singular as a facet
+//! collapses, and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
-//! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut and
-//! from flat. The fold pattern gives the side to which a crease folds (valley +1, mountain -1), not the geometry.
+//! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
+//! and from flat. The fold pattern gives the side to which a crease folds (valley +1, mountain -1), not the geometry.
 //! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights are added here.
 
 mod tangent;
@@ -104,8 +104,8 @@ impl<V: SimdF64> Factors<V> {
         let both = V::all(1.0) / (root_c * root_d);
         let (share_c, share_d) = (root_d * both, root_c * both);
         let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
-        // theta = pi - sign * fold angle, so that the force -M dtheta/dx is sign M d(fold angle)/dx. The gradient of the
-        // fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
+        // theta = pi - sign * fold angle, so that the force -M dtheta/dx is sign M d(fold angle)/dx. The gradient of
+        // the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
         let normal = V::load(&parameters.sign) * moment * facets.length;
         // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, directed around the facet).
         let in_plane = V::all(-2.0) * energy;
@@ -123,11 +123,12 @@ impl<V: SimdF64> Factors<V> {
     #[inline(always)]
     fn forces(&self, facets: &Facets<V>) -> [Vec3<V>; 4] {
         let (normal_c, normal_d) = (scale(self.normal[0], facets.normal_c), scale(self.normal[1], facets.normal_d));
-        let (weight_c, weight_d) = (scale(self.in_plane[0], facets.normal_c), scale(self.in_plane[1], facets.normal_d));
-        let at_c = sum(normal_c, cross(weight_c, facets.e));
-        let at_d = sum(normal_d, cross(facets.e, weight_d));
+        let (in_plane_c, in_plane_d) =
+            (scale(self.in_plane[0], facets.normal_c), scale(self.in_plane[1], facets.normal_d));
+        let at_c = sum(normal_c, cross(in_plane_c, facets.e));
+        let at_d = sum(normal_d, cross(facets.e, in_plane_d));
         let normal_b = sum(scale(self.at_b[0], normal_c), scale(self.at_b[1], normal_d));
-        let at_b = sum(normal_b, sum(cross(facets.c, weight_c), cross(weight_d, facets.d)));
+        let at_b = sum(normal_b, sum(cross(facets.c, in_plane_c), cross(in_plane_d, facets.d)));
         [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
     }
 }
@@ -200,9 +201,9 @@ impl Creases {
     }
 }
 
-/// Adds -dU/dx to the forces, in chunks of batches. The path from the positions of a batch to its forces is a long chain of
-/// dependent operations, and the instruction window of a processor holds little more than one batch. Two stages over a chunk,
-/// first angles, roots and divisions, then vectors, have shorter chains, which overlap between batches.
+/// Adds -dU/dx to the forces, in chunks of batches. The path from the positions of a batch to its forces is a long
+/// chain of dependent operations, and the instruction window of a processor holds little more than one batch. Two
+/// stages over a chunk, first angles, roots and divisions, then vectors, have shorter chains that overlap.
 struct MomentKernel<'a> {
     creases: &'a Creases,
     tile: usize,
@@ -294,8 +295,8 @@ impl Law for Creases {
 
     fn remedy(&self) -> &'static str {
         if self.is_singular {
-            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a smaller \
-             dt"
+            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a \
+             smaller dt"
         } else {
             "use a smaller dt, a smaller crease stiffness or contact penalty"
         }
@@ -303,8 +304,8 @@ impl Law for Creases {
 }
 
 impl Linearisation for Creases {
-    /// The stiffness in contact, kappa max(1, gamma) g g^T, with g the gradient of the angle; the part of each facet has its
-    /// weight.
+    /// The stiffness in contact, kappa max(1, gamma) g g^T, with g the gradient of the angle; the part of each facet
+    /// has its weight.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (x, p) = (Columns::of(at.positions), Columns::of(p));
         let mut out = ColumnsMut::of(out);

@@ -1,7 +1,7 @@
 //! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
 //!
-//! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the axis,
-//! U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
+//! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the
+//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Linearisation of a law at an instant: for stability limits, implicit steps, and the rotation by the force of Coriolis.
+//! Linearisation of a law at an instant: for stability limits, implicit steps, and the force of Coriolis.
 
 use super::Instant;
 use crate::arrays::jacobian::JacobianBlocks;
@@ -19,7 +19,7 @@ pub trait Linearisation {
     /// Adds the exact derivatives of the forces by positions and velocities at this instant.
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks);
 
-    /// The rate w \[1/s\] of a part m w (v_y, -v_x, 0) of the forces, which does no work; methods may integrate it separately.
+    /// The rate w \[1/s\] of a part m w (v_y, -v_x, 0) of the forces, which does no work; methods may treat it apart.
     fn coriolis_rate(&self, _frame: Frame) -> f64 {
         0.0
     }

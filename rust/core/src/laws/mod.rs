@@ -1,7 +1,7 @@
 //! The laws, one per file, and their list.
 //!
-//! Every law implements `Law`. Optional features are separate: `NodalLaw` (forces node by node), `LinkForce` (forces along
-//! links, which may share a pass), `Linearisation`, `Inspection`.
+//! Every law implements `Law`. Optional features are separate: `NodalLaw` (forces node by node), `LinkForce` (forces
+//! along links, which may share a pass), `Linearisation`, `Inspection`.
 
 mod air_drag;
 mod bridges;
@@ -96,8 +96,8 @@ pub(crate) enum LinkResponse {
 
 /// A law: forces on nodes as functions of their motion.
 ///
-/// All arrays are in internal order. A law may have state, since evaluations take `&mut self`. Its `history` is saved and
-/// restored with the run.
+/// All arrays are in internal order. A law may have state, since evaluations take `&mut self`. Its `history` is saved
+/// and restored with the run.
 pub trait Law: Send + Sync {
     /// Its properties.
     fn properties(&self) -> Properties;
@@ -110,9 +110,9 @@ pub trait Law: Send + Sync {
     /// The kernels of its forces; a law with `nodal` needs none.
     fn kernels(&self) -> Kernels;
 
-    /// Adds the forces \[N\] of the elements of a tile, those whose lowest node is in it. Returns the rate at which the law
-    /// changes the mechanical energy \[W\]: the power of forces without potential, plus the partial time derivative of a
-    /// potential that depends on time. Tiles come in order. After a tile, no element acts on its nodes or reads them.
+    /// Adds the forces \[N\] of the elements of a tile, those whose lowest node is in it. Returns the rate at which the
+    /// law changes the mechanical energy \[W\]: the power of forces without potential, plus the partial time derivative
+    /// of a potential that depends on time. Tiles come in order. After a tile no element uses its nodes.
     fn add_to_tile(&mut self, _tile: usize, _at: Instant<'_>, _forces: &mut NodeVectors) -> f64 {
         0.0
     }

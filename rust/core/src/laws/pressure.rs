@@ -2,9 +2,9 @@
 //!
 //!     F = (p/6) (x1 - x0) x (x2 - x0)   [N]   on each node of a triangle
 //!
-//! that is a third of p times the present vector area of the triangle. The normal points to the side from which the nodes
-//! appear counterclockwise. On a closed surface the sum of the forces and their total torque vanish, as integrals of p n over
-//! a surface without boundary. On a surface with an edge the load has no potential; its work is external.
+//! that is a third of p times the present vector area of the triangle. The normal points to the side from which the
+//! nodes appear counterclockwise. On a closed surface the sum of the forces and their total torque vanish, as integrals
+//! of p n over a surface without boundary. On a surface with an edge the load has no potential; its work is external.
 //!
 //! The load is lumped in thirds, as the masses are. Its derivatives are exact:
 //!

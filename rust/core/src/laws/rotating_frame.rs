@@ -3,9 +3,9 @@
 //!     F_x = m (Omega^2 x + 2 Omega y' + Omega' y)
 //!     F_y = m (Omega^2 y - 2 Omega x' - Omega' x)   [N]
 //!
-//! The centrifugal force has the potential U = -Omega^2/2 sum m (x^2 + y^2). The force of Coriolis does no work. The force of
-//! Euler and the change of U with Omega count as work on the system. The law is that of Okuizumi et al. (2012), section 3.5,
-//! in cylindrical coordinates, without the singularity on the axis.
+//! The centrifugal force has the potential U = -Omega^2/2 sum m (x^2 + y^2). The force of Coriolis does no work. The
+//! force of Euler and the change of U with Omega count as work on the system. The law is that of Okuizumi et al.
+//! (2012), section 3.5, in cylindrical coordinates, without the singularity on the axis.
 
 use std::f64::consts::TAU;
 use std::ops::Range;

@@ -2,8 +2,8 @@
 //!
 //!     U = k/2 d^2   [J],   d = R - r the depth below the surface, where r < R
 //!
-//! With a half-height Z the cylinder ends at |z| = Z and d = min(R - r, Z - |z|), so that a node may also slip off an end.
-//! A force F causes a penetration of F/k. The paper states contact, but not its form.
+//! With a half-height Z the cylinder ends at |z| = Z and d = min(R - r, Z - |z|), so that a node may also slip off an
+//! end. A force F causes a penetration of F/k. The paper states contact, but not its form.
 
 use serde::Deserialize;
 

@@ -7,9 +7,9 @@
 //!     m = (m_i + m_j)/2     that of the two nodes of the spring: the form of the paper
 //!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
 //!
-//! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer meshes.
-//! In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the mass of
-//! that square. A film of triangles is damped by its rate of strain instead (see `triangle_damping`).
+//! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer
+//! meshes. In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the
+//! mass of that square. A film of triangles is damped by its rate of strain instead (see `triangle_damping`).
 //! Source: Okuizumi et al. (2012), section 3.4; the length is added here.
 
 mod tangent;
@@ -126,8 +126,7 @@ impl SpringDamping {
     }
 }
 
-/// Adds sign times the resistances of dashpots to `out`, and stores them per length in `cache`, if given. The result is their
-/// power.
+/// Adds sign times the resistances of dashpots to `out`, and stores them per length in `cache`; returns their power.
 pub(crate) struct ResistanceKernel<'a> {
     pub(crate) links: &'a Links,
     pub(crate) coefficient: &'a [F64x8],

@@ -1,17 +1,17 @@
 //! In-plane elasticity: springs along the sides of triangles, which buckle; and tethers, which become slack.
 //!
-//! Spring constants, eq. (1): the energy of the three springs of a triangle equals the strain energy of the film in each of
-//! the three uniaxial stress states parallel to a side,
+//! Spring constants, eq. (1): the energy of the three springs of a triangle equals the strain energy of the film in
+//! each of the three uniaxial stress states parallel to a side,
 //!
 //!     A_ij = [1 - (1 - delta_ij) 4 (1 + nu) S^2 / (L_i^2 L_j^2)]^2,   k_i = (E h S / L_i^2) sum_j (A^-1)_ij   [N/m]
 //!
-//! and triangles with a common side add their constants. Buckling, eq. (2): the force is constant below a critical length,
-//! by Euler's critical strain of a slender column,
+//! and triangles with a common side add their constants. Buckling, eq. (2): the force is constant below a critical
+//! length, by Euler's critical strain of a slender column,
 //!
 //!     l_cr = L - alpha pi^2 h^2 / (12 L)   [m],     N(l) = k (max(l, l_cr) - L)   [N], tension positive
 //!
-//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law
-//! with l_cr = L: it bears no compression.
+//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the
+//! same law with l_cr = L: it bears no compression.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), sections 3.1 and 3.2.
 
 mod measures;
@@ -80,8 +80,8 @@ pub(crate) struct Parameters {
 }
 
 impl Parameters {
-    /// Tension of springs of length `l` over that length \[N/m\], and 1/l \[1/m\]. A spring of zero length has no direction: its
-    /// force tends to zero over the last 1e-12 of its rest length.
+    /// Tension of springs of length `l` over that length \[N/m\], and 1/l \[1/m\]. A spring of zero length has no
+    /// direction: its force tends to zero over the last 1e-12 of its rest length.
     #[inline(always)]
     pub(crate) fn tension_per_length<V: SimdF64>(&self, l: V) -> (V, V) {
         let rest_length = V::load(&self.rest_length);

@@ -1,4 +1,4 @@
-//! In-plane elasticity by constant-strain triangles: an isotropic film at any Poisson's ratio, on any mesh, with wrinkling.
+//! In-plane elasticity by constant-strain triangles: a film, isotropic at any Poisson's ratio, that wrinkles.
 //!
 //! With F = [f1 f2] the deformation gradient in an orthonormal frame (1, 2) of the flat triangle, the law is that of
 //! St. Venant and Kirchhoff in plane stress:
@@ -10,22 +10,22 @@
 //!
 //!     U_r(E) = min over W of  U(E + W) + h A0 P : W
 //!
-//! U_r is convex in E with a continuous derivative, so that the forces -dU_r/dx conserve energy. With s1 >= s2 the principal
-//! values of S(E) + P, and e1 = s1 - nu s2,
+//! U_r is convex in E with a continuous derivative, so that the forces -dU_r/dx conserve energy. With s1 >= s2 the
+//! principal values of S(E) + P, and e1 = s1 - nu s2,
 //!
 //!     taut      s2 >= 0             stress S
 //!     wrinkled  s2 < 0, e1 > 0      stress with principal values e1 and 0 along the same axes, less P
 //!     slack     s2 < 0, e1 <= 0     stress -P
 //!     U_r = U - h A0/(2 E_Y) [(1 - nu^2) min(s2, 0)^2 + min(e1, 0)^2]
 //!
-//! At P = 0 this is tension-field theory: a wrinkled film bears uniaxial tension only. With P = E_Y eps_c in all directions
-//! it is eq. (2) under uniaxial compression: the stress grows to E_Y eps_c and remains constant. eps_c is the mean over the
-//! sides of a triangle of Euler's critical strain of a slender column (see `buckling`). Along a side that is a crease it is
-//! that of the crease, so that a crease stiffens the film along the crease and not across it. With a share c of the
-//! stiffness in compression, U = c U_taut + (1 - c) U_r.
+//! At P = 0 this is tension-field theory: a wrinkled film bears uniaxial tension only. With P = E_Y eps_c in all
+//! directions it is eq. (2) under uniaxial compression: the stress grows to E_Y eps_c and remains constant. eps_c is
+//! the mean over the sides of a triangle of Euler's critical strain of a slender column (see `buckling`). Along a side
+//! that is a crease it is that of the crease, so that a crease stiffens the film along the crease and not across it.
+//! With a share c of the stiffness in compression, U = c U_taut + (1 - c) U_r.
 //!
-//! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for P = 0; the
-//! stress P, with eq. (2) of Okuizumi et al. (2012) as a special case, is added here.
+//! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for P = 0;
+//! the stress P, with eq. (2) of Okuizumi et al. (2012) as a special case, is added here.
 
 mod tangent;
 mod wrinkles;

@@ -1,9 +1,10 @@
 //! The arrangement of elements in batches of eight lanes.
 //!
-//! A batch is *contiguous* (one window of eight lanes), *split* (two windows of four) or *gathered* (eight single elements).
-//! Lane k of a window has the first nodes of the window plus k. Its elements have one shape, that is the same differences
-//! between their nodes; a lane without an element is a padding lane. The elements of a shape, sorted by their first nodes,
-//! are covered by windows and single elements at the least total cost, by dynamic programming from the last element.
+//! A batch is *contiguous* (one window of eight lanes), *split* (two windows of four) or *gathered* (eight single
+//! elements). Lane k of a window has the first nodes of the window plus k. Its elements have one shape, that is the
+//! same differences between their nodes; a lane without an element is a padding lane. The elements of a shape, sorted
+//! by their first nodes, are covered by windows and single elements at the least total cost, by dynamic programming
+//! from the last element.
 
 use std::collections::VecDeque;
 
@@ -30,7 +31,7 @@ pub(super) struct Window<const N: usize, const WIDTH: usize> {
 }
 
 impl<const N: usize, const WIDTH: usize> Window<N, WIDTH> {
-    /// The window, shifted where it would pass the last of `node_count` nodes; `None` where its elements do not allow this.
+    /// The window, shifted where it would pass the last of `node_count` nodes; `None` where its elements exclude this.
     fn within(self, node_count: usize) -> Option<Self> {
         let last = self.first.iter().max().map_or(0, |&node| node as usize + WIDTH);
         let shift = last.saturating_sub(node_count);
@@ -130,8 +131,8 @@ fn window<const N: usize, const WIDTH: usize>(elements: &[[u32; N]], covered: &[
     Window { first, rows }
 }
 
-/// Reorders batches so that none writes to a granule of the last `DISTANCE` batches, as far as the next `CANDIDATES` allow:
-/// a load of a number just stored stalls the processor. `starts` gives the first nodes of the windows of `width` lanes.
+/// Reorders batches so that none writes to a granule of the last `DISTANCE` batches, as far as the next `CANDIDATES`
+/// allow: a load of a number just stored stalls the processor. `starts` gives the first nodes of windows of `width`.
 pub(super) fn without_conflicts<T, I: IntoIterator<Item = u32>>(
     batches: Vec<T>,
     width: u32,

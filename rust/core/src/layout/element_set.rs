@@ -13,8 +13,8 @@ pub const CHUNK: usize = 32;
 
 /// Elements of N nodes each, in batches of eight. Node numbers are internal.
 ///
-/// The batches of each kind are sorted by *tile*, the block of nodes with the lowest node of the batch. After the batches
-/// of a tile, of all laws, no element acts on its nodes.
+/// The batches of each kind are sorted by *tile*, the block of nodes with the lowest node of the batch. After the
+/// batches of a tile, of all laws, no element acts on its nodes.
 #[derive(Debug, Clone)]
 pub struct ElementSet<const N: usize> {
     /// First nodes of each contiguous batch.
@@ -139,8 +139,8 @@ impl<const N: usize> ElementSet<N> {
         numbers
     }
 
-    /// The batches of one kind in one tile, for columns of `rows` rows. A sweep takes one kind after the other, so that the
-    /// loop over contiguous batches has contiguous loads and stores only.
+    /// The batches of one kind in one tile, for columns of `rows` rows. A sweep takes one kind after the other, so that
+    /// the loop over contiguous batches has contiguous loads and stores only.
     #[inline(always)]
     pub fn pass<const KIND: usize>(&self, tile: usize, rows: usize) -> Pass<'_, N, KIND> {
         assert!(self.node_bound <= rows);
@@ -263,8 +263,8 @@ impl<'a, const N: usize, const KIND: usize> Pass<'a, N, KIND> {
     pub fn read<V: SimdF64, const COUNT: usize>(&self, columns: Columns<'_, COUNT>, batch: usize) -> [[V; COUNT]; N] {
         assert!(self.rows <= columns.rows());
         let mut points = [[V::zero(); COUNT]; N];
-        // SAFETY: the nodes of all lanes of all batches are below `ElementSet::node_bound`. `pass` has checked that this is
-        // at most `rows`, and the assertion above that `rows` is at most that of the columns. `axis` is below COUNT.
+        // SAFETY: the nodes of all lanes of all batches are below `ElementSet::node_bound`. This is at most `rows`
+        // (checked by `pass`), and `rows` at most that of the columns (checked above). `axis` is below COUNT.
         unsafe {
             if KIND == CONTIGUOUS {
                 let first = self.contiguous[batch];

@@ -1,26 +1,26 @@
 //! Renumbering: the core's own order of nodes, unseen by callers.
 //!
-//! Callers pass and receive arrays in external order. The internal order makes most batches of elements *contiguous*: eight
-//! elements of a kind whose first, second, ... nodes are each eight consecutive numbers. A kernel then reads and writes
-//! contiguous parts of the columns, without gather, scatter or conflict:
+//! Callers pass and receive arrays in external order. The internal order makes most batches of elements *contiguous*:
+//! eight elements of a kind whose first, second, ... nodes are each eight consecutive numbers. A kernel then reads and
+//! writes contiguous parts of the columns, without gather, scatter or conflict:
 //!
 //!     element    0   1   2 ...  7          reads of a kernel       x[a .. a+8] and x[b .. b+8]
 //!     nodes    a b  . .  . .   a+7 b+7     additions               f[a .. a+8] and f[b .. b+8]
 //!
-//! A missing element leaves a padding lane with the factor zero, which costs less than a gather. A *split* batch has two
-//! windows of four lanes, each with its own first nodes. Remaining elements are *gathered*, eight at a time, for the same
-//! kernel. Batches are sorted by *tile*, a block of 2048 nodes on which all laws act before the next (see `blocks`).
+//! A missing element leaves a padding lane with the factor zero, which costs less than a gather. A *split* batch has
+//! two windows of four lanes, each with its own first nodes. Remaining elements are *gathered*, eight at a time, for
+//! the same kernel. Batches are sorted by *tile*, a block of nodes on which all laws act before the next.
 //!
-//! Triangulations numbered row by row are periodic: alternating diagonals repeat every second node, petals every n/4 nodes.
-//! The internal order therefore takes the nodes of `blocks` equal blocks of the external order in turn, and in each row
-//! every `stride`-th node first. Nodes with the same role in the pattern become neighbours. Rows stay together, so that the
-//! data of an element stay in the cache. For four petals p and a row of five nodes, at stride 2:
+//! Triangulations numbered row by row are periodic: alternating diagonals repeat every second node, petals every n/4
+//! nodes. The internal order therefore takes the nodes of `blocks` equal blocks of the external order in turn, and in
+//! each row every `stride`-th node first. Nodes with the same role in the pattern become neighbours. Rows stay
+//! together, so that the data of an element stay in the cache. For four petals p and a row of five nodes, at stride 2:
 //!
 //!     external    p0: 0 1 2 3 4    p1: 0 1 2 3 4    ...
 //!     internal    p0:0 p1:0 p2:0 p3:0  p0:2 p1:2 ...  p3:4  p0:1 p1:1 ...  p3:3
 //!
-//! A row ends where no edge joins a node to the next. The search keeps the pair of blocks and stride with the least cost of
-//! the springs. Meshes without such an order are numbered breadth first along the springs (Cuthill and McKee 1969).
+//! A row ends where no edge joins a node to the next. The search keeps the pair of blocks and stride with the least
+//! cost of the springs. Other meshes are numbered breadth first along the springs (Cuthill and McKee 1969).
 
 use std::collections::VecDeque;
 
@@ -44,7 +44,7 @@ const STRIDES: [usize; 4] = [1, 2, 3, 4];
 const SAMPLE: usize = 40_000;
 
 impl Renumbering {
-    /// Numbers `node_count` nodes. The first `mesh_count` are those of a mesh with these edges; `links` are all springs.
+    /// Numbers `node_count` nodes. The first `mesh_count` are those of a mesh with `edges`; `links` are all springs.
     pub fn new(node_count: usize, mesh_count: usize, edges: &[[u32; 2]], links: &[[u32; 2]]) -> Self {
         // Springs per lane, weighted by cost: at best 1.
         let utilisation = |blocks: usize, order: &[u32]| {
@@ -136,7 +136,7 @@ fn row_ends(mesh_count: usize, edges: &[[u32; 2]]) -> Vec<bool> {
     is_end
 }
 
-/// The nodes of `blocks` equal blocks of the mesh in turn, in each row every `stride`-th node first; then all other nodes.
+/// The nodes of `blocks` equal blocks of the mesh in turn, in each row every `stride`-th node first; then the others.
 fn interleaved(node_count: usize, mesh_count: usize, row_ends: &[bool], blocks: usize, stride: usize) -> Vec<u32> {
     let size = mesh_count / blocks;
     let mut order = Vec::with_capacity(node_count);

@@ -1,5 +1,5 @@
-//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950) with a fixed
-//! start. A second pass forms the mode, so that storage remains small.
+//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950) with a
+//! fixed start. A second pass forms the mode, so that storage remains small.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -72,8 +72,8 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
     Ok((found, if norm > 0.0 { mode / norm } else { mode }))
 }
 
-/// Lanczos's three-term recurrence. `visit` receives each basis vector, its diagonal entry and the next off-diagonal one;
-/// the recurrence ends where it returns false.
+/// Lanczos's three-term recurrence. `visit` receives each basis vector, its diagonal entry and the next off-diagonal
+/// one; the recurrence ends where it returns false.
 pub(crate) fn recurrence(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool) {
     // A fixed start with a component along every mode: the fractional parts of multiples of the golden ratio.
     let mut q = NodeVectors::from_fn(roots.len(), |i, axis| {

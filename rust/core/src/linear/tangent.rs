@@ -3,12 +3,12 @@
 //!     A = a M - b dF/dv - c dF/dx        over the free nodes
 //!
 //! Its symmetric part is stored and factorised by Cholesky's method, in approximate minimum degree order (AMD; Amestoy,
-//! Davis and Duff 1996), with a symbolic factor made once. The antisymmetric part (force of Coriolis, rotation of dashpots,
-//! drag) is small beside M/dt at reasonable steps; the iteration that solves with A accounts for it. A factor exists only if
-//! A is positive definite. If it is not, the end of the step need not be unique, and the caller must know.
+//! Davis and Duff 1996), with a symbolic factor made once. The antisymmetric part (force of Coriolis, rotation of
+//! dashpots, drag) is small beside M/dt at reasonable steps; the iteration that solves with A accounts for it. A factor
+//! exists only if A is positive definite. If it is not, the end of the step need not be unique.
 //!
-//! The factorisation is the scalar one of `faer`, without vector instructions and threads, with the same bits in every run
-//! on every machine.
+//! The factorisation is the scalar one of `faer`, without vector instructions and threads, with the same bits in every
+//! run on every machine.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
@@ -166,7 +166,8 @@ impl Tangent {
         self.factor.len()
     }
 
-    /// Assembles the matrix from masses and the blocks of dF/dx and dF/dv that `add_blocks` adds, without factorisation.
+    /// Assembles the matrix from masses and the blocks of dF/dx and dF/dv that `add_blocks` adds, without
+    /// factorisation.
     pub fn assemble(&mut self, masses: &[f64], weights: Weights, add_blocks: impl Fn(&mut dyn JacobianBlocks)) {
         self.values.fill(0.0);
         for (node, &mass) in masses.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Spring constants of the sides of a triangle, eq. (1): the energy of its three springs equals the strain energy of the
-//! film in each of the three uniaxial stress states parallel to a side,
+//! Spring constants of the sides of a triangle, eq. (1): the energy of its three springs equals the strain energy of
+//! the film in each of the three uniaxial stress states parallel to a side,
 //!
 //!     A_ij = [1 - (1 - delta_ij) 4 (1 + nu) S^2 / (L_i^2 L_j^2)]^2,   k_i = (E h S / L_i^2) sum_j (A^-1)_ij   [N/m]
 //!

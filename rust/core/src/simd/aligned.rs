@@ -1,7 +1,7 @@
 //! The system's allocator, with long arrays aligned to cache lines.
 //!
-//! A register of AVX-512 is as wide as a cache line. In a column that begins in the middle of a line every access touches
-//! two lines. The system's allocator does not align arrays to lines; this one does. Its use in a program:
+//! A register of AVX-512 is as wide as a cache line. In a column that begins in the middle of a line every access
+//! touches two lines. The system's allocator does not align arrays to lines; this one does. Its use in a program:
 //!
 //!     #[global_allocator]
 //!     static ALLOCATOR: membrane_core::simd::aligned::Aligned = membrane_core::simd::aligned::Aligned;
@@ -17,13 +17,13 @@ const LONG: usize = 1024;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Aligned;
 
-/// The layout requested from the system: a function of `layout` alone, so that an array is freed with that of its allocation.
+/// The layout requested from the system: a function of `layout` alone, hence the same for release.
 fn requested(layout: Layout) -> Layout {
     if layout.size() < LONG { layout } else { layout.align_to(LINE).unwrap_or(layout) }
 }
 
-// SAFETY: blocks are the system's, of the caller's size and at least the caller's alignment. `requested` gives equal layouts
-// for equal arguments, so that `dealloc` uses the layout of `alloc`. `realloc` is the trait's own, composed of these two.
+// SAFETY: blocks are the system's, of the caller's size and at least the caller's alignment. `requested` gives equal
+// layouts for equal arguments, so that `dealloc` uses the layout of `alloc`. `realloc` is composed of these two.
 unsafe impl GlobalAlloc for Aligned {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's contract; the size is unchanged, therefore not zero.

@@ -1,7 +1,7 @@
 //! Eight numbers with counted operations: the operation counts of a kernel, taken from the kernel itself.
 //!
-//! Values and results are those of `F64x8`. `InstructionSet::Counted` runs kernels with this type, and `count` returns the
-//! counts. Work outside the trait `SimdF64` (gathers and scatters of gathered batches, indices) is not counted.
+//! Values and results are those of `F64x8`. `InstructionSet::Counted` runs kernels with this type, and `count` returns
+//! the counts. Work outside the trait `SimdF64` (gathers and scatters of gathered batches, indices) is not counted.
 
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};

@@ -1,8 +1,8 @@
 //! The instruction set of the kernels, chosen once per process among those of the machine.
 //!
-//! A kernel is written once, as a `Kernel` or a `BatchKernel`. `dispatch` and `run_batches` compile it for each instruction
-//! set and call the chosen version. Plain loops, vectorised by the compiler, are a `Sweep`. Results have the same bits with
-//! every instruction set (see `lanes`).
+//! A kernel is written once, as a `Kernel` or a `BatchKernel`. `dispatch` and `run_batches` compile it for each
+//! instruction set and call the chosen version. Plain loops, vectorised by the compiler, are a `Sweep`. Results have
+//! the same bits with every instruction set (see `lanes`).
 
 #[cfg(target_arch = "x86_64")]
 use std::marker::PhantomData;
@@ -39,7 +39,8 @@ pub const SPLIT: usize = 1;
 /// See `CONTIGUOUS`.
 pub const GATHERED: usize = 2;
 
-/// A pass over elements, compiled for every instruction set. `sweep` and everything it calls must be `#[inline(always)]`.
+/// A pass over elements, compiled for every instruction set. `sweep` and everything it calls must be
+/// `#[inline(always)]`.
 pub trait Sweep {
     /// Result of the pass.
     type Output;

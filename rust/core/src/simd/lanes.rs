@@ -1,8 +1,8 @@
 //! Eight numbers at a time, in portable Rust.
 //!
-//! `F64x8` is eight numbers in memory, portable: every operation is a plain loop that the compiler vectorises where it can.
-//! `sse2` and `x86` hold the numbers in registers of SSE2, AVX2 and AVX-512. No operation fuses a product with a sum, and
-//! `sum` alone adds across lanes. Results therefore have the same bits with every vector type.
+//! `F64x8` is eight numbers in memory, portable: every operation is a plain loop that the compiler vectorises where it
+//! can. `sse2` and `x86` hold the numbers in registers of SSE2, AVX2 and AVX-512. No operation fuses a product with a
+//! sum, and `sum` alone adds across lanes. Results therefore have the same bits with every vector type.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn atan2_is_exact_on_the_axes_and_at_the_origin() {
+    fn atan2_holds_on_the_axes_and_at_the_origin() {
         for (y, x) in [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), (1e-300, -1e-300)] {
             let ours = F64x8::atan2(F64x8::all(y), F64x8::all(x)).0[0];
             assert!((ours - f64::atan2(y, x)).abs() < 5e-16, "atan2({y}, {x}) = {ours}");

@@ -1,7 +1,7 @@
 //! Eight numbers in vector registers of x86-64.
 //!
-//! These types need instructions that not every machine has. Only `dispatch` names them, in functions that it calls where
-//! the machine has those instructions; kernels are generic over the trait `SimdF64`. Every `unsafe` below relies on this.
+//! These types need instructions that not every machine has. Only `dispatch` names them, in functions that it calls
+//! where the machine has those instructions; kernels are generic over the trait `SimdF64`. All `unsafe` relies on this.
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::*;

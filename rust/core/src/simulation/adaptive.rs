@@ -1,7 +1,7 @@
 //! Steps chosen by their error, for methods with an error estimate.
 //!
-//! The run steps ahead of the output time, and interpolates within its last step. Output times therefore cut no step, and
-//! results do not depend on them.
+//! The run steps ahead of the output time, and interpolates within its last step. Output times therefore cut no step,
+//! and results do not depend on them.
 
 use super::{AdaptiveProgress, Simulation};
 use crate::arrays::state::State;

@@ -66,8 +66,8 @@ impl Simulation {
     /// Continues from a checkpoint of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` for a checkpoint of another model, laws or method, `NotFinite`; motion, ledger and method are then
-    /// unchanged.
+    /// `LengthMismatch` for a checkpoint of another model, laws or method, `NotFinite`; motion, ledger and method are
+    /// then unchanged.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
         let resumed = self.load(progress);

@@ -1,8 +1,8 @@
 //! Diagnosis of a fault: the violated condition, its place, its law, and the remedy.
 //!
-//! The conditions: values are finite; elements are within their bounds; no energy is gained spuriously; the residual of the
-//! energy balance is within the tolerance. The description names as cause, in this order: a step above the limit; a limit
-//! that fell below the step as the shape changed; the law at fault, and the law that supplied its energy.
+//! The conditions: values are finite; elements are within their bounds; no energy is gained spuriously; the residual of
+//! the energy balance is within the tolerance. The description names as cause, in this order: a step above the limit; a
+//! limit that fell below the step as the shape changed; the law at fault, and the law that supplied its energy.
 
 use super::{Settings, Simulation};
 use crate::arrays::columns::total;
@@ -12,8 +12,8 @@ use crate::laws::{Law, Properties, WorkClass};
 
 /// Energy error by rounding, relative to the largest energy term.
 const ROUNDING: f64 = 1e-9;
-/// Residual that is allowed at any reference energy, relative to the largest energy term: a disc in steady rotation exchanges
-/// no energy, but the work of its dashpots is of the order of (Omega dt)^2 of its energy in each revolution.
+/// Residual that is allowed at any reference energy, relative to the largest energy term: a disc in steady rotation
+/// exchanges no energy, but the work of its dashpots is of the order of (Omega dt)^2 of its energy in each revolution.
 const FLOOR: f64 = 1e-5;
 
 /// Vibration of nodes by rounding, in units in the last place of the largest coordinate.
@@ -64,7 +64,7 @@ impl Simulation {
         Some(self.described(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
-    /// Row and work of each law whose work may be damping, that is all but external loads independent of velocity \[J\].
+    /// Row and work \[J\] of each law that may dissipate: all but external loads independent of velocity.
     fn damping_work(&self) -> impl Iterator<Item = (usize, f64)> {
         let rows = self.mechanics.laws.iter().zip(&self.ledger.work).enumerate();
         let is_load = |law: &dyn Law| {
@@ -74,8 +74,8 @@ impl Simulation {
         rows.filter(move |(_, (law, _))| !is_load(law.as_ref())).map(|(row, (_, work))| (row, *work))
     }
 
-    /// Energy error by rounding [J]: relative to the largest energy term, and, for a scene at rest whose energy terms are
-    /// themselves within rounding, the energy of nodes that vibrate by some last digits of their coordinates.
+    /// Energy error by rounding [J]: relative to the largest energy term, and, for a scene at rest whose energy terms
+    /// are themselves within rounding, the energy of nodes that vibrate by some last digits of their coordinates.
     fn rounding(&self, largest: f64) -> f64 {
         let digit = DIGITS * f64::EPSILON * self.state.positions.amax();
         let vibration = self.kinetic_at(digit * self.start_limit.largest_frequency);
@@ -96,9 +96,9 @@ impl Simulation {
 
     /// Residual, reference energy and largest energy term [J].
     ///
-    /// The energy of a method that conserves energy oscillates about its modified energy: below the limit of the step by less
-    /// than the reference energy, above it by more. The modified energy does not oscillate. The smaller of both residuals
-    /// counts, and none where their signs differ.
+    /// The energy of a method that conserves energy oscillates about its modified energy: below the limit of the step
+    /// by less than the reference energy, above it by more. The modified energy does not oscillate. The smaller of both
+    /// residuals counts, and none where their signs differ.
     fn balance(&self, now: &EnergyTerms) -> (f64, f64, f64) {
         let (residual, reference_energy) = (self.ledger.residual(now), self.ledger.reference_energy(now));
         let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
@@ -122,8 +122,8 @@ impl Simulation {
             return None;
         }
         let Settings { energy_tolerance, loss_tolerance, .. } = self.settings;
-        // A long step of an implicit method has an error in the energy of unresolved vibrations, of either sign, before it
-        // damps them: the larger tolerance applies.
+        // A long step of an implicit method has an error in the energy of unresolved vibrations, of either sign, before
+        // it damps them: the larger tolerance applies.
         let allowed =
             if self.properties().is_implicit { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
         if !residual.is_nan() && gain <= allowed * reference_energy + self.rounding(largest) {
@@ -139,8 +139,8 @@ impl Simulation {
         Some(self.described(what, self.fastest(), self.most_changed(now), now))
     }
 
-    /// A residual of the energy balance beyond its tolerance: the method damps vibrations that the step hardly resolves, or
-    /// the step hardly resolves the damping, whose work is then inaccurate.
+    /// A residual of the energy balance beyond its tolerance: the method damps vibrations that the step hardly
+    /// resolves, or the step hardly resolves the damping, whose work is then inaccurate.
     fn out_of_balance(&self, now: &EnergyTerms) -> Option<Fault> {
         let (residual, reference_energy, largest) = self.balance(now);
         if self.is_within_tolerance(reference_energy) {
@@ -159,7 +159,8 @@ impl Simulation {
         }
         if residual < -allowed {
             let what = format!(
-                "a loss of {:.3e} J that is no law's work, {:.3} % of the reference energy (the largest exchange so far)",
+                "a loss of {:.3e} J that is no law's work, {:.3} % of the reference energy (the largest exchange \
+                 so far)",
                 -residual,
                 percent(residual)
             );
@@ -169,7 +170,7 @@ impl Simulation {
         None
     }
 
-    /// A step too long for the fastest motion of the scene; `effect` says what follows. Above its limit, that is the cause.
+    /// A step too long for the fastest motion of the scene; `effect` says what follows. Above the limit, that is why.
     fn hardly_resolved(&self, what: String, law: Option<usize>, effect: &str) -> Fault {
         let own = law.map_or("no law", |k| self.mechanics.laws[k].name());
         let share = if self.start_limit.dt.is_finite() {
@@ -179,8 +180,8 @@ impl Simulation {
         };
         let remedy = self.step_above_limit(law).unwrap_or_else(|| {
             format!(
-                "its step of {:.3e} s{share} hardly resolves the fastest motion here, {effect}: use a smaller dt, or allow \
-                 a larger energy_loss",
+                "its step of {:.3e} s{share} hardly resolves the fastest motion here, {effect}: use a smaller dt, or \
+                 allow a larger energy_loss",
                 self.dt(),
             )
         });
@@ -275,8 +276,8 @@ impl Simulation {
         if self.dt > start.dt {
             let remedy = remedy_of(start.law);
             return Some(format!(
-                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it out; \
-                 or {}",
+                "dt = {:.3e} s is above the stability limit of {:.3e} s that {} sets: use a smaller dt, or leave it \
+                 out; or {}",
                 self.dt,
                 start.dt,
                 self.limiting_part(start),

@@ -62,12 +62,12 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Assembles a model and its laws. Without `dt`, a method with an error estimate chooses each step by the tolerance, and
-    /// the others take the stability limit times the margin.
+    /// Assembles a model and its laws. Without `dt`, a method with an error estimate chooses each step by the
+    /// tolerance, and the others take the stability limit times the margin.
     ///
     /// # Errors
-    /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` for a scene without stability
-    /// limit and without `dt`; `HopelessStep`; `OutOfRange` for `dt`.
+    /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` for a scene without
+    /// stability limit and without `dt`; `HopelessStep`; `OutOfRange` for `dt`.
     pub fn new(model: Model, laws: &[LawSpec], integrator: &str, dt: Option<f64>, settings: Settings) -> Result<Self> {
         let method = integrators::by_name(integrator)?;
         let assembly = Assembly::new(model, settings.instructions)?;

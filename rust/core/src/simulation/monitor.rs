@@ -1,5 +1,5 @@
-//! The monitor: regular checks, the search for the first fault, and the return to the last good state. `diagnosis` decides
-//! on faults and describes them.
+//! The monitor: regular checks, the search for the first fault, and the return to the last good state. `diagnosis`
+//! decides on faults and describes them.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::evaluation::ledger::EnergyTerms;
 
 impl Simulation {
-    /// Checks for a fault, between two regular checks: without effect on the ledger, so that observation changes no result.
+    /// Checks for a fault, between two regular checks: without effect on the ledger, hence on results.
     ///
     /// # Errors
     /// `Unstable`; the state is then that of the last good regular check.
@@ -39,8 +39,8 @@ impl Simulation {
         Err(self.roll_back(fault))
     }
 
-    /// Repeats the steps since the last good check, with a check after each, and stops at the first fault: by the regular
-    /// check a fault has often spread from its origin.
+    /// Repeats the steps since the last good check, with a check after each, and stops at the first fault: by the
+    /// regular check a fault has often spread from its origin.
     fn first_fault(&mut self) -> Option<Fault> {
         let last = self.step_count;
         self.rewind();

@@ -9,9 +9,9 @@ use crate::laws::Instant;
 use crate::laws::Law;
 use crate::stability::{self, Limit};
 
-/// A law is slow if its own limit is this many times that of all laws: its stiffness may grow by the square of this before
-/// it limits the step. Laws are classified at the start, where laws that depend on velocity, such as drag, have no limit in
-/// a scene at rest; `limit_at` therefore includes the limit of the slow laws.
+/// A law is slow if its own limit is this many times that of all laws: its stiffness may grow by the square of this
+/// before it limits the step. Laws are classified at the start, where laws that depend on velocity, such as drag, have
+/// no limit in a scene at rest; `limit_at` therefore includes the limit of the slow laws.
 const RESERVE: f64 = 10.0;
 /// Largest default step, relative to half a period of the fastest mode.
 const SHARE_OF_HALF_PERIOD: f64 = 0.9;
@@ -29,8 +29,8 @@ impl Simulation {
         let least = RESERVE * self.limit()?.dt;
         let mut is_slow = Vec::new();
         for law in &self.mechanics.laws {
-            // The force of Coriolis belongs to the substeps, which take it exactly. Its rate is linear in time: zero at two
-            // instants, it is zero throughout.
+            // The force of Coriolis belongs to the substeps, which take it exactly. Its rate is linear in time: zero at
+            // two instants, it is zero throughout.
             let rate = |time| law.linearisation().map_or(0.0, |law| law.coriolis_rate(self.mechanics.spin.at(time)));
             let has_coriolis = [0.0, 1.0].into_iter().any(|time| rate(time) != 0.0);
             let own = stability::limit(method.as_ref(), &[law.as_ref()], at, inverse_masses)?;

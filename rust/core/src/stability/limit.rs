@@ -1,8 +1,8 @@
 //! The largest frequency of a scene, its largest stable step, and the law and node that set it.
 //!
-//! The stiffness matrix K is the sum of the stiffest linearisations of all laws at the current positions: all springs taut,
-//! all creases in contact, all contacts closed. Lanczos's method gives the largest eigenvalues of M^-1/2 K M^-1/2 and
-//! M^-1/2 C M^-1/2.
+//! The stiffness matrix K is the sum of the stiffest linearisations of all laws at the current positions: all springs
+//! taut, all creases in contact, all contacts closed. Lanczos's method gives the largest eigenvalues of M^-1/2 K M^-1/2
+//! and M^-1/2 C M^-1/2.
 
 use super::oscillator::{Mode, largest_step};
 use super::quadratic_eigenproblem::{self, LinearSystem};

@@ -1,11 +1,11 @@
 //! The limit of a damped scene: the quadratic eigenvalue problem (lambda^2 + lambda C + K) u = 0.
 //!
-//! K and C have different modes where masses or spring constants vary. The root that limits the step may belong to a mode
-//! that is neither the stiffest nor the most damped: on random meshes near critical damping, the limit by these two alone
-//! is too large by up to a third. Where damping increases the limit, as near the imaginary axis, a stiff undamped mode may
-//! set it. The problem is therefore projected on a small subspace. It begins with the stiffest and the most damped mode and
-//! with stiff, little damped modes, the largest of K - w C for some rates w. The residuals of the roots that limit the step
-//! extend it (Davidson 1975).
+//! K and C have different modes where masses or spring constants vary. The root that limits the step may belong to a
+//! mode that is neither the stiffest nor the most damped: on random meshes near critical damping, the limit by these
+//! two alone is too large by up to a third. Where damping increases the limit, as near the imaginary axis, a stiff
+//! undamped mode may set it. The problem is therefore projected on a small subspace. It begins with the stiffest and
+//! the most damped mode and with stiff, little damped modes, the largest of K - w C for some rates w. The residuals of
+//! the roots that limit the step extend it (Davidson 1975).
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
@@ -154,9 +154,9 @@ fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
     }
 }
 
-/// As `limit_by_roots`, for a method whose limit is dt^2 k + w dt c = 4 with the Rayleigh quotients k and c of any vector,
-/// not of solutions alone. The largest eigenvalue of K + w/dt C sets it. Its eigenvector gives the next dt; the iteration
-/// converges from above.
+/// As `limit_by_roots`, for a method whose limit is dt^2 k + w dt c = 4 with the Rayleigh quotients k and c of any
+/// vector, not of solutions alone. The largest eigenvalue of K + w/dt C sets it. Its eigenvector gives the next dt; the
+/// iteration converges from above.
 pub(super) fn limit_by_quotients(
     integrator: &dyn Integrator,
     system: &LinearSystem<'_>,

@@ -1,4 +1,5 @@
-//! The Jacobian of the drag F = -f |n . V| V on each node of a triangle, with n = (b - a) x (c - a) and V = v + Omega x r:
+//! The Jacobian of the drag F = -f |n . V| V on each node of a triangle, with n = (b - a) x (c - a),
+//! V = v + Omega x r:
 //!
 //!     dF/dV = -f (|n . V| + sign(n . V) V n^T),     dF/dn = -f sign(n . V) V V^T
 //!

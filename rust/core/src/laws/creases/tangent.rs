@@ -1,15 +1,16 @@
 //! The Hessian of a crease's energy U = w_C w_D u(theta), in the differences e = B - A, c = C - A, d = D - A.
 //!
-//! The fold angle is phi = f(e, c) - f(e, d) with, for each facet, n = e x p, q = n^2, L = |e|, m = n x e, t = p . e / L^2,
+//! The fold angle is phi = f(e, c) - f(e, d). For each facet, with n = e x p, q = n^2, L = |e|, m = n x e and
+//! t = p . e / L^2,
 //!
 //!     f_p  = L n/q,      f_e  = -t f_p
 //!     f_pp = -L (n m^T + m n^T)/q^2
 //!     f_pe = n e^T/(L q) - L [p]x/q - 2 L n (p x n)^T/q^2
 //!     f_ee = -f_p (p/L^2 - 2 (p . e) e/L^4)^T - t f_pe
 //!
-//! and theta = pi - sign phi. The weights w = q/(q + s) are functions of q = L^2 p^2 - (e . p)^2. As a facet collapses f is
-//! singular, but w f_pp remains bounded. Tamstorf and Grinspun, Graphical Models 75 (2013), give the same Hessian in terms
-//! of the angles of the triangles.
+//! and theta = pi - sign phi. The weights w = q/(q + s) are functions of q = L^2 p^2 - (e . p)^2. As a facet collapses
+//! f is singular, but w f_pp remains bounded. Tamstorf and Grinspun, Graphical Models 75 (2013), give the same Hessian
+//! in terms of the angles of the triangles.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

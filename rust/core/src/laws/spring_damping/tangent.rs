@@ -1,4 +1,4 @@
-//! The Jacobian of the force of a dashpot, c (d . w) d / d^2, with d from end to end and w the difference of velocities:
+//! The Jacobian of the force of a dashpot, c (d . w) d / d^2, with d from end to end and w its rate:
 //!
 //!     dF/dw = c d d^T / d^2
 //!     dF/dd = c [d w^T + (d . w) (1 - 2 d d^T / d^2)] / d^2

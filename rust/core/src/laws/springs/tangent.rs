@@ -2,8 +2,8 @@
 //!
 //!     dF/dd = N' e e^T + N/l (1 - e e^T)
 //!
-//! N' = k, and 0 below the critical length, where only the second, geometric part remains: negative in a buckled spring,
-//! zero in a slack tether.
+//! N' = k, and 0 below the critical length, where only the second, geometric part remains: negative in a buckled
+//! spring, zero in a slack tether.
 
 use super::{Parameters, Springs};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, of_link};

@@ -1,5 +1,5 @@
-//! The Jacobian of the damping of the film, with the stress eta C : dE/dt. The derivative by the gradient of velocity has a
-//! material part; that by the deformation gradient has a material and a geometric part.
+//! The Jacobian of the damping of the film, with the stress eta C : dE/dt. The derivative by the gradient of velocity
+//! has a material part; that by the deformation gradient has a material and a geometric part.
 
 use super::TriangleDamping;
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};

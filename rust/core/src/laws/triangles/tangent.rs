@@ -1,9 +1,9 @@
-//! The Jacobian of the forces of a film, taut, wrinkled or slack: a material part, by the derivative of the stress by the
-//! strain, and a geometric part.
+//! The Jacobian of the forces of a film, taut, wrinkled or slack: a material part, by the derivative of the stress by
+//! the strain, and a geometric part.
 //!
-//! The change of the stress by wrinkles is an isotropic function of T = S + P. With the mean m of T, its half difference
-//! (x, y) = ((T11 - T22)/2, T12) and spread r = |(x, y)|, it is h 1 + g/r (x, y; y, -x), where h and g are half the sum and
-//! half the difference of (c - 1) d1 and (c - 1) d2, which are functions of m and r.
+//! The change of the stress by wrinkles is an isotropic function of T = S + P. With the mean m of T, its half
+//! difference (x, y) = ((T11 - T22)/2, T12) and spread r = |(x, y)|, it is h 1 + g/r (x, y; y, -x), where h and g are
+//! half the sum and half the difference of (c - 1) d1 and (c - 1) d2, which are functions of m and r.
 
 use nalgebra::Matrix3;
 
