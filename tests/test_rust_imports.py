@@ -16,8 +16,8 @@ PATH = re.compile(r"\b(?:crate|super)(?:::\w+)+")
 def layers() -> list[list[str]]:
     """The layers that lib.rs names, the lowest first."""
     text = (SOURCE / "lib.rs").read_text(encoding="utf-8")
-    line = next(line for line in text.splitlines() if "<-" in line)
-    return [re.findall(r"\w+", layer) for layer in line.removeprefix("//!").split("<-")]
+    chain = " ".join(line.removeprefix("//!") for line in text.splitlines() if "<-" in line)
+    return [re.findall(r"\w+", layer) for layer in chain.split("<-")]
 
 
 def rooms() -> dict[str, list[Path]]:

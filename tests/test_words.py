@@ -40,6 +40,7 @@ CLEAN = (
     "benchmarks",
     "examples",
     "tools",
+    "rust",
     "python/membrane_rs/_moved.py",
     "python/membrane_rs/cli",
     "python/membrane_rs/study",
@@ -47,10 +48,9 @@ CLEAN = (
     "tests/faults.py",
     "tests/limit_cases.py",
 )
-"""Files, and folders of files, that hold none. `rust` and the other packages follow as they are cleaned."""
+"""Files, and folders of files, that hold none. The other packages follow as they are cleaned."""
 QUOTING = {
     "docs/fault_injection.md": "messages of the core, as `python tests/fault_injection.py` wrote them",
-    "benchmarks/README.md": "the header of a table that rust/benches/model_1.rs writes",
 }
 """Files that hold private words of the core, with the reason."""
 SUFFIXES = {".md", ".py", ".rs", ".toml"}

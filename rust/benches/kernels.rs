@@ -1,8 +1,8 @@
-//! Times of one evaluation of each law, of all laws, and of a step, on model 1's sail and on finer ones: by plain
-//! scalar loops (`tests/oracle`), and by the kernels for each set of vector instructions that the machine has.
+//! Times of an evaluation of each law, of all laws, and of a step, on the sail of model 1 and on finer ones: by plain
+//! scalar loops (`tests/oracle`), and by the kernels with each instruction set of the machine.
 //!
-//! `benchmarks/kernels.py` makes tables of what criterion finds: a group for each mesh, named by what is timed and by
-//! the number of nodes. Where a filter leaves out a mesh, that mesh is not built.
+//! `benchmarks/kernels.py` makes tables of the results: criterion has a group for each mesh, named by the timed
+//! operation and the number of nodes. A mesh without a benchmark in the filter is not built.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 #[path = "../core/tests/common/mod.rs"]
@@ -29,14 +29,14 @@ use oracle::steps::{METHODS, Stepper};
 #[global_allocator]
 static ALLOCATOR: Aligned = Aligned;
 
-/// How many times as fine as model 1 the cells are: 2 and 28 thousand, half a million and a million nodes.
+/// Finenesses relative to model 1: 2 and 28 thousand, half a million and a million nodes.
 const FINENESSES: [usize; 4] = [1, 4, 17, 24];
-/// Step of model 1 [s]; in proportion on finer meshes.
+/// Step of model 1 [s]; inversely proportional to the fineness.
 const STEP: f64 = 4e-6;
-/// Steps before a motion begins anew, so that all samples do the same work.
+/// Number of steps after which the motion restarts, so that all samples are alike.
 const MOST_STEPS: u64 = 1000;
 
-/// A group of the benchmark; on the largest mesh only some evaluations fit into a sample.
+/// A group of benchmarks; on the largest mesh a sample has only some evaluations.
 fn group<'a>(criterion: &'a mut Criterion, what: &str, fineness: usize) -> BenchmarkGroup<'a, WallTime> {
     let nodes = sail::node_count(fineness) + sail::TETHER_NODES;
     let mut group = criterion.benchmark_group(format!("{what}-{nodes}"));
@@ -71,13 +71,13 @@ fn evaluations(criterion: &mut Criterion, fineness: usize, model: &mut Option<Mo
     group.finish();
 }
 
-/// What takes steps from a start, again and again.
+/// Steps from a start, repeatedly.
 trait Steps {
     fn begin(&mut self);
     fn step(&mut self, count: u64);
 }
 
-/// The plain loops, by a method and with a step.
+/// The plain loops, with start, method and step.
 struct Plain(Stepper, Motion, &'static str, f64);
 
 impl Steps for Plain {
@@ -104,7 +104,7 @@ fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) 
     let mut group = group(criterion, "step", fineness);
     let mut model = || model.get_or_insert_with(|| sail::sail(fineness)).clone();
     let dt = STEP / fineness as f64;
-    // Near enough, and not looked at: nothing watches.
+    // An approximate limit suffices without monitor.
     let limit = Limit { dt, largest_frequency: 2.0 / dt, law: "springs", node: 0 };
     for (method, instructions) in METHODS
         .into_iter()
@@ -136,7 +136,7 @@ fn steps(criterion: &mut Criterion, fineness: usize, model: &mut Option<Model>) 
                     let (mut left, mut spent) = (count, Duration::ZERO);
                     while left > 0 {
                         contender.begin();
-                        // Leapfrog's first step evaluates twice.
+                        // The first step of leapfrog has two evaluations.
                         contender.step(1);
                         let chunk = left.min(MOST_STEPS);
                         let began = Instant::now();

@@ -1,10 +1,10 @@
-//! Model 1's sail: the kernels at every width against plain scalar loops, and against what the machine allows, in one
-//! run on one thread.
+//! The sail of model 1: the kernels at every width against plain scalar loops and against bounds of the machine, in one
+//! session on one thread.
 //!
 //! The scalar loops are those of the tests (`tests/oracle`), compiled with the same flags. All are timed in turn, a few
-//! evaluations at a time, and the tenth percentile is given, so that a slow moment of the machine falls on all alike
-//! and a busy neighbour shows little. Prints tables in Markdown: the parts of an evaluation of model 1, and of meshes
-//! whose cells are several times as fine, where such are asked for (`-- 4 16`). `-- quick` takes fewer timings.
+//! evaluations at a time, and the result is the tenth percentile, so that other load of the machine affects all alike.
+//! Prints tables in Markdown: the parts of an evaluation of model 1, and of finer meshes by arguments (`-- 4 16`).
+//! `-- quick` takes fewer timings.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 mod bound;
@@ -16,7 +16,7 @@ mod oracle;
 
 use std::time::Instant;
 
-use bound::Pace;
+use bound::OperationTimes;
 use common::sail;
 use contenders::{PARTS, Scene, label, widths};
 use membrane_core::simd::aligned::Aligned;
@@ -61,7 +61,7 @@ fn tenth_percentile(mut times: Vec<f64>) -> f64 {
     times[times.len() / 10]
 }
 
-/// A table: first the scalar loops, then each width and how many times as fast it is.
+/// Prints a table: the scalar loops, then each width with its speed-up.
 fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
     println!("| {title} | scalar | {} |", widths().map(InstructionSet::name).collect::<Vec<_>>().join(" | "));
     println!("|---|{}", "---:|".repeat(rows[0].1.len()));
@@ -72,15 +72,15 @@ fn print_table(title: &str, rows: &[(String, Vec<f64>)]) {
     println!();
 }
 
-/// What the machine does with eight numbers, what an evaluation asks of it, and what that takes at least.
+/// Prints the times of operations, the operation counts of an evaluation, and the bounds that follow.
 fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
-    let paces: Vec<(InstructionSet, Pace)> =
-        widths().map(|instructions| (instructions, Pace::of(instructions))).collect();
-    let names: Vec<&str> = paces.iter().map(|(instructions, _)| instructions.name()).collect();
+    let operation_times: Vec<(InstructionSet, OperationTimes)> =
+        widths().map(|instructions| (instructions, OperationTimes::of(instructions))).collect();
+    let names: Vec<&str> = operation_times.iter().map(|(instructions, _)| instructions.name()).collect();
     println!("| an operation on eight numbers [ns] | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
-    for row in 0..Pace::ROWS {
-        let cells: Vec<String> = paces.iter().map(|(_, pace)| format!("{:.2}", pace.rows()[row].1)).collect();
-        println!("| {} | {} |", paces[0].1.rows()[row].0, cells.join(" | "));
+    for row in 0..OperationTimes::ROWS {
+        let cells: Vec<String> = operation_times.iter().map(|(_, own)| format!("{:.2}", own.rows()[row].1)).collect();
+        println!("| {} | {} |", operation_times[0].1.rows()[row].0, cells.join(" | "));
     }
 
     let mut counted = scene.kernels(InstructionSet::Counted);
@@ -99,26 +99,26 @@ fn print_bounds(scene: &mut Scene, times: &[Vec<f64>]) {
         let all = [additions, multiplications, divisions, roots, extremes, choices, signs, loads, stores];
         let batches = lanes / LANES;
         let cells: Vec<String> = all.iter().map(|&count| format!("{:.1}", count as f64 / batches as f64)).collect();
-        let fillers = 100.0 * (1.0 - elements as f64 / lanes as f64);
-        println!("| {} | {} | {batches} | {fillers:.0} % |", label(part), cells.join(" | "));
+        let padding = 100.0 * (1.0 - elements as f64 / lanes as f64);
+        println!("| {} | {} | {batches} | {padding:.0} % |", label(part), cells.join(" | "));
     }
 
     println!(
         "\n| what the machine allows | width | bound [us] | measured [us] | times the bound | bound by | \
-         of it for fillers [us] |"
+         of it for padding [us] |"
     );
     println!("|---|---|---:|---:|---:|---|---:|");
     for part in 0..PARTS {
         let [elements, lanes] = counted.lanes(part);
-        for (column, (instructions, pace)) in paces.iter().enumerate() {
-            let (bound, unit) = pace.bound(&counts[part]);
+        for (column, (instructions, own)) in operation_times.iter().enumerate() {
+            let (bound, unit) = own.bound(&counts[part]);
             if bound == 0.0 {
                 continue;
             }
             let measured = times[part][1 + column];
-            let fillers = if lanes > 0 { bound * (1.0 - elements as f64 / lanes as f64) } else { 0.0 };
+            let padding = if lanes > 0 { bound * (1.0 - elements as f64 / lanes as f64) } else { 0.0 };
             println!(
-                "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {fillers:.1} |",
+                "| {} | {} | {bound:.1} | {measured:.1} | {:.1} | {unit} | {padding:.1} |",
                 label(part),
                 instructions.name(),
                 measured / bound

@@ -1,9 +1,9 @@
-//! What the machine allows: how fast it works on eight numbers in registers and in its first cache, and the least time
-//! that counted operations need at that pace.
+//! Bounds of the machine: the time of each operation on eight numbers in registers and from the first cache, and the
+//! least time of counted operations.
 //!
-//! Every operation is timed at each width through the same trait that kernels are written with, in chains that do not
-//! wait for each other. A unit that works on nothing else needs count times pace; the unit that needs longest bounds
-//! the time from below, as if all others were idle meanwhile and nothing ever waited.
+//! Every operation is timed at each width through the trait of the kernels, in independent chains. The time of a unit
+//! is its count times its time per operation. That of the busiest unit bounds the time from below, as if all other
+//! units worked at the same time and none waited.
 #![allow(unreachable_pub)]
 
 use std::hint::black_box;
@@ -14,18 +14,18 @@ use membrane_core::simd::counted::Counts;
 use membrane_core::simd::dispatch::{InstructionSet, Kernel};
 use membrane_core::simd::lanes::{F64x8, LANES, SimdF64};
 
-/// Rounds in one timing, and timings.
+/// Rounds in one timing, and number of timings.
 const ROUNDS: usize = 10_000;
 const TIMINGS: usize = 20;
-/// NodeVectors of eight that reads and writes go over: less than 4 KiB, well within the first cache.
+/// Vectors of eight for reads and writes: less than 4 KiB, well within the first cache.
 const PLACES: usize = 48;
 
-/// Time that each operation takes per eight numbers [ns].
+/// Time of each operation on eight numbers [ns].
 #[derive(Debug, Clone, Copy)]
-pub struct Pace {
+pub struct OperationTimes {
     addition: f64,
     multiplication: f64,
-    /// An addition and a multiplication that do not wait for each other.
+    /// An independent pair of an addition and a multiplication.
     pair: f64,
     division: f64,
     root: f64,
@@ -35,11 +35,11 @@ pub struct Pace {
     store: f64,
 }
 
-impl Pace {
-    /// How many are measured.
+impl OperationTimes {
+    /// Number of operations.
     pub const ROWS: usize = 9;
 
-    /// Measures it.
+    /// Measures the times of all operations.
     pub fn of(instructions: InstructionSet) -> Self {
         Self {
             addition: chained::<Addition>(instructions),
@@ -56,7 +56,7 @@ impl Pace {
         }
     }
 
-    /// What is measured, by name [ns].
+    /// Each with its name [ns].
     pub fn rows(&self) -> [(&'static str, f64); Self::ROWS] {
         [
             ("addition", self.addition),
@@ -71,14 +71,14 @@ impl Pace {
         ]
     }
 
-    /// The unit that needs longest for these operations, and how long [us].
+    /// Time of the busiest unit for these operations [us], and its name.
     pub fn bound(&self, counts: &Counts) -> (f64, &'static str) {
         let sums = counts.additions as f64 * self.addition;
         let products = counts.multiplications as f64 * self.multiplication;
-        // Additions and multiplications have units of their own where a pair takes clearly less than both in turn. A
-        // pair may take longer than either even then: narrow registers are too few to keep both units busy.
-        let is_apart = self.pair < 0.75 * (self.addition + self.multiplication);
-        let arithmetic = if is_apart { sums.max(products) } else { sums + products };
+        // Additions and multiplications have separate units where a pair takes clearly less than both in turn. Even
+        // then a pair may take longer than either: the registers are too few to keep both units busy.
+        let are_separate = self.pair < 0.75 * (self.addition + self.multiplication);
+        let arithmetic = if are_separate { sums.max(products) } else { sums + products };
         let divider = counts.divisions as f64 * self.division + counts.roots as f64 * self.root;
         let choices = counts.extremes as f64 * self.extreme + counts.choices as f64 * self.choice;
         let units = [
@@ -105,7 +105,7 @@ fn fastest<T>(operations: usize, mut rounds: impl FnMut() -> T) -> f64 {
     times[TIMINGS / 10]
 }
 
-/// An operation on the numbers of chain `k`, those of the next one, and a number that stays.
+/// An operation on the numbers of chain `k`, those of the next chain, and a constant.
 trait Operation {
     fn on<V: SimdF64>(k: usize, x: V, next: V, c: V) -> V;
 }
@@ -129,7 +129,7 @@ operation!(Root, |_k, x, _next, _c| x.sqrt());
 operation!(Extreme, |_k, x, next, _c| x.max(next));
 operation!(Choice, |_k, x, next, c| c.below(x, next, x));
 
-/// Time of an operation [ns], with as many chains as are best: few wait for each other, many do not fit the registers.
+/// Time of an operation [ns], with the best number of chains: few have latencies, many exceed the registers.
 fn chained<O: Operation>(instructions: InstructionSet) -> f64 {
     let few = chains::<O, 2>(instructions).min(chains::<O, 3>(instructions)).min(chains::<O, 4>(instructions));
     let more = chains::<O, 6>(instructions).min(chains::<O, 8>(instructions));
@@ -162,7 +162,7 @@ impl<O: Operation, const COUNT: usize> Kernel for Chains<O, COUNT> {
     }
 }
 
-/// Reads, each of them added or multiplied to one of `COUNT` sums and as many products.
+/// Reads, each into one of `COUNT` sums or `COUNT` products.
 struct Loads<const COUNT: usize>;
 
 fn loads<const COUNT: usize>(instructions: InstructionSet) -> f64 {

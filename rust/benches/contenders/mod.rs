@@ -1,4 +1,4 @@
-//! Model 1's sail at any fineness, ready to be evaluated: by plain scalar loops and by the kernels at each width.
+//! The sail of model 1 at any fineness, for evaluation by plain scalar loops and by the kernels at each width.
 #![allow(dead_code, clippy::unwrap_used, unreachable_pub)]
 
 use std::hint::black_box;
@@ -14,20 +14,20 @@ use membrane_core::simd::dispatch::InstructionSet;
 use crate::common::sail;
 use crate::oracle::{Motion, Oracle};
 
-/// The parts of an evaluation, then all of it.
+/// Number of parts of an evaluation, with all of it as the last.
 pub const PARTS: usize = Oracle::PARTS.len() + 1;
 
-/// What a part is called.
+/// The label of a part.
 pub fn label(part: usize) -> &'static str {
     Oracle::PARTS.get(part).map_or("all", |(label, _, _)| label)
 }
 
-/// The widths that this machine has.
+/// The instruction sets of this machine.
 pub fn widths() -> impl Iterator<Item = InstructionSet> {
     InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available())
 }
 
-/// The sail at one fineness, arranged once for all widths.
+/// The sail at one fineness, assembled once for all instruction sets.
 pub struct Scene {
     pub assembly: Assembly,
     state: State,
@@ -72,13 +72,13 @@ impl Loops {
     }
 }
 
-/// The kernels of each part with one set of vector instructions.
+/// The kernels of each part with one instruction set.
 pub struct Kernels {
     parts: Vec<Part>,
     forces: NodeVectors,
 }
 
-/// The laws of a part, and their passes.
+/// The laws of a part, and their evaluation plan.
 struct Part {
     laws: Vec<Box<dyn Law>>,
     plan: Plan,
@@ -97,18 +97,18 @@ impl Kernels {
         Self { parts: parts.collect(), forces: NodeVectors::zeros(assembly.masses.len()) }
     }
 
-    /// The elements of a part, and the lanes that they take up; none for a part that goes node by node.
+    /// Number of elements of a part, and of their lanes; zero for a part node by node.
     pub fn lanes(&self, part: usize) -> [usize; 2] {
         let inspected = self.parts[part].laws.iter().filter_map(|law| law.inspection());
         inspected.map(|law| law.lanes()).fold([0, 0], |sum, [elements, lanes]| [sum[0] + elements, sum[1] + lanes])
     }
 
-    /// Adds the forces of a part to what was there: all laws add, so that the time does not depend on it.
+    /// Adds the forces of a part to those of earlier evaluations, which do not affect the time.
     pub fn evaluate(&mut self, part: usize, at: Instant<'_>) {
         if part == PARTS - 1 {
             self.forces.as_mut_slice().fill(0.0);
         }
         let Part { laws, plan, powers } = &mut self.parts[part];
-        plan.add_taken(laws, |_| true, black_box(at), &mut self.forces, powers);
+        plan.add_selected(laws, |_| true, black_box(at), &mut self.forces, powers);
     }
 }

@@ -1,4 +1,4 @@
-//! A model in the core's numbering: connectivity, masses, springs' constants; what laws are built from.
+//! The assembled model: connectivity, masses, spring constants and internal order, from which laws are built.
 
 use crate::error::{Error, Result};
 use crate::layout::Renumbering;
@@ -6,29 +6,29 @@ use crate::model::input::{Model, NegativeSprings};
 use crate::model::mesh::{Hinge, Mesh};
 use crate::simd::dispatch::InstructionSet;
 
-/// A model with its connectivity, masses and numbering worked out: what laws are built from.
+/// A model with connectivity, masses, spring constants and renumbering.
 #[derive(Debug, Clone)]
 pub struct Assembly {
-    /// The model as given.
+    /// The input.
     pub model: Model,
-    /// The mesh's connectivity.
+    /// The connectivity of the mesh.
     pub mesh: Mesh,
-    /// Spring constant of each edge of the mesh, after the rule for negative ones \[N/m\].
+    /// Spring constant of each edge of the mesh, after the treatment of negative ones \[N/m\].
     pub edge_stiffness: Vec<f64>,
-    /// The creases' hinges, in the caller's numbering.
+    /// The hinges of the creases, in external order.
     pub hinges: Vec<Hinge>,
-    /// The numbering inside.
+    /// The renumbering.
     pub numbering: Renumbering,
-    /// Mass of each node, in the core's numbering \[kg\].
+    /// Mass of each node, in internal order \[kg\].
     pub masses: Vec<f64>,
-    /// 1/mass, or 0 where a node is held, in the core's numbering \[1/kg\].
+    /// 1/mass, or 0 for a held node, in internal order \[1/kg\].
     pub inverse_masses: Vec<f64>,
-    /// The instructions that kernels run with.
+    /// The instruction set of the kernels.
     pub instructions: InstructionSet,
 }
 
 impl Assembly {
-    /// Checks the model and works out what laws need.
+    /// Checks and assembles a model.
     ///
     /// # Errors
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
@@ -69,7 +69,7 @@ impl Assembly {
         Ok(Self { model, mesh, edge_stiffness, hinges, numbering, masses, inverse_masses, instructions })
     }
 
-    /// Mass of a square of film of side `length` \[kg\].
+    /// Mass of a square of film with side `length` \[kg\].
     pub fn square_of_film(&self, length: Option<f64>) -> Option<f64> {
         length.zip(self.model.film).map(|(length, film)| film.density * film.thickness * length * length)
     }

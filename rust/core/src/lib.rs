@@ -1,9 +1,10 @@
 //! Spring-mass ("multi-particle") dynamics of thin membranes that are folded, stowed and deployed by spinning.
 //!
-//! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units. Imports go one way, from
-//! right to left:
+//! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units. Imports have one
+//! direction, from right to left:
 //!
-//!     simd, error <- arrays <- model, layout, linear <- assembly, integrators <- elements <- laws <- evaluation, stability <- simulation
+//!     simd, error <- arrays <- model, layout, linear <- assembly, integrators <- elements <- laws
+//!         <- evaluation, stability <- simulation
 
 pub mod arrays;
 pub mod assembly;

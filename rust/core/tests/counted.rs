@@ -1,4 +1,4 @@
-//! What kernels do, counted: operations on eight numbers for each batch of eight elements, without changing a bit.
+//! Operation counts of kernels: operations on eight numbers per batch, at unchanged bits.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -12,12 +12,15 @@ use membrane_core::simd::counted::{Counts, count};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simd::lanes::LANES;
 
-/// One evaluation of those laws of model 1 that are wanted, without tethers: its forces, and what was counted.
-fn evaluate(instructions: InstructionSet, wanted: fn(&LawSpec) -> bool) -> (Vec<Box<dyn Law>>, NodeVectors, Counts) {
+/// One evaluation of the selected laws of model 1 without tethers: laws, forces and operation counts.
+fn evaluate(
+    instructions: InstructionSet,
+    is_selected: fn(&LawSpec) -> bool,
+) -> (Vec<Box<dyn Law>>, NodeVectors, Counts) {
     let mut sail = sail::sail(1);
     sail.cords.clear();
     let assembly = Assembly::new(sail, instructions).unwrap();
-    let chosen: Vec<LawSpec> = sail::laws().into_iter().filter(wanted).collect();
+    let chosen: Vec<LawSpec> = sail::laws().into_iter().filter(is_selected).collect();
     let mut laws = laws::build(&chosen, &assembly).unwrap();
     let positions = assembly.numbering.internal_vectors(&assembly.model.positions);
     let velocities = assembly.numbering.internal_vectors(&assembly.model.velocities);
@@ -26,7 +29,7 @@ fn evaluate(instructions: InstructionSet, wanted: fn(&LawSpec) -> bool) -> (Vec<
     let plan = Plan::new(&mut laws);
     let mut forces = NodeVectors::zeros(assembly.masses.len());
     let mut powers = vec![0.0; laws.len()];
-    let counts = count(|| plan.add_taken(&mut laws, |_| true, at, &mut forces, &mut powers));
+    let counts = count(|| plan.add_selected(&mut laws, |_| true, at, &mut forces, &mut powers));
     (laws, forces, counts)
 }
 
@@ -41,17 +44,17 @@ fn counting_changes_no_bit() {
 
 #[test]
 fn a_batch_of_eight_costs_no_more_than_its_formula() {
-    // The most that a batch may cost: quotients and roots, the dearest; reads, writes; sums, products. Drag's are those of
-    // its triangles and, at two triangles a node, of its nodes. The few that come once per pass stay below one in ten.
+    // Largest counts per batch: quotients, roots, reads, writes, sums, products. Those of drag are per batch of
+    // triangles and include its nodes, one for two triangles. Operations once per pass are below a tenth.
     let springs: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::Springs(_) | LawSpec::SpringDamping(_));
     let creases: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::Creases(_));
     let drag: fn(&LawSpec) -> bool = |law| matches!(law, LawSpec::AirDrag(_));
-    for (name, wanted, most) in [
+    for (name, is_selected, most) in [
         ("springs and dashpots", springs, [1, 1, 22, 6, 19, 16]),
         ("creases", creases, [4, 2, 41, 12, 112, 132]),
         ("drag", drag, [0, 0, 31, 7, 23, 24]),
     ] {
-        let (laws, _, counts) = evaluate(InstructionSet::Counted, wanted);
+        let (laws, _, counts) = evaluate(InstructionSet::Counted, is_selected);
         let lanes: usize = laws.iter().filter_map(|law| law.inspection()).map(|law| law.lanes()[1]).sum();
         let batches = (lanes / LANES) as f64;
         let found =

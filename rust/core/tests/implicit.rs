@@ -1,4 +1,4 @@
-//! Methods without a limit of the step: what a step far beyond the explicit limit does, what is counted, how one fails.
+//! Methods without a limit of the step: steps far beyond the explicit limit, counts, and failure of Newton's method.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -11,7 +11,7 @@ use membrane_core::simulation::{Settings, Simulation};
 
 const NAME: &str = "generalized_alpha";
 
-fn unwatched() -> Settings {
+fn without_monitor() -> Settings {
     Settings { check_interval: u64::MAX, ..Settings::default() }
 }
 
@@ -19,7 +19,7 @@ fn method(spectral_radius: f64) -> Box<dyn Integrator> {
     (by_name(NAME).unwrap().make)(&Options { spectral_radius, ..Options::default() })
 }
 
-/// A mass of 1 kg between two stretched cords, omega = 1 rad/s along them, `offset` from where it rests \[m\].
+/// A mass of 1 kg between two stretched cords, omega = 1 rad/s along them, `offset` \[m\] from equilibrium.
 fn oscillator(offset: f64) -> Model {
     let cord = |nodes| Cord { nodes, stiffness: 0.5, rest_length: 1.0, strain_limit: 10.0 };
     Model {
@@ -33,14 +33,14 @@ fn oscillator(offset: f64) -> Model {
 }
 
 #[test]
-fn amplification_never_passes_one_and_ends_at_the_spectral_radius() {
+fn amplification_is_at_most_one_and_tends_to_the_spectral_radius() {
     for radius in [0.0, 0.3, SPECTRAL_RADIUS, 1.0] {
         let method = method(radius);
         for k in -20..=16 {
             let omega = 10.0_f64.powf(0.25 * f64::from(k));
             for ratio in [0.0, 0.02, 1.0, 50.0] {
                 let amplification = method.amplification(omega, 2.0 * ratio * omega, 1.0);
-                // A triple root is found to the cube root of rounding.
+                // A triple root has the cube root of the rounding error.
                 assert!(amplification <= 1.0 + 1e-5, "radius {radius}, omega {omega}, ratio {ratio}: {amplification}");
             }
         }
@@ -50,8 +50,8 @@ fn amplification_never_passes_one_and_ends_at_the_spectral_radius() {
 }
 
 #[test]
-fn what_a_step_does_to_an_oscillation_is_what_amplification_says() {
-    let settings = |spectral_radius| Settings { spectral_radius, ..unwatched() };
+fn a_step_amplifies_an_oscillation_by_the_stated_factor() {
+    let settings = |spectral_radius| Settings { spectral_radius, ..without_monitor() };
     for (radius, dt, steps) in [(0.8, 0.5, 200), (0.3, 0.5, 100), (0.8, 30.0, 60), (1.0, 30.0, 60)] {
         let mut simulation = Simulation::new(oscillator(0.3), &[], NAME, Some(dt), settings(radius)).unwrap();
         let method = method(radius);
@@ -71,19 +71,19 @@ fn what_a_step_does_to_an_oscillation_is_what_amplification_says() {
 
 #[test]
 fn a_linear_step_takes_one_correction_and_one_factor() {
-    let mut simulation = Simulation::new(oscillator(0.3), &[], NAME, Some(0.1), unwatched()).unwrap();
+    let mut simulation = Simulation::new(oscillator(0.3), &[], NAME, Some(0.1), without_monitor()).unwrap();
     assert_eq!(simulation.limit().unwrap().dt, f64::INFINITY);
     simulation.step(50).unwrap();
     let expected = Statistics { iterations: 50, factorisations: 50, fallbacks: 0 };
     assert_eq!(simulation.integrator().implicit().unwrap().statistics(), expected);
     assert_eq!(simulation.evaluation_count(), 101);
-    // Without a step, a multiple of the explicit limit.
-    let simulation = Simulation::new(oscillator(0.3), &[], NAME, None, unwatched()).unwrap();
+    // The default step is a multiple of the explicit limit.
+    let simulation = Simulation::new(oscillator(0.3), &[], NAME, None, without_monitor()).unwrap();
     assert!((simulation.dt() - 100.0).abs() < 1e-3, "{}", simulation.dt());
 }
 
-/// A stretched sheet of this film that is shaken, with every law, held at one side.
-fn shaken(film: LawSpec, seed: u64) -> (Model, Vec<LawSpec>) {
+/// A sheet of this film with random displacements, every law, and one side held.
+fn disturbed(film: LawSpec, seed: u64) -> (Model, Vec<LawSpec>) {
     let mut model = sheet(4, 3, 0.01);
     let mut dice = Dice(seed);
     for (point, kick) in model.positions.iter_mut().zip(dice.vectors(100, 2e-4)) {
@@ -97,10 +97,10 @@ fn shaken(film: LawSpec, seed: u64) -> (Model, Vec<LawSpec>) {
 fn every_law_at_once_converges_to_the_motion_of_an_explicit_method_at_order_two() {
     for film in films() {
         let name = film.kind();
-        let (model, laws) = shaken(film, 3);
+        let (model, laws) = disturbed(film, 3);
         let end = |method: &str, steps: u64| {
             let dt = 4e-5 / steps as f64;
-            let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), unwatched()).unwrap();
+            let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), without_monitor()).unwrap();
             simulation.step(steps).unwrap();
             (simulation.positions(), simulation.ledger().error(&simulation.energy_terms()))
         };
@@ -111,7 +111,7 @@ fn every_law_at_once_converges_to_the_motion_of_an_explicit_method_at_order_two(
             (squares.sum::<f64>().sqrt(), found.1.abs())
         };
         let [coarse, fine] = [250, 1000].map(error);
-        // Two halvings; springs buckle on the way.
+        // A step of a quarter; springs buckle during the motion.
         let order = 0.5 * (coarse.0 / fine.0).log2();
         assert!((1.7..2.3).contains(&order), "{name}: order {order}, {:e}", fine.0);
         assert!(fine.1 < 1e-3 && fine.1 < 0.2 * coarse.1 + 1e-6, "{name}: balance {:e} {:e}", coarse.1, fine.1);
@@ -122,8 +122,8 @@ fn every_law_at_once_converges_to_the_motion_of_an_explicit_method_at_order_two(
 fn runs_are_the_same_to_the_last_bit_whole_or_in_pieces_with_every_law() {
     for film in films() {
         let name = film.kind();
-        let (model, laws) = shaken(film, 5);
-        let new = || Simulation::new(model.clone(), &laws, NAME, Some(2e-5), unwatched()).unwrap();
+        let (model, laws) = disturbed(film, 5);
+        let new = || Simulation::new(model.clone(), &laws, NAME, Some(2e-5), without_monitor()).unwrap();
         let (mut whole, mut first, mut second) = (new(), new(), new());
         whole.step(60).unwrap();
         first.step(23).unwrap();
@@ -135,11 +135,11 @@ fn runs_are_the_same_to_the_last_bit_whole_or_in_pieces_with_every_law() {
 }
 
 #[test]
-fn a_step_of_which_no_part_can_be_taken_is_described_with_time_place_law_and_remedy() {
+fn a_step_without_solution_is_described_with_time_place_law_and_remedy() {
     let mut model = oscillator(0.0);
-    // Forces beyond all numbers: no step, however small.
+    // Forces that overflow: no step is small enough.
     model.velocities[1] = [1e200, 0.0, 0.0];
-    let mut hopeless = Simulation::new(model, &[], NAME, Some(0.05), unwatched()).unwrap();
+    let mut hopeless = Simulation::new(model, &[], NAME, Some(0.05), without_monitor()).unwrap();
     let text = hopeless.step(1).unwrap_err().to_string();
     for word in ["t = ", "Newton's method finds no step", "node ", "tethers", "smaller dt"] {
         assert!(text.contains(word), "{text}");

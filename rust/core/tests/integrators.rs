@@ -1,4 +1,4 @@
-//! Every method in the list: its order, its evaluations, its limit, its loss.
+//! Every method in the list: order, evaluations, limit and dissipation.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -9,8 +9,8 @@ use membrane_core::laws::{LawSpec, MassDampingParameters, SpringParameters};
 use membrane_core::model::input::{Cord, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
-/// `masses` masses of `m` along x between two held nodes, joined by cords of stiffness `k`, stretched to twice their rest
-/// length so that none goes slack, with small velocities along x.
+/// `masses` masses of `m` along x between two held nodes, joined by cords of stiffness `k`, stretched to twice their
+/// rest length so that none becomes slack, with small velocities along x.
 fn chain(masses: usize, k: f64, m: f64, speed: f64) -> Model {
     let n = masses + 2;
     let mut dice = common::Dice(1);
@@ -33,7 +33,7 @@ fn oscillator(offset: f64) -> Model {
     model
 }
 
-fn unwatched() -> Settings {
+fn without_monitor() -> Settings {
     Settings { check_interval: u64::MAX, ..Settings::default() }
 }
 
@@ -46,7 +46,7 @@ fn each_method_has_its_stated_order_and_cost() {
     for name in names() {
         let error = |steps: u64| {
             let dt = 10.0 / steps as f64;
-            let mut simulation = simulation(oscillator(0.3), &[], name, Some(dt), unwatched());
+            let mut simulation = simulation(oscillator(0.3), &[], name, Some(dt), without_monitor());
             simulation.step(steps).unwrap();
             let Properties { evaluations_per_step, evaluations_at_start, .. } = simulation.integrator().properties();
             let expected = steps * u64::from(evaluations_per_step) + u64::from(evaluations_at_start);
@@ -75,13 +75,13 @@ fn simulation(model: Model, laws: &[LawSpec], name: &str, dt: Option<f64>, setti
     simulation_of(model, laws, method(name), dt, settings, |_| Vec::new())
 }
 
-/// Methods whose step has a limit.
+/// Methods with a limit of the step.
 fn limited() -> impl Iterator<Item = &'static str> {
     names().filter(|name| !by_name(name).properties().is_implicit)
 }
 
-/// Steps after which a mode that holds a thousandth of the motion has grown threefold and more at 1.02 of the limit.
-fn steps_to_see(simulation: &Simulation, damping: f64) -> u64 {
+/// Steps after which a mode with a thousandth of the amplitude dominates the motion at 1.02 of the limit.
+fn steps_to_instability(simulation: &Simulation, damping: f64) -> u64 {
     let limit = simulation.limit().unwrap();
     let amplification = simulation.integrator().amplification(limit.largest_frequency, damping, 1.02 * limit.dt);
     assert!(amplification > 1.0);
@@ -92,15 +92,15 @@ fn steps_to_see(simulation: &Simulation, damping: f64) -> u64 {
 fn each_method_is_stable_just_below_its_predicted_limit_and_not_just_above() {
     for name in limited() {
         for (model, what) in [(chain(1, 0.5, 1.0, 1e-6), "oscillator"), (chain(8, 7.0, 0.3, 1e-6), "chain")] {
-            let new = |dt| simulation(model.clone(), &[], name, Some(dt), unwatched());
+            let new = |dt| simulation(model.clone(), &[], name, Some(dt), without_monitor());
             let first = new(0.01);
             let predicted = first.limit().unwrap().dt;
-            let steps = steps_to_see(&first, 0.0);
+            let steps = steps_to_instability(&first, 0.0);
             let grows = |dt: f64| {
                 let mut simulation = new(dt);
                 let before = simulation.energy_terms().kinetic;
                 simulation.step(steps).unwrap();
-                // The energy of leapfrog swings: at 0.99 of its limit fiftyfold.
+                // The energy of leapfrog oscillates: at 0.99 of its limit fiftyfold.
                 let after = simulation.energy_terms();
                 let after = after.kinetic + after.stored.iter().sum::<f64>() - simulation.ledger().start.stored[0];
                 after.is_nan() || after > 1e3 * before
@@ -113,7 +113,8 @@ fn each_method_is_stable_just_below_its_predicted_limit_and_not_just_above() {
 
 #[test]
 fn rk4_on_a_uniform_chain_is_bounded_to_1_414_root_m_over_k() {
-    let limit = Simulation::new(chain(400, 7.0, 0.3, 0.0), &[], "rk4", None, unwatched()).unwrap().limit().unwrap();
+    let limit =
+        Simulation::new(chain(400, 7.0, 0.3, 0.0), &[], "rk4", None, without_monitor()).unwrap().limit().unwrap();
     let expected = 2.0_f64.sqrt() * (0.3_f64 / 7.0).sqrt();
     assert!((limit.dt / expected - 1.0).abs() < 1e-3, "{} {expected}", limit.dt);
     assert_eq!(limit.law, "tethers");
@@ -122,7 +123,7 @@ fn rk4_on_a_uniform_chain_is_bounded_to_1_414_root_m_over_k() {
 #[test]
 fn rk4_loses_amplitude_as_predicted() {
     for dt in [0.4, 0.8] {
-        let mut simulation = Simulation::new(oscillator(0.3), &[], "rk4", Some(dt), unwatched()).unwrap();
+        let mut simulation = Simulation::new(oscillator(0.3), &[], "rk4", Some(dt), without_monitor()).unwrap();
         let before = amplitude(&simulation);
         simulation.step(100).unwrap();
         let loss = 1.0 - (amplitude(&simulation) / before).powf(0.01);
@@ -138,10 +139,10 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
         for ratio in [0.02, 0.5, 2.0] {
             let laws = [LawSpec::SpringDamping(ratio.into())];
             let new = |offset, dt| {
-                // Hardly stretched: across the cords, where no dashpot acts, tension would limit dopri5 first.
+                // Hardly stretched: transverse to the cords, without dashpots, tension would limit dopri5 first.
                 let mut model = oscillator(offset);
                 model.cords.iter_mut().for_each(|cord| cord.rest_length = 1.9);
-                simulation(model, &laws, name, Some(dt), unwatched())
+                simulation(model, &laws, name, Some(dt), without_monitor())
             };
             let limit = new(0.05, 0.01).limit().unwrap().dt;
             let mut simulation = new(0.05, 0.02 * limit);
@@ -149,7 +150,7 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
             let error = simulation.ledger().error(&simulation.energy_terms());
             assert!(error.abs() < allowed, "{name}, zeta {ratio}: energy balance {error:e}");
             // Two cords of k = 1/2, each with its dashpot: c = 2 (2 zeta sqrt(k m)).
-            let steps = steps_to_see(&new(0.05, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
+            let steps = steps_to_instability(&new(0.05, 0.01), 4.0 * ratio * 0.5_f64.sqrt());
             let stable = |dt: f64| {
                 let mut simulation = new(1e-6, dt);
                 simulation.step(steps).unwrap();
@@ -160,8 +161,8 @@ fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
     }
 }
 
-/// Masses that swing in all directions in a frame that turns ever faster, with dashpots, friction and weight.
-fn everything() -> (Model, Vec<LawSpec>) {
+/// Masses that oscillate in all directions in an accelerated frame, with dashpots, friction and weight.
+fn damped_chain() -> (Model, Vec<LawSpec>) {
     let mut model = chain(3, 7.0, 1.0, 0.0);
     model.velocities = common::Dice(7).vectors(5, 0.5);
     let spin = common::spin(0.7, 0.05);
@@ -176,10 +177,10 @@ fn everything() -> (Model, Vec<LawSpec>) {
 
 #[test]
 fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
-    let (model, laws) = everything();
+    let (model, laws) = damped_chain();
     let run = |name: &str, steps: u64| {
         let dt = 2.0 / steps as f64;
-        let mut simulation = simulation(model.clone(), &laws, name, Some(dt), unwatched());
+        let mut simulation = simulation(model.clone(), &laws, name, Some(dt), without_monitor());
         simulation.step(steps).unwrap();
         simulation
     };
@@ -187,14 +188,14 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
     for name in names() {
         let errors = [160, 320].map(|steps| {
             let found = run(name, steps);
-            let apart = |a: Vec<[f64; 3]>, b: Vec<[f64; 3]>| {
+            let distance = |a: Vec<[f64; 3]>, b: Vec<[f64; 3]>| {
                 a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
             };
             let of_work: Vec<f64> =
                 found.ledger().work.iter().zip(&exact.ledger().work).map(|(a, b)| (a - b).abs()).collect();
             [
-                apart(found.positions(), exact.positions()),
-                apart(found.velocities(), exact.velocities()),
+                distance(found.positions(), exact.positions()),
+                distance(found.velocities(), exact.velocities()),
                 of_work.iter().fold(0.0, |a, b| a.max(*b)),
                 found.ledger().residual(&found.energy_terms()).abs(),
             ]
@@ -210,13 +211,13 @@ fn order_holds_with_strong_damping_coriolis_and_time_dependent_laws() {
 
 #[test]
 fn a_method_that_conserves_energy_conserves_it_for_a_hundred_thousand_oscillations() {
-    // One mass that whirls in all directions: several frequencies, no chaos.
+    // One mass that oscillates in all directions: several frequencies, no chaos.
     let mut model = chain(1, 7.0, 1.0, 0.0);
     model.velocities[1] = [0.3, 0.5, 0.2];
     let laws = [common::spin(0.7, 0.0)];
     let mut seen = 0;
     for name in names() {
-        let mut simulation = simulation(model.clone(), &laws, name, Some(0.01), unwatched());
+        let mut simulation = simulation(model.clone(), &laws, name, Some(0.01), without_monitor());
         if !simulation.integrator().properties().conserves_energy {
             continue;
         }
@@ -225,17 +226,17 @@ fn a_method_that_conserves_energy_conserves_it_for_a_hundred_thousand_oscillatio
         simulation.set_dt(0.25 * limit.dt).unwrap();
         let period = std::f64::consts::TAU / limit.largest_frequency;
         let steps = (1e5 * period / simulation.dt()) as u64;
-        let mut swings = Vec::new();
+        let mut residuals = Vec::new();
         for _ in 0..100 {
             let mut worst: f64 = 0.0;
             for _ in 0..100 {
                 simulation.step(steps / 10_000).unwrap();
                 worst = worst.max(simulation.ledger().residual(&simulation.energy_terms()).abs());
             }
-            swings.push(worst / simulation.ledger().start.kinetic);
+            residuals.push(worst / simulation.ledger().start.kinetic);
         }
-        let (first, last) = (&swings[..10], &swings[90..]);
-        let mean = |part: &[f64]| part.iter().sum::<f64>() / 10.0;
+        let (first, last) = (&residuals[..10], &residuals[90..]);
+        let mean = |residuals: &[f64]| residuals.iter().sum::<f64>() / 10.0;
         assert!(mean(first) < 0.2 && (mean(last) / mean(first) - 1.0).abs() < 0.1, "{name}: {first:?} {last:?}");
     }
     assert!(seen > 0);
@@ -261,7 +262,7 @@ fn the_same_run_gives_the_same_bits_whole_or_in_pieces() {
 #[test]
 fn a_progress_that_does_not_fit_changes_nothing() {
     for name in names() {
-        let new = || simulation(oscillator(0.3), &[], name, Some(0.01), unwatched());
+        let new = || simulation(oscillator(0.3), &[], name, Some(0.01), without_monitor());
         let (mut simulation, mut later) = (new(), new());
         simulation.step(3).unwrap();
         later.step(7).unwrap();
@@ -282,8 +283,8 @@ fn adaptive(model: Model, laws: &[LawSpec], relative: f64) -> Simulation {
 }
 
 #[test]
-fn an_adaptive_run_gives_the_same_bits_whole_or_in_pieces_wherever_someone_looks() {
-    let (model, laws) = everything();
+fn an_adaptive_run_gives_the_same_bits_whole_or_in_pieces_at_any_output_times() {
+    let (model, laws) = damped_chain();
     let new = || adaptive(model.clone(), &laws, 1e-6);
     let (mut whole, mut cut) = (new(), new());
     assert!(whole.is_adaptive() && whole.reach(5.0, u64::MAX).unwrap());
@@ -306,7 +307,7 @@ fn an_adaptive_run_gives_the_same_bits_whole_or_in_pieces_wherever_someone_looks
 }
 
 #[test]
-fn an_adaptive_run_errs_in_proportion_to_its_tolerance_also_between_steps() {
+fn the_error_of_an_adaptive_run_is_proportional_to_its_tolerance_also_between_steps() {
     let worst = |relative: f64| {
         let mut simulation = adaptive(oscillator(0.3), &[], relative);
         let mut worst: f64 = 0.0;
@@ -315,19 +316,19 @@ fn an_adaptive_run_errs_in_proportion_to_its_tolerance_also_between_steps() {
             simulation.reach(time, u64::MAX).unwrap();
             worst = worst.max((simulation.positions()[1][0] - 2.0 - 0.3 * time.cos()).abs());
         }
-        let tries = simulation.step_count() + simulation.rejected_count();
-        assert_eq!(simulation.evaluation_count(), 1 + 6 * tries);
+        let attempts = simulation.step_count() + simulation.rejected_count();
+        assert_eq!(simulation.evaluation_count(), 1 + 6 * attempts);
         (worst, simulation.evaluation_count())
     };
     let ((coarse, few), (fine, many)) = (worst(1e-5), worst(1e-8));
     assert!(fine < 1e-6 && coarse < 1e-3 && (1e2..1e4).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
-    // 1000^(1/5) = 4 times the work.
+    // 1000^(1/5) = 4 times the evaluations.
     assert!((2.5..6.0).contains(&(many as f64 / few as f64)), "{few} {many}");
 }
 
 #[test]
-fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_gives_up_where_none_is_small_enough() {
-    // Two tip masses fall freely until their cords catch them.
+fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_stops_where_none_is_small_enough() {
+    // A mass moves freely until its cords become taut.
     let mut model = oscillator(0.0);
     model.cords.iter_mut().for_each(|cord| (cord.rest_length, cord.stiffness) = (4.0, 1e6));
     model.velocities[1] = [0.0, 1.0, 0.0];
@@ -336,7 +337,7 @@ fn an_adaptive_run_rejects_steps_at_a_sudden_change_and_gives_up_where_none_is_s
     assert!(simulation.rejected_count() > 0);
     let error = simulation.ledger().error(&simulation.energy_terms());
     assert!(error.abs() < 1e-4, "{error:e}");
-    let mut hopeless = adaptive(everything().0, &[], 1e-300);
+    let mut hopeless = adaptive(damped_chain().0, &[], 1e-300);
     let text = hopeless.reach(1.0, u64::MAX).unwrap_err().to_string();
     assert!(text.contains("no step is small enough"), "{text}");
     assert_eq!(hopeless.time(), 0.0);
@@ -356,7 +357,7 @@ fn a_step_too_large_is_stopped_with_time_place_law_and_remedy() {
 }
 
 #[test]
-fn what_cannot_be_stepped_is_refused() {
+fn invalid_scenes_and_steps_are_refused() {
     let refuse = |model: Model, laws: &[LawSpec], name: &str, dt: Option<f64>| {
         Simulation::new(model, laws, name, dt, Settings::default()).map(|_| ()).unwrap_err().to_string()
     };
@@ -365,11 +366,11 @@ fn what_cannot_be_stepped_is_refused() {
         assert!(refuse(oscillator(0.0), &[], "rk4", Some(dt)).contains("dt"));
     }
     assert!(refuse(oscillator(0.0), &[], "rk4", Some(1e3)).contains("times the stability limit"));
-    let loose = Model { cords: Vec::new(), ..oscillator(0.0) };
+    let without_cords = Model { cords: Vec::new(), ..oscillator(0.0) };
     for name in ["rk4", "leapfrog"] {
-        assert!(refuse(loose.clone(), &[], name, None).contains("give dt"));
+        assert!(refuse(without_cords.clone(), &[], name, None).contains("give dt"));
     }
-    adaptive(loose, &[], 1e-6).reach(1.0, u64::MAX).unwrap();
+    adaptive(without_cords, &[], 1e-6).reach(1.0, u64::MAX).unwrap();
     let massless = Model { extra_masses: vec![1.0, 0.0, 1.0], ..oscillator(0.0) };
     assert!(refuse(massless, &[], "rk4", None).contains("node 1"));
     let bad = SpringParameters {

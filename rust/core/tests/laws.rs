@@ -1,4 +1,4 @@
-//! Every law in the list, by its own word: force and energy against power, work class, dependence on velocity, momentum.
+//! Every law in the list against its stated properties: power, work class, dependence on velocity, momentum.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -19,7 +19,7 @@ fn size_of(a: &NodeVectors, b: &NodeVectors) -> f64 {
     a.abs().dot(&b.abs())
 }
 
-/// A law violates the first thing that is known of every law: P = F . v + dU/dt along the motion.
+/// Residual of P = F . v + dU/dt along the motion, and its scale [W].
 fn power_residual(bench: &mut Bench, row: usize) -> (f64, f64) {
     let (time, start) = (bench.time, bench.state.clone());
     let (forces, power) = bench.evaluate(row, time, &start);
@@ -78,7 +78,7 @@ fn the_work_of_every_law_is_of_its_class() {
 }
 
 #[test]
-fn every_law_depends_on_velocity_as_it_says() {
+fn every_law_depends_on_velocity_as_stated() {
     for film in films() {
         let mut bench = Bench::crumpled(&every_law_with(film), 7, 0.004);
         let (time, state) = (bench.time, bench.state.clone());
@@ -92,7 +92,7 @@ fn every_law_depends_on_velocity_as_it_says() {
 }
 
 #[test]
-fn every_internal_law_keeps_the_momentum_of_the_whole_and_no_other_does() {
+fn every_internal_law_conserves_total_momentum_and_no_other_does() {
     for film in films() {
         let mut bench = Bench::crumpled(&every_law_with(film), 7, 0.004);
         let (time, state) = (bench.time, bench.state.clone());
@@ -126,7 +126,7 @@ fn a_law_with_three_times_its_power_is_found() {
     assert!(residual.abs() > 1e-2 * scale, "{residual:e} of {scale:e} W");
 }
 
-/// A sheet that flies, turns and rings, without what would make its motion chaotic.
+/// A sheet in smooth motion with vibrations, without buckling, which would make it chaotic.
 fn moving() -> Model {
     let mut model = sheet(4, 3, 0.01);
     model.positions.iter_mut().for_each(|p| *p = [1.002 * p[0] + 0.04, 1.002 * p[1], 0.1 * p[0]]);
@@ -135,8 +135,8 @@ fn moving() -> Model {
 }
 
 #[test]
-fn every_law_goes_with_every_method_and_restarts_with_the_same_bits() {
-    // Each law with the film it stands beside, and a law with a state that stands in no list.
+fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
+    // Each law with each film, and a law with state outside the list.
     for (film, law) in films().flat_map(|film| {
         let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
         others.map(move |law| (film.clone(), law))
@@ -173,7 +173,7 @@ fn every_law_goes_with_every_method_and_restarts_with_the_same_bits() {
 }
 
 #[test]
-fn a_law_with_a_state_goes_back_with_the_run_that_is_stopped() {
+fn the_state_of_a_law_is_restored_with_that_of_a_stopped_run() {
     let more = |assembly: &Assembly| -> Vec<Box<dyn Law>> { vec![Box::new(WearingFriction::new(assembly))] };
     let settings = Settings { check_interval: 16, ..Settings::default() };
     let mut simulation = simulation_of(moving(), &[common::springs()], METHODS[0], Some(1e-7), settings, more);
@@ -186,29 +186,29 @@ fn a_law_with_a_state_goes_back_with_the_run_that_is_stopped() {
 }
 
 #[test]
-fn a_rigid_motion_of_the_flat_sheet_meets_no_resistance() {
+fn internal_laws_do_not_resist_a_rigid_motion_of_the_flat_sheet() {
     let mut model = sheet(4, 3, 0.01);
     let axis = [0.3, -0.5, 0.8];
     let (sine, cosine) = 0.7_f64.sin_cos();
     for (position, velocity) in model.positions.iter_mut().zip(&mut model.velocities) {
-        // Turn about z, shift; velocity = translation + rotation about `axis`.
+        // Rotation about z and translation; velocity of a translation and a rotation about `axis`.
         let p = [cosine * position[0] - sine * position[1] + 0.4, sine * position[0] + cosine * position[1], -0.2];
         *position = p;
         *velocity =
             [axis[1] * p[2] - axis[2] * p[1] + 1.0, axis[2] * p[0] - axis[0] * p[2], axis[0] * p[1] - axis[1] * p[0]];
     }
-    // What the same film bears at a strain of one, as the measure of nothing.
-    let strong = common::FILM.youngs_modulus * common::FILM.thickness * 0.01;
+    // The scale: the force of the film at a strain of one.
+    let scale = common::FILM.youngs_modulus * common::FILM.thickness * 0.01;
     for film in films() {
         let laws = [film, LawSpec::SpringDamping(0.02.into())];
         let mut bench = Bench::new(Model { cords: Vec::new(), bridges: Bridges::default(), ..model.clone() }, &laws);
         let (time, state) = (bench.time, bench.state.clone());
         for row in (0..bench.laws.len()).filter(|&row| bench.laws[row].properties().is_internal).collect::<Vec<_>>() {
             let most = bench.evaluate(row, time, &state).0.amax();
-            assert!(most < 1e-11 * strong, "{}: {most:e}", bench.laws[row].name());
+            assert!(most < 1e-11 * scale, "{}: {most:e}", bench.laws[row].name());
         }
     }
-    // Flat creases pull towards their natural angle, but their energy is that of the flat sheet before the motion.
+    // Flat creases have moments towards their natural angle, but the energy of the flat sheet before the motion.
     let energy = |model: Model| {
         let bench = Bench::new(model, &[creases(1.0)]);
         bench.laws[0].energy(bench.instant())
@@ -229,7 +229,7 @@ fn a_law_that_is_there_twice_is_refused_by_name() {
 }
 
 #[test]
-fn a_length_beside_the_crease_that_is_none_is_refused() {
+fn an_invalid_length_scale_of_the_creases_is_refused() {
     for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let LawSpec::Creases(parameters) = creases(1.0) else { unreachable!("creases are creases") };
         let law = LawSpec::Creases(CreaseParameters { length_scale: Some(length), ..parameters });
@@ -239,7 +239,7 @@ fn a_length_beside_the_crease_that_is_none_is_refused() {
 }
 
 #[test]
-fn a_law_that_is_left_out_exerts_nothing() {
+fn a_scene_has_no_law_that_is_left_out() {
     let mut simulation =
         Simulation::new(sheet(2, 2, 0.01), &[common::springs()], "rk4", None, Settings::default()).unwrap();
     let names: Vec<_> = simulation.laws().iter().map(|law| law.name()).collect();
@@ -249,7 +249,7 @@ fn a_law_that_is_left_out_exerts_nothing() {
 }
 
 #[test]
-fn the_list_names_each_law_as_the_law_names_itself() {
+fn the_name_in_the_list_is_that_of_the_law() {
     for law in every_law() {
         let simulation =
             Simulation::new(sheet(2, 2, 0.01), std::slice::from_ref(&law), "rk4", Some(1e-9), Settings::default());
@@ -259,7 +259,7 @@ fn the_list_names_each_law_as_the_law_names_itself() {
 
 #[test]
 fn the_turning_frame_gives_the_motion_of_the_fixed_one() {
-    // A stretched sheet that flies and turns: once in the fixed frame, once in one that turns and speeds up.
+    // A stretched sheet in free motion, in the fixed frame and in an accelerated one.
     let turning_frame = spin(30.0, 40.0);
     let hub = spin_of(std::slice::from_ref(&turning_frame));
     let mut model = sheet(3, 2, 0.01);

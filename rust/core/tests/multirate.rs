@@ -1,4 +1,4 @@
-//! Leapfrog in short steps: which laws are slow, and what holds with them.
+//! Leapfrog with substeps: the slow laws, order, energy balance and bits.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -9,9 +9,9 @@ use membrane_core::model::input::{Cord, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 
-/// Three masses on a taut chain between two held nodes that swing in all directions in a frame that turns ever faster;
-/// friction and weight are slow beside the cords.
-fn swinging(name: &str, substeps: u32, dt: f64) -> Simulation {
+/// Three masses on a taut chain between two held nodes, oscillating in all directions in an accelerated frame; friction
+/// and weight are slow beside the cords.
+fn chain(name: &str, substeps: u32, dt: f64) -> Simulation {
     let model = Model {
         positions: (0..5).map(|i| [2.0 * f64::from(i), 0.0, 0.0]).collect(),
         velocities: common::Dice(7).vectors(5, 0.5),
@@ -39,11 +39,11 @@ fn sail_in(substeps: u32, dt: Option<f64>) -> Simulation {
 }
 
 #[test]
-fn laws_are_slow_that_alone_allow_ten_times_the_step() {
+fn slow_laws_have_a_limit_of_ten_times_that_of_the_scene() {
     let slow = |simulation: &Simulation| simulation.slow_laws().collect::<Vec<_>>();
-    assert_eq!(slow(&swinging("leapfrog", 4, 0.01)), ["mass_damping", "gravity"]);
+    assert_eq!(slow(&chain("leapfrog", 4, 0.01)), ["mass_damping", "gravity"]);
     for (name, count) in [("leapfrog", 1), ("rk4", 4)] {
-        assert!(slow(&swinging(name, count, 0.01)).is_empty());
+        assert!(slow(&chain(name, count, 0.01)).is_empty());
     }
     let (whole, divided) = (sail_in(1, None), sail_in(4, None));
     assert!(slow(&divided).contains(&"creases") && slow(&divided).contains(&"air_drag"), "{:?}", slow(&divided));
@@ -51,7 +51,7 @@ fn laws_are_slow_that_alone_allow_ten_times_the_step() {
 }
 
 #[test]
-fn a_step_that_is_not_given_is_shorter_than_half_a_period_of_any_mode() {
+fn the_default_step_is_shorter_than_half_a_period_of_any_mode() {
     let mut last = 0.0;
     for count in 2..12 {
         let simulation = sail_in(count, None);
@@ -65,20 +65,20 @@ fn a_step_that_is_not_given_is_shorter_than_half_a_period_of_any_mode() {
 #[test]
 fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
     let run = |name: &str, steps: u64| {
-        let mut simulation = swinging(name, 4, 2.0 / steps as f64);
+        let mut simulation = chain(name, 4, 2.0 / steps as f64);
         simulation.step(steps).unwrap();
         simulation
     };
     let exact = run("dopri5", 4000);
     let errors = [40, 80].map(|steps| {
         let found = run("leapfrog", steps);
-        let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+        let distance = |a: &[[f64; 3]], b: &[[f64; 3]]| {
             a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
         let work = |simulation: &Simulation, law: usize| simulation.ledger().work[law];
         [
-            apart(&found.positions(), &exact.positions()),
-            apart(&found.velocities(), &exact.velocities()),
+            distance(&found.positions(), &exact.positions()),
+            distance(&found.velocities(), &exact.velocities()),
             (work(&found, 2) - work(&exact, 2)).abs(),
             found.ledger().residual(&found.energy_terms()).abs(),
         ]
@@ -91,24 +91,24 @@ fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
 }
 
 #[test]
-fn a_sail_is_balanced_as_by_leapfrog_with_a_quarter_of_the_slow_evaluations() {
+fn the_balance_of_a_sail_is_that_of_leapfrog_at_a_quarter_of_the_slow_evaluations() {
     let run = |substeps: u32, steps: u64, dt: f64| {
         let mut simulation = sail_in(substeps, Some(dt));
         simulation.step(steps).unwrap();
         simulation
     };
-    let (short, long) = (run(1, 400, 1e-6), run(4, 100, 4e-6));
-    assert_eq!(short.evaluation_count(), long.evaluation_count());
-    assert!((short.time() - long.time()).abs() < 1e-12);
-    let [a, b] = [&short, &long].map(|simulation| simulation.ledger().error(&simulation.energy_terms()));
+    let (whole, divided) = (run(1, 400, 1e-6), run(4, 100, 4e-6));
+    assert_eq!(whole.evaluation_count(), divided.evaluation_count());
+    assert!((whole.time() - divided.time()).abs() < 1e-12);
+    let [a, b] = [&whole, &divided].map(|simulation| simulation.ledger().error(&simulation.energy_terms()));
     assert!((a - b).abs() < 0.05 * a.abs() + 1e-6, "{a:e} {b:e}");
-    let drag = short.laws().iter().position(|law| law.name() == "air_drag").unwrap();
+    let drag = whole.laws().iter().position(|law| law.name() == "air_drag").unwrap();
     let work = |simulation: &Simulation| simulation.ledger().work[drag];
-    assert!((work(&long) / work(&short) - 1.0).abs() < 1e-3, "{:e} {:e}", work(&long), work(&short));
+    assert!((work(&divided) / work(&whole) - 1.0).abs() < 1e-3, "{:e} {:e}", work(&divided), work(&whole));
 }
 
 #[test]
-fn a_sail_goes_on_with_the_same_bits_at_every_width() {
+fn a_sail_continues_with_the_same_bits_at_every_width() {
     let new = || sail_in(4, Some(4e-6));
     let (mut whole, mut first, mut second) = (new(), new(), new());
     whole.step(50).unwrap();

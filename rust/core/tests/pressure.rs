@@ -1,4 +1,4 @@
-//! Uniform pressure: forces on one triangle, closed surfaces, work in every method.
+//! Uniform pressure: forces on one triangle, closed surfaces, work by every method.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -15,7 +15,7 @@ fn pressure(pressure: f64) -> LawSpec {
     PressureParameters { pressure }.into()
 }
 
-/// A surface with these corners and triangles, crumpled by `size`.
+/// A surface with these corners and triangles, and random displacements of `size`.
 fn surface(points: &[[f64; 3]], triangles: &[[u32; 3]], size: f64) -> Model {
     let kicks = Dice(1).vectors(points.len(), size);
     let moved = points.iter().zip(kicks).map(|(p, k)| [0, 1, 2].map(|axis| p[axis] + k[axis]));
@@ -38,7 +38,7 @@ fn forces(model: Model, laws: &[LawSpec]) -> Vec<[f64; 3]> {
 #[test]
 fn a_triangle_bears_a_third_of_pressure_times_area_on_each_node_towards_its_normal() {
     let points = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
-    // Counter-clockwise seen from +z, whatever node comes first.
+    // Counterclockwise seen from +z, from any first node.
     for triangle in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
         for force in forces(surface(&points, &[triangle], 0.0), &[pressure(5.0)]) {
             assert_eq!(force, [0.0, 0.0, 5.0]);
@@ -48,7 +48,7 @@ fn a_triangle_bears_a_third_of_pressure_times_area_on_each_node_towards_its_norm
 }
 
 #[test]
-fn a_closed_surface_bears_no_force_and_no_torque_on_the_whole() {
+fn the_total_force_and_torque_on_a_closed_surface_vanish() {
     let [e, o] = [1.0, 0.0];
     let octahedron = [[e, o, o], [-e, o, o], [o, e, o], [o, -e, o], [o, o, e], [o, o, -e]];
     let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
@@ -61,7 +61,7 @@ fn a_closed_surface_bears_no_force_and_no_torque_on_the_whole() {
         let torque: f64 = model.positions.iter().zip(&found).map(|(p, f)| p[i] * f[j] - p[j] * f[i]).sum();
         assert!(force.abs() < 1e-14 * size && torque.abs() < 1e-14 * size, "{force:e} {torque:e} of {size:e}");
     }
-    // Outwards: the volume grows.
+    // Outward: positive work on an expansion.
     assert!(
         found.iter().zip(&model.positions).map(|(f, p)| f[0] * p[0] + f[1] * p[1] + f[2] * p[2]).sum::<f64>() > 0.0
     );
@@ -69,7 +69,7 @@ fn a_closed_surface_bears_no_force_and_no_torque_on_the_whole() {
 
 #[test]
 fn its_work_is_external_and_closes_the_balance_at_the_order_of_each_method() {
-    // A sheet that is blown off: without buckling, so that the motion is smooth.
+    // A sheet accelerated by pressure, without buckling, so that the motion is smooth.
     let film = films().next().unwrap();
     let model = || {
         let mut model = sheet(4, 3, 0.01);

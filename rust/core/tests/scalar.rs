@@ -1,4 +1,4 @@
-//! The kernels against plain scalar loops: the same forces to rounding, contiguous or gathered, at every width.
+//! The kernels against plain scalar loops: equal forces within rounding, in batches of all kinds, at every width.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -13,7 +13,7 @@ use membrane_core::simulation::{Settings, Simulation};
 use oracle::steps::{METHODS, Stepper};
 use oracle::{Motion, Oracle};
 
-/// A sheet whose nodes are numbered at random, whose diagonals are drawn by lot, without a tenth of its triangles.
+/// A sheet with random numbers of its nodes, random diagonals, and without a tenth of its triangles.
 fn unstructured() -> Model {
     let (columns, rows) = (23, 17);
     let mut dice = Dice(11);
@@ -22,7 +22,7 @@ fn unstructured() -> Model {
     for cell in model.triangles.chunks_mut(2) {
         if dice.roll() < 0.0 {
             let ([a, b, c], d) = (cell[0], *cell[1].iter().find(|node| !cell[0].contains(node)).unwrap());
-            // A square a, b, c, d or a, b, d with c beyond: the other diagonal of the same corners.
+            // The other diagonal of the corners a, b, c, d of a square.
             let corners = if cell[1].contains(&a) && cell[1].contains(&c) { [a, b, c, d] } else { [b, d, c, a] };
             let [a, b, c, d] = corners;
             cell.copy_from_slice(&[[a, b, d], [b, c, d]]);
@@ -35,24 +35,24 @@ fn unstructured() -> Model {
             point[axis] = reference[axis] + 5e-4 * dice.roll();
         }
     }
-    let mut name: Vec<u32> = (0..nodes as u32).collect();
-    (1..nodes).rev().for_each(|k| name.swap(k, ((dice.roll() + 1.0) / 2.0 * (k + 1) as f64) as usize));
-    let renamed = |node: u32| *name.get(node as usize).unwrap_or(&node);
+    let mut renumbered: Vec<u32> = (0..nodes as u32).collect();
+    (1..nodes).rev().for_each(|k| renumbered.swap(k, ((dice.roll() + 1.0) / 2.0 * (k + 1) as f64) as usize));
+    let renamed = |node: u32| *renumbered.get(node as usize).unwrap_or(&node);
     let (reference, positions) = (model.reference.clone(), model.positions.clone());
-    for (old, &new) in name.iter().enumerate() {
+    for (old, &new) in renumbered.iter().enumerate() {
         model.reference[new as usize] = reference[old];
         model.positions[new as usize] = positions[old];
     }
     model.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
     model.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
-    // Creases wherever two triangles still share an inner edge of a row.
+    // Creases on the inner edges of rows that still have two triangles.
     let mut creases: Vec<[u32; 2]> = model.creases.nodes.iter().map(|pair| pair.map(renamed)).collect();
     creases
         .retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
     let fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
     model.creases = Creases { nodes: creases, fold_signs };
     model.bridges.nodes.clear();
-    // Nodes that lost all their triangles have no mass of film.
+    // Nodes without triangles have no mass of film.
     model.extra_masses.fill(1e-6);
     model.velocities = dice.vectors(model.positions.len(), 0.3);
     model
@@ -95,7 +95,7 @@ fn widths() -> impl Iterator<Item = InstructionSet> {
 }
 
 #[test]
-fn on_the_sail_of_model_1() {
+fn kernels_agree_on_the_sail_of_model_1() {
     let sail = sail::sail(1);
     let assembly = Assembly::new(sail.clone(), InstructionSet::Baseline).unwrap();
     let springs = assembly.mesh.edges.len() + sail.cords.len();
@@ -105,14 +105,14 @@ fn on_the_sail_of_model_1() {
 }
 
 #[test]
-fn on_a_sail_of_several_tiles() {
+fn kernels_agree_on_a_sail_of_several_tiles() {
     let sail = sail::sail(2);
     assert!(sail.positions.len() > 2 * TILE);
     widths().for_each(|instructions| agree(sail.clone(), instructions));
 }
 
 #[test]
-fn on_a_mesh_in_no_order() {
+fn kernels_agree_on_an_unstructured_mesh() {
     widths().for_each(|instructions| agree(unstructured(), instructions));
 }
 
@@ -129,7 +129,7 @@ fn agree_in_steps(model: Model) {
     for method in METHODS {
         let mut simulation = Simulation::new(model.clone(), &laws, method, Some(dt), Settings::default()).unwrap();
         simulation.step(steps).unwrap();
-        // A simulation begins with held nodes at rest.
+        // A simulation starts with held nodes at rest.
         let mut stepper = Stepper::new(Oracle::new(&laws, &assembly), &assembly);
         model.fixed.iter().for_each(|&node| stepper.motion.velocities[node as usize] = [0.0; 3]);
         stepper.step(method, dt, steps);
@@ -139,9 +139,9 @@ fn agree_in_steps(model: Model) {
             (&found[1], &stepper.motion.velocities, &model.velocities),
         ] {
             let moved = expected.iter().flatten().zip(start.iter().flatten()).map(|(a, b)| (a - b).abs());
-            let apart = expected.iter().flatten().zip(found.iter().flatten()).map(|(a, b)| (a - b).abs());
-            let (moved, apart) = (moved.fold(0.0, f64::max), apart.fold(0.0, f64::max));
-            assert!(apart < 1e-9 * moved, "{method}: {apart:e} of {moved:e}");
+            let distance = expected.iter().flatten().zip(found.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let (moved, distance) = (moved.fold(0.0, f64::max), distance.fold(0.0, f64::max));
+            assert!(distance < 1e-9 * moved, "{method}: {distance:e} of {moved:e}");
         }
     }
 }

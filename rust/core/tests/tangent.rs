@@ -1,4 +1,4 @@
-//! The jacobian of every law against central differences of its forces, and the factorised tangent against a dense one.
+//! The Jacobian of every law against central differences of its forces, and the tangent against a dense matrix.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -16,20 +16,20 @@ use nalgebra::{DMatrix, DVector};
 struct Dense {
     by_position: DMatrix<f64>,
     by_velocity: DMatrix<f64>,
-    touched: BTreeSet<(u32, u32)>,
+    coupled: BTreeSet<(u32, u32)>,
 }
 
 impl JacobianBlocks for Dense {
     fn by_position(&mut self, on: u32, of: u32, block: &Block) {
         let mut place = self.by_position.fixed_view_mut::<3, 3>(3 * on as usize, 3 * of as usize);
         place += block;
-        self.touched.insert((on.min(of), on.max(of)));
+        self.coupled.insert((on.min(of), on.max(of)));
     }
 
     fn by_velocity(&mut self, on: u32, of: u32, block: &Block) {
         let mut place = self.by_velocity.fixed_view_mut::<3, 3>(3 * on as usize, 3 * of as usize);
         place += block;
-        self.touched.insert((on.min(of), on.max(of)));
+        self.coupled.insert((on.min(of), on.max(of)));
     }
 }
 
@@ -37,13 +37,13 @@ impl Dense {
     fn of(law: &dyn Linearisation, at: Instant<'_>) -> Self {
         let size = 3 * at.positions.nrows();
         let zeros = || DMatrix::zeros(size, size);
-        let mut dense = Self { by_position: zeros(), by_velocity: zeros(), touched: BTreeSet::new() };
+        let mut dense = Self { by_position: zeros(), by_velocity: zeros(), coupled: BTreeSet::new() };
         law.add_jacobian(at, &mut dense);
         dense
     }
 }
 
-/// The column of differences of the forces of a law as one coordinate changes, of fourth order.
+/// The column of the Jacobian for one coordinate, by central differences of fourth order.
 fn difference(
     bench: &mut Bench,
     row: usize,
@@ -62,35 +62,35 @@ fn difference(
     ((forces(step) - forces(-step)) * 8.0 - (forces(2.0 * step) - forces(-2.0 * step))) / (12.0 * step)
 }
 
-/// The nodes that a law says to couple, each with itself.
+/// The pairs of nodes that a law couples, and each node with itself.
 fn couplings(law: &dyn Linearisation, nodes: usize) -> BTreeSet<(u32, u32)> {
-    let mut announced: BTreeSet<(u32, u32)> = (0..nodes as u32).map(|node| (node, node)).collect();
+    let mut coupled: BTreeSet<(u32, u32)> = (0..nodes as u32).map(|node| (node, node)).collect();
     law.visit_couplings(&mut |nodes| {
-        announced.extend(nodes.iter().flat_map(|&i| nodes.iter().map(move |&j| (i.min(j), i.max(j)))));
+        coupled.extend(nodes.iter().flat_map(|&i| nodes.iter().map(move |&j| (i.min(j), i.max(j)))));
     });
-    announced
+    coupled
 }
 
 #[test]
 fn the_jacobian_of_every_law_is_that_of_its_forces() {
     let mut seen = BTreeSet::new();
     for (seed, film) in (0..8).flat_map(|seed| films().map(move |film| (seed, film))) {
-        // From hardly deformed, where films are taut, to collapsed facets and slack triangles.
+        // From small deformations of taut films to collapsed facets and slack triangles.
         let mut bench = Bench::crumpled(&every_law_with(film), seed, 0.004 * 0.3_f64.powi(seed as i32 % 4));
         let nodes = bench.state.positions.nrows();
         for row in 0..bench.laws.len() {
             let name = bench.laws[row].name();
-            // A law with a state changes it once at an instant.
+            // A law with state changes it once at an instant.
             let (time, state) = (bench.time, bench.state.clone());
             bench.evaluate(row, time, &state);
             let zeros = || DMatrix::zeros(3 * nodes, 3 * nodes);
             let [by_position, by_velocity] = match bench.laws[row].linearisation() {
                 None => [zeros(), zeros()],
                 Some(law) => {
-                    let Dense { by_position, by_velocity, touched } = Dense::of(law, bench.instant());
+                    let Dense { by_position, by_velocity, coupled } = Dense::of(law, bench.instant());
                     assert!(
-                        touched.is_subset(&couplings(law, nodes)),
-                        "{name} couples nodes that it does not announce"
+                        coupled.is_subset(&couplings(law, nodes)),
+                        "{name} couples nodes that visit_couplings leaves out"
                     );
                     [by_position, by_velocity]
                 }
@@ -99,15 +99,15 @@ fn the_jacobian_of_every_law_is_that_of_its_forces() {
                 let size = jacobian.amax();
                 for column in 0..jacobian.ncols() {
                     let found = difference(&mut bench, row, (column / 3, column % 3), step, is_position);
-                    let apart = (&found - jacobian.column(column)).amax();
+                    let difference = (&found - jacobian.column(column)).amax();
                     let allowed = 2e-6 * size.max(found.amax()) + 1e-12;
-                    assert!(apart <= allowed, "{name}, seed {seed}, column {column}: {apart:e} of {size:e}");
+                    assert!(difference <= allowed, "{name}, seed {seed}, column {column}: {difference:e} of {size:e}");
                 }
                 if size > 0.0 {
                     seen.insert(name);
                 }
             }
-            // What changes with nothing needs no linearisation, and nothing else goes without.
+            // Only a constant force may be without linearisation.
             assert!(bench.laws[row].linearisation().is_none() || seen.contains(name) || seed == 0, "{name}");
         }
     }
@@ -130,7 +130,7 @@ fn the_damping_matrix_of_every_law_is_the_symmetric_part_of_its_jacobian() {
             let symmetric = -0.5 * (&jacobian + jacobian.transpose());
             let (found, exact) = (flat(&q).dot(&flat(&product(linear, &p))), flat(&q).dot(&(&symmetric * flat(&p))));
             let scale = symmetric.amax() * flat(&p).norm() * flat(&q).norm();
-            // Drag's matrix is not symmetric: its product is exact along one vector.
+            // The matrix of drag is not symmetric: the mean of both products is exact.
             let other = flat(&p).dot(&flat(&product(linear, &q)));
             assert!((0.5 * (found + other) - exact).abs() <= 1e-12 * scale, "{}: {found:e} {exact:e}", law.name());
         }
@@ -138,9 +138,9 @@ fn the_damping_matrix_of_every_law_is_the_symmetric_part_of_its_jacobian() {
 }
 
 #[test]
-fn the_stiffness_of_every_law_is_symmetric_and_the_stiffest_that_it_shows() {
+fn the_stiffness_of_every_law_is_symmetric_and_bounds_its_jacobian() {
     for film in films() {
-        // Stretched a little, so that nothing buckles; every pair of random motions.
+        // Slightly stretched, so that nothing buckles; pairs of random vectors.
         let mut model = sheet(4, 3, 0.01);
         model.positions.iter_mut().for_each(|p| *p = [1.001 * p[0] + 0.01, 1.001 * p[1], 0.0]);
         let bench = Bench::new(model, &every_law_with(film));
@@ -158,9 +158,9 @@ fn the_stiffness_of_every_law_is_symmetric_and_the_stiffest_that_it_shows() {
             assert!((q.dot(&kp) - p.dot(&kq)).abs() <= 1e-12 * scale, "{} is not symmetric", law.name());
             let jacobian = Dense::of(linear, bench.instant()).by_position;
             let flat = DVector::from_fn(3 * p.nrows(), |row, _| p[(row / 3, row % 3)]);
-            let shown = -flat.dot(&(&jacobian * &flat));
-            // The geometric part, of the order of the strain, is left out; what turns the frame stiffens nothing.
-            assert!(shown <= p.dot(&kp) * 1.01 + 1e-12, "{}: {shown:e} over {:e}", law.name(), p.dot(&kp));
+            let quotient = -flat.dot(&(&jacobian * &flat));
+            // Without the geometric part, of the order of the strain; the frame has no positive stiffness.
+            assert!(quotient <= p.dot(&kp) * 1.01 + 1e-12, "{}: {quotient:e} over {:e}", law.name(), p.dot(&kp));
         }
     }
 }
@@ -178,8 +178,8 @@ fn the_tangent_solves_as_the_dense_matrix_does() {
         let bench = Bench::crumpled(&every_law_with(film), 3, 0.0003);
         let (at, masses) = (bench.instant(), &bench.assembly.masses);
         let linearised = || bench.laws.iter().filter_map(|law| law.linearisation());
-        let blocks = |taker: &mut dyn JacobianBlocks| linearised().for_each(|law| law.add_jacobian(at, taker));
-        // Nodes 2 and 5 are held; a heavy mass makes the matrix positive definite.
+        let blocks = |receiver: &mut dyn JacobianBlocks| linearised().for_each(|law| law.add_jacobian(at, receiver));
+        // Nodes 2 and 5 are held; a large weight of the masses makes the matrix positive definite.
         let mut inverse = bench.assembly.inverse_masses.clone();
         (inverse[2], inverse[5]) = (0.0, 0.0);
         let weights = Weights { mass: 1e12, damping: 1e3, stiffness: 1.0 };
@@ -207,19 +207,19 @@ fn the_tangent_solves_as_the_dense_matrix_does() {
         tangent.solve(masses, &mut right);
         let found = DVector::from_fn(size, |i, _| right[(i / 3, i % 3)]);
         assert!((&found - &expected).amax() < 1e-10 * expected.amax());
-        // With the mass of the other sign it has no factor, and says so.
+        // With a negative mass it has no factor.
         tangent.assemble(masses, Weights { mass: -weights.mass, ..weights }, blocks);
         assert!(!tangent.factorise());
     }
 }
 
 #[test]
-fn eliminating_in_the_right_order_keeps_the_factor_sparse() {
+fn the_order_of_elimination_keeps_the_factor_sparse() {
     let numbers = |side: usize| {
         let bench = Bench::new(sheet(side, side, 0.01), &every_law_with(film(FilmElements::Links)));
         tangent_of(&bench.laws, &bench.assembly.inverse_masses).factor_size()
     };
-    // A band would grow eightfold, n^(3/2) to n log n in the nodes' order of least degree; and hold 3 n^(3/2) blocks.
+    // A banded factor would grow eightfold, by n^(3/2) against n log n, with 3 n^(3/2) blocks.
     let (small, large) = (numbers(12), numbers(24));
     assert!(large < 6 * small, "{small} {large}");
     assert!(large < 9 * 3 * 15_625, "{large}");

@@ -1,4 +1,4 @@
-//! The same bits at every vector width, and nothing allocated or left out because of the numbering.
+//! The same bits at every vector width, and the same forces with every numbering.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -9,7 +9,7 @@ use membrane_core::laws::WorkClass;
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 
-fn crumpled(instructions: InstructionSet) -> Simulation {
+fn disturbed(instructions: InstructionSet) -> Simulation {
     sheet_in_motion((19, 13), "rk4", Settings { instructions, ..Settings::default() })
 }
 
@@ -25,17 +25,17 @@ fn sheet_in_motion((columns, rows): (usize, usize), method: &str, settings: Sett
 
 #[test]
 fn a_trajectory_has_the_same_bits_at_every_width() {
-    let mut baseline = crumpled(InstructionSet::Baseline);
+    let mut baseline = disturbed(InstructionSet::Baseline);
     baseline.step(500).unwrap();
     for instructions in InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available()) {
-        let mut simulation = crumpled(instructions);
+        let mut simulation = disturbed(instructions);
         simulation.step(500).unwrap();
         assert_eq!(simulation.progress(), baseline.progress(), "{}", instructions.name());
     }
 }
 
 #[test]
-fn so_has_one_of_more_nodes_than_a_tile() {
+fn so_has_a_trajectory_of_more_than_one_tile() {
     for (method, substeps) in [("rk4", 1), ("leapfrog", 1), ("leapfrog", 2)] {
         let run = |instructions: InstructionSet| {
             let settings = Settings { instructions, substeps, ..Settings::default() };
@@ -52,7 +52,7 @@ fn so_has_one_of_more_nodes_than_a_tile() {
 }
 
 #[test]
-fn methods_agree_on_the_work_of_each_law_however_many_the_tiles() {
+fn methods_agree_on_the_work_of_each_law_with_any_number_of_tiles() {
     for size in [(19, 13), (69, 59)] {
         let run = |method: &str, substeps: u32, steps: u64| {
             let settings = Settings { substeps, energy_tolerance: 1.0, ..Settings::default() };
@@ -74,8 +74,8 @@ fn methods_agree_on_the_work_of_each_law_however_many_the_tiles() {
 }
 
 #[test]
-fn a_sheet_in_rows_falls_into_contiguous_batches() {
-    for law in crumpled(InstructionSet::Baseline).laws() {
+fn a_sheet_in_rows_has_contiguous_batches() {
+    for law in disturbed(InstructionSet::Baseline).laws() {
         let least = if law.name() == "tethers" || law.name() == "bridges" { 0.0 } else { 0.9 };
         let share = law.inspection().map_or(1.0, |law| law.contiguous_share());
         assert!(share >= least, "{}: {share}", law.name());
@@ -83,8 +83,8 @@ fn a_sheet_in_rows_falls_into_contiguous_batches() {
 }
 
 #[test]
-fn the_callers_numbering_changes_no_force() {
-    // The same sheet with its nodes numbered at random: other batches, the same forces but for rounding.
+fn forces_do_not_depend_on_the_external_order() {
+    // The same sheet with random numbers of its nodes: other batches, equal forces within rounding.
     let plain = {
         let mut model = sheet(9, 7, 0.01);
         model

@@ -1,5 +1,4 @@
-//! Work that is counted, not timed: memory that a step asks for, memory that a scene keeps, elements that kernels reach in
-//! contiguous batches.
+//! Measures of cost without times: allocations of a step, memory of a scene, share of contiguous batches.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -12,26 +11,26 @@ use membrane_core::simulation::{Settings, Simulation};
 use membrane_core::stability::Limit;
 
 thread_local! {
-    /// Bytes that this thread ever asked for, and bytes that it has not given back.
-    static ASKED: Cell<usize> = const { Cell::new(0) };
+    /// Bytes that this thread has allocated since its start, and bytes that it has not freed.
+    static ALLOCATED: Cell<usize> = const { Cell::new(0) };
     static HELD: Cell<isize> = const { Cell::new(0) };
 }
 
 struct Counting;
 
-// SAFETY: every call goes to the system's allocator as it came; counting touches no memory of theirs.
+// SAFETY: every call is forwarded unchanged to the system's allocator; counting touches no memory of the blocks.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ASKED.set(ASKED.get() + layout.size());
+        ALLOCATED.set(ALLOCATED.get() + layout.size());
         HELD.set(HELD.get() + layout.size() as isize);
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
         HELD.set(HELD.get() - layout.size() as isize);
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's contract.
         unsafe { System.dealloc(place, layout) }
     }
 }
@@ -44,20 +43,20 @@ fn simulation(fineness: usize, integrator: &str, settings: Settings) -> Simulati
 }
 
 #[test]
-fn a_step_asks_for_no_memory() {
+fn a_step_allocates_no_memory() {
     for (integrator, evaluations) in [("rk4", 4), ("leapfrog", 1)] {
         let settings = Settings { check_interval: u64::MAX, ..Settings::default() };
         let mut simulation = simulation(1, integrator, settings);
         simulation.step(1).unwrap();
-        let (asked, evaluated) = (ASKED.get(), simulation.evaluation_count());
+        let (allocated, evaluated) = (ALLOCATED.get(), simulation.evaluation_count());
         simulation.step(20).unwrap();
-        assert_eq!(ASKED.get() - asked, 0, "{integrator}");
+        assert_eq!(ALLOCATED.get() - allocated, 0, "{integrator}");
         assert_eq!(simulation.evaluation_count() - evaluated, 20 * evaluations, "{integrator}");
     }
 }
 
 #[test]
-fn a_scene_keeps_little_memory() {
+fn a_scene_holds_little_memory() {
     for integrator in ["rk4", "leapfrog"] {
         let before = HELD.get();
         let simulation = simulation(4, integrator, Settings::default());
@@ -72,7 +71,7 @@ fn a_scene_keeps_little_memory() {
 }
 
 #[test]
-fn the_sail_falls_into_contiguous_batches() {
+fn the_sail_has_contiguous_batches() {
     for (fineness, least) in [(1, 0.97), (4, 0.99)] {
         for law in simulation(fineness, "rk4", Settings::default()).laws() {
             let share = law.inspection().map_or(1.0, |law| law.contiguous_share());
@@ -82,18 +81,18 @@ fn the_sail_falls_into_contiguous_batches() {
 }
 
 #[test]
-fn a_limit_that_is_known_is_not_looked_for() {
+fn a_known_limit_is_not_computed_again() {
     let new = |known: Option<Limit>| {
-        let before = ASKED.get();
+        let before = ALLOCATED.get();
         let simulation = sail::simulation(sail::sail(1), "rk4", None, Settings::default(), known);
-        (simulation, ASKED.get() - before)
+        (simulation, ALLOCATED.get() - before)
     };
-    let (found, asked) = new(None);
+    let (found, allocated) = new(None);
     let limit = found.limit().unwrap();
     let (known, less) = new(Some(limit.clone()));
     assert_eq!((known.dt(), known.limit().unwrap()), (found.dt(), limit.clone()));
-    assert!(less < asked / 10, "{less} bytes, {asked} where the limit is looked for");
-    // It is taken at its word.
+    assert!(less < allocated / 10, "{less} bytes, {allocated} where the limit is computed");
+    // It is not checked.
     let (doubled, _) = new(Some(Limit { dt: 2.0 * limit.dt, ..limit }));
     assert_eq!(doubled.dt(), 2.0 * found.dt());
 }

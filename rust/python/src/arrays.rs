@@ -1,4 +1,4 @@
-//! Every check of shape and dtype on the way in, every array on the way out.
+//! Conversion of arrays: checks of shape and dtype from Python, new arrays to Python.
 
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -53,7 +53,7 @@ pub(crate) fn indices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>
 }
 
 fn index_of(name: &str, row: usize, index: i64) -> PyResult<u32> {
-    // One below the largest: the largest marks "no node" inside.
+    // The two largest numbers are marks of the core.
     u32::try_from(index).ok().filter(|&index| index < u32::MAX - 1).ok_or_else(|| {
         wrong_value(format!(
             "{name}, row {row}: node {index} is not an index; give a number from 0 to the number of nodes less one"
@@ -88,7 +88,7 @@ pub(crate) fn pairs<'py>(py: Python<'py>, rows: &[[u32; 2]]) -> PyResult<Bound<'
     matrix(py, &rows)
 }
 
-/// Runs a fallible call of the core and turns its error into an exception.
+/// The result of a call of the core, with its error as an exception.
 pub(crate) fn checked<T>(result: membrane_core::Result<T>) -> PyResult<T> {
     result.map_err(raise)
 }

@@ -1,4 +1,4 @@
-//! The components of a scene and the settings of a run, from objects with these attributes to the core's checked structs.
+//! The components of a model and the settings of a run, from Python objects with these attributes.
 
 use membrane_core::integrators::Tolerance;
 use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model, NegativeSprings};
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::arrays::{index_rows, indices, numbers, rows};
 use crate::errors::{wrong_type, wrong_value};
 
-/// An object whose attributes are read by name; errors say which.
+/// An object, and its name for errors about its attributes.
 struct Component<'py> {
     name: String,
     object: Bound<'py, PyAny>,
@@ -26,7 +26,7 @@ impl<'py> Component<'py> {
         Ok((name.clone(), self.object.getattr(attribute).map_err(missing)?))
     }
 
-    fn part(&self, attribute: &str) -> PyResult<Self> {
+    fn component(&self, attribute: &str) -> PyResult<Self> {
         let (_, object) = self.attribute(attribute)?;
         Ok(Self { name: attribute.to_owned(), object })
     }
@@ -36,20 +36,20 @@ impl<'py> Component<'py> {
         value.extract().map_err(|_| wrong_type(format!("{name} = {value} is of the wrong type")))
     }
 
-    /// What reads an array by its name.
+    /// An attribute by a reader of arrays.
     fn array<T>(&self, attribute: &str, read: fn(&str, &Bound<'py, PyAny>) -> PyResult<T>) -> PyResult<T> {
         let (name, value) = self.attribute(attribute)?;
         read(&name, &value)
     }
 }
 
-/// The model that an object describes by its components.
+/// The model with the components of an object.
 pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
     let model = Component::new("model", object);
     let [nodes, surface, creases, bridges, contacts] =
-        ["nodes", "surface", "creases", "bridges", "contacts"].map(|name| model.part(name));
+        ["nodes", "surface", "creases", "bridges", "contacts"].map(|name| model.component(name));
     let (nodes, surface, creases, bridges, contacts) = (nodes?, surface?, creases?, bridges?, contacts?);
-    let (film, negative_springs) = film_of(&model.part("film")?)?;
+    let (film, negative_springs) = film_of(&model.component("film")?)?;
     Ok(Model {
         positions: nodes.array("positions", rows)?,
         velocities: nodes.array("velocities", rows)?,
@@ -63,13 +63,13 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
             nodes: creases.array("nodes", index_rows)?,
             fold_signs: creases.array("fold_signs", numbers)?,
         },
-        cords: cords_of(&model.part("cords")?)?,
+        cords: cords_of(&model.component("cords")?)?,
         bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
         contacts: ContactSet { nodes: contacts.array("nodes", indices)? },
     })
 }
 
-/// The film, or none.
+/// The film, or `None`.
 fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
     if film.object.is_none() {
         return Ok((None, NegativeSprings::default()));
@@ -90,7 +90,7 @@ fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
     Ok((Some(film), negative_springs))
 }
 
-/// The pieces of tether.
+/// The segments of the tethers.
 fn cords_of(cords: &Component<'_>) -> PyResult<Vec<Cord>> {
     let nodes = cords.array("nodes", index_rows)?;
     let columns = ["stiffness", "rest_length", "strain_limit"].map(|name| cords.array(name, numbers));
@@ -108,7 +108,7 @@ fn cords_of(cords: &Component<'_>) -> PyResult<Vec<Cord>> {
     Ok(nodes.into_iter().enumerate().map(cord).collect())
 }
 
-/// The settings that an object describes; `instructions` of `None` are the widest that the machine has.
+/// The settings of an object; without `instructions`, the widest of the machine.
 pub(crate) fn settings_of(object: &Bound<'_, PyAny>, instructions: Option<&str>) -> PyResult<Settings> {
     let settings = Component::new("settings", object);
     Ok(Settings {

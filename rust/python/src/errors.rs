@@ -1,4 +1,4 @@
-//! Errors of the core as Python exceptions: the package's own, each also of the nearest built-in kind.
+//! Errors of the core as exceptions of the package, which derive from the nearest built-in ones.
 
 use membrane_core::error::Error;
 use pyo3::PyErr;
@@ -26,12 +26,12 @@ pub(crate) fn raise(error: Error) -> PyErr {
     }
 }
 
-/// An array of the wrong kind.
+/// An error for a value or an array of the wrong type.
 pub(crate) fn wrong_type(text: String) -> PyErr {
     python::InputTypeError::new_err(text)
 }
 
-/// A value out of its range.
+/// An error for a value out of range.
 pub(crate) fn wrong_value(text: String) -> PyErr {
     python::InputError::new_err(text)
 }

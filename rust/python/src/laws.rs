@@ -1,4 +1,4 @@
-//! A law and its parameters, as they cross over from Python.
+//! Conversion of laws and their parameters from Python.
 
 use membrane_core::laws::LawSpec;
 use pyo3::prelude::*;
@@ -20,12 +20,12 @@ pub(crate) fn law_of(kind: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Law
     LawSpec::deserialize(Value::Object(values)).map_err(|error| wrong_value(format!("law {kind}: {error}")))
 }
 
-/// A parameter as plain data; `None` for what is none, or is not finite.
+/// A parameter as plain data; `None` for other types, or a number that is not finite.
 fn value_of(value: &Bound<'_, PyAny>) -> Option<Value> {
     if value.is_none() {
         return Some(Value::Null);
     }
-    // A flag is an integer to Python, so it is asked for first.
+    // Python's bool is an int, hence this order.
     if let Ok(flag) = value.extract::<bool>() {
         return Some(Value::Bool(flag));
     }

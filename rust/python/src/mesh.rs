@@ -1,4 +1,4 @@
-//! What the core works out from triangles alone, for the package's `Mesh`.
+//! Functions of triangles, for the package's `Mesh`.
 
 use membrane_core::model::mesh::{Mesh, check_indices, unique_edges};
 use numpy::{PyArray1, PyArray2};

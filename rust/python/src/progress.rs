@@ -1,4 +1,4 @@
-//! The state of a run as a Python dictionary, and back: what is saved and restored.
+//! Conversion of a checkpoint to a Python dictionary and back.
 
 use membrane_core::evaluation::ledger::{EnergyTerms, Ledger};
 use membrane_core::integrators::Controller;
@@ -11,19 +11,19 @@ use crate::arrays::{get, numbers, rows, vectors};
 use crate::errors::wrong_value;
 
 const WHAT: &str = "saved state";
-/// What the method's history is called.
+/// Key of the history of the method.
 const METHOD: &str = "history";
 
-/// What a law's history is called.
+/// Key of the history of a law.
 fn of_law(law: &str) -> String {
     format!("history_{law}")
 }
 
-fn save_history(saved: &Bound<'_, PyDict>, name: &str, (kept, numbers): SavedHistory) -> PyResult<()> {
+fn save_history(saved: &Bound<'_, PyDict>, name: &str, (own, numbers): SavedHistory) -> PyResult<()> {
     let py = saved.py();
-    saved.set_item(format!("{name}_count"), kept.len())?;
-    if !kept.is_empty() {
-        saved.set_item(format!("{name}_vectors"), vectors(py, &kept.concat())?)?;
+    saved.set_item(format!("{name}_count"), own.len())?;
+    if !own.is_empty() {
+        saved.set_item(format!("{name}_vectors"), vectors(py, &own.concat())?)?;
     }
     if !numbers.is_empty() {
         saved.set_item(format!("{name}_numbers"), PyArray1::from_vec(py, numbers))?;
@@ -34,25 +34,25 @@ fn save_history(saved: &Bound<'_, PyDict>, name: &str, (kept, numbers): SavedHis
 fn history_of(saved: &Bound<'_, PyDict>, name: &str) -> PyResult<SavedHistory> {
     let key = |part: &str| format!("{name}_{part}");
     let count: usize = get(saved, WHAT, &key("count"))?;
-    let mut split = Vec::new();
+    let mut histories = Vec::new();
     if count > 0 {
         let vectors = key("vectors");
-        let mut kept = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
-        let nodes = kept.len().checked_div(count).unwrap_or_default();
-        if nodes * count != kept.len() {
+        let mut all = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
+        let nodes = all.len().checked_div(count).unwrap_or_default();
+        if nodes * count != all.len() {
             return Err(wrong_value(format!("saved state: {vectors} does not have whole vectors per node")));
         }
-        split = (0..count).map(|_| kept.drain(..nodes).collect()).collect();
+        histories = (0..count).map(|_| all.drain(..nodes).collect()).collect();
     }
     let name = key("numbers");
     let numbers = match saved.get_item(&name)? {
         None if count == 0 => Vec::new(),
         _ => numbers(&name, &get::<Bound<'_, PyAny>>(saved, WHAT, &name)?)?,
     };
-    Ok((split, numbers))
+    Ok((histories, numbers))
 }
 
-/// What a run needs to continue with the same bits, by name.
+/// The data of a checkpoint, by name.
 pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) -> PyResult<Bound<'py, PyDict>> {
     let saved = PyDict::new(py);
     saved.set_item("step_count", progress.step_count)?;
@@ -63,7 +63,7 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
     saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
     saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
-    saved.set_item("swing", progress.ledger.swing)?;
+    saved.set_item("swing", progress.ledger.largest_change)?;
     saved.set_item("start_shift", progress.ledger.start_shift)?;
     save_history(&saved, METHOD, progress.history)?;
     for (law, history) in laws.iter().zip(progress.law_histories) {
@@ -80,14 +80,14 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     Ok(saved)
 }
 
-/// What `saved_of` gave, read back.
+/// The checkpoint in a result of `saved_of`.
 pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<Progress> {
     let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
     let start = EnergyTerms {
         kinetic: get(saved, WHAT, "start_kinetic")?,
         stored: numbers("start_stored", &array("start_stored")?)?,
     };
-    // Earlier states call the history of the method its memory.
+    // Older checkpoints have the key "memory".
     let of_method = if saved.contains("memory_count")? { "memory" } else { METHOD };
     let history = history_of(saved, of_method)?;
     let of_laws = laws.iter().map(|law| of_law(law)).map(|name| {
@@ -115,7 +115,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         ledger: Ledger {
             start,
             work: numbers("work", &array("work")?)?,
-            swing: get(saved, WHAT, "swing")?,
+            largest_change: get(saved, WHAT, "swing")?,
             start_shift: get(saved, WHAT, "start_shift")?,
         },
         history,

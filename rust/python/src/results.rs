@@ -1,4 +1,4 @@
-//! What the core gives back, as named types of plain values.
+//! Results of the core, as named types of plain values.
 
 use membrane_core::evaluation::ledger::Ledger;
 use membrane_core::integrators::{Method, Options, Properties, Statistics};
@@ -9,7 +9,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What is known of a method of time integration.
+/// Properties of a method of time integration.
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct MethodFacts {
     name: &'static str,
@@ -41,7 +41,7 @@ impl MethodFacts {
     }
 }
 
-/// The energy balance: its terms [J], and the residual as a share of the reference energy.
+/// The energy balance: its terms [J], and the residual over the reference energy.
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct EnergyBalance {
     kinetic: f64,
@@ -78,7 +78,7 @@ impl EnergyBalance {
     }
 }
 
-/// The largest stable step [s], the largest frequency [rad/s], and the law and node that set them, both in words too.
+/// The largest stable step [s], the largest frequency [rad/s], and the law and node that set the step, also in words.
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct StepLimit {
     dt: f64,
@@ -91,11 +91,11 @@ pub(crate) struct StepLimit {
 impl StepLimit {
     pub(crate) fn of(core: &Core, limit: &Limit) -> Self {
         let &Limit { dt, largest_frequency, law, node } = limit;
-        Self { dt, largest_frequency, law, node: core.to_external(node), part: core.part(limit) }
+        Self { dt, largest_frequency, law, node: core.to_external(node), part: core.limiting_part(limit) }
     }
 }
 
-/// What an implicit method has spent; zeros of others.
+/// Counts of an implicit method; zeros for others.
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct NewtonStatistics {
     iterations: u64,
@@ -109,7 +109,7 @@ impl From<Statistics> for NewtonStatistics {
     }
 }
 
-/// Strain (s,) and whether shorter than its critical length (s,), of each spring.
+/// Engineering strain (s,) of each spring, and whether it is shorter than its critical length (s,).
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct SpringReadings {
     pub(crate) strain: Py<PyArray1<f64>>,

@@ -1,4 +1,4 @@
-//! The class that Python's `Simulation` drives: the core's, with the interpreter lock released while it steps.
+//! The class behind Python's `Simulation`: that of the core, with the interpreter lock released during steps.
 
 use std::time::{Duration, Instant};
 
@@ -17,21 +17,21 @@ use crate::laws::law_of;
 use crate::progress::{progress_of, saved_of};
 use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
 
-/// How long the core steps between two looks for Ctrl-C.
-const BREATH: Duration = Duration::from_millis(20);
+/// Interval between two checks for Ctrl-C.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// What is known of each method, in the order of the list.
+/// Properties of each method, in the order of the list.
 #[pyfunction]
 pub(crate) fn integrators() -> Vec<MethodFacts> {
     METHODS.iter().map(MethodFacts::of).collect()
 }
 
-/// A scene in the core's hands. Arrays go in and come out in the caller's numbering.
+/// A simulation of the core. Arrays are in external order.
 #[pyclass(module = "membrane_rs._core")]
 pub(crate) struct Simulation {
     core: Core,
-    /// Steps that fit into a breath, as far as is known.
-    batch: u64,
+    /// Estimated number of steps in `SIGNAL_INTERVAL`.
+    chunk: u64,
 }
 
 impl Simulation {
@@ -40,23 +40,26 @@ impl Simulation {
     }
 }
 
-/// Calls `go` with `batch` steps at a time, about a breath's worth, until it says that it is done.
+/// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true.
 ///
-/// The batch is kept from call to call: each look takes the interpreter's lock, for which a thread that writes may make
-/// the core wait.
-fn in_breaths(py: Python<'_>, batch: &mut u64, mut go: impl FnMut(u64) -> Result<bool, Error> + Send) -> PyResult<()> {
+/// `chunk` is kept from call to call: each check needs the interpreter lock, for which the core may wait.
+fn in_chunks(
+    py: Python<'_>,
+    chunk: &mut u64,
+    mut advance: impl FnMut(u64) -> Result<bool, Error> + Send,
+) -> PyResult<()> {
     loop {
         let start = Instant::now();
-        let is_done = checked(py.detach(|| go(*batch)))?;
+        let is_done = checked(py.detach(|| advance(*chunk)))?;
         py.check_signals()?;
         if is_done {
             return Ok(());
         }
         let taken = start.elapsed();
-        if taken < BREATH / 2 {
-            *batch = batch.saturating_mul(2);
-        } else if taken > BREATH * 2 {
-            *batch = (*batch / 2).max(1);
+        if taken < SIGNAL_INTERVAL / 2 {
+            *chunk = chunk.saturating_mul(2);
+        } else if taken > SIGNAL_INTERVAL * 2 {
+            *chunk = (*chunk / 2).max(1);
         }
     }
 }
@@ -75,7 +78,7 @@ impl Simulation {
     ) -> PyResult<Self> {
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
         let settings = settings_of(settings, instructions)?;
-        Ok(Self { core: checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?, batch: 1 })
+        Ok(Self { core: checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?, chunk: 1 })
     }
 
     #[getter]
@@ -112,7 +115,7 @@ impl Simulation {
         self.core.rejected_count()
     }
 
-    /// What an implicit method has spent; zeros of others.
+    /// Counts of an implicit method; zeros for others.
     #[getter]
     fn statistics(&self) -> NewtonStatistics {
         self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
@@ -128,13 +131,13 @@ impl Simulation {
         self.core.hub_angle()
     }
 
-    /// The vector instructions that the kernels run with.
+    /// The instruction set of the kernels.
     #[getter]
     fn instructions(&self) -> &'static str {
         self.core.instructions().name()
     }
 
-    /// By law, the share of its elements that kernels reach in contiguous or split batches.
+    /// Share of the elements in contiguous or split batches, by law.
     fn contiguous_shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let shares = PyDict::new(py);
         for law in self.core.laws() {
@@ -188,7 +191,7 @@ impl Simulation {
         Ok(energies)
     }
 
-    /// The energy balance now.
+    /// The energy balance at present.
     fn ledger(&self, py: Python<'_>) -> PyResult<EnergyBalance> {
         EnergyBalance::of(py, &self.core)
     }
@@ -230,34 +233,34 @@ impl Simulation {
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
     fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        let Self { core, batch } = self;
-        in_breaths(py, batch, |batch| {
-            let now = batch.min(left);
+        let Self { core, chunk } = self;
+        in_chunks(py, chunk, |chunk| {
+            let now = chunk.min(left);
             left -= now;
             core.step(now).map(|()| left == 0)
         })
     }
 
-    /// Steps an adaptive run until `time` [s] and shows that instant; Ctrl-C as with `step`.
+    /// Steps an adaptive run until `time` [s] and interpolates at that time; Ctrl-C as in `step`.
     fn reach(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
         if !self.core.is_adaptive() {
             return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
         }
-        let Self { core, batch } = self;
-        in_breaths(py, batch, |batch| core.reach(time, batch))
+        let Self { core, chunk } = self;
+        in_chunks(py, chunk, |chunk| core.reach(time, chunk))
     }
 
-    /// Looks for a fault now, beside the regular checks.
+    /// Checks for a fault, between the regular checks.
     fn check(&mut self) -> PyResult<()> {
         checked(self.core.check())
     }
 
-    /// What `resume` needs to continue with the same bits.
+    /// The data of a checkpoint, for `resume`.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         saved_of(py, self.core.progress(), &self.law_names())
     }
 
-    /// Continues from what `progress` gave.
+    /// Continues from a checkpoint.
     fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
         let progress = progress_of(saved, &self.law_names())?;
         checked(self.core.resume(&progress))

@@ -1,7 +1,7 @@
-//! The three columns of a set of vectors, read and written eight rows at a time.
+//! The columns of node vectors, read and written eight rows at a time.
 //!
-//! Kernels read and write here without a check for every access. What makes that sound is said at each function, and
-//! checked once per batch by `layout::ElementSet`, the one user.
+//! Kernels access them without bounds checks. Each function states its safety conditions; `layout::ElementSet`, the
+//! only user, checks them once per pass.
 
 use crate::arrays::state::NodeVectors;
 use crate::simd::lanes::{F64x8, LANES, SimdF64};
@@ -9,20 +9,20 @@ use crate::simd::lanes::{F64x8, LANES, SimdF64};
 /// `COUNT` columns of equal length, one after the other.
 #[derive(Debug, Clone, Copy)]
 pub struct Columns<'a, const COUNT: usize = 3> {
-    /// `COUNT` `rows` numbers.
+    /// `COUNT` times `rows` numbers.
     data: &'a [f64],
     rows: usize,
 }
 
-/// Such columns, to be written.
+/// The same for writing.
 #[derive(Debug)]
 pub struct ColumnsMut<'a, const COUNT: usize = 3> {
-    /// `COUNT` `rows` numbers.
+    /// `COUNT` times `rows` numbers.
     data: &'a mut [f64],
     rows: usize,
 }
 
-/// The sum of a column, in a fixed order: four times eight numbers side by side.
+/// The sum of a column, in a fixed order: four partial sums of eight lanes each.
 #[inline(always)]
 pub fn total(column: &[f64]) -> f64 {
     let mut sums = [[0.0; LANES]; 4];
@@ -32,9 +32,9 @@ pub fn total(column: &[f64]) -> f64 {
         rest += number;
     }
     for block in blocks {
-        for part in 0..4 {
+        for k in 0..4 {
             for lane in 0..LANES {
-                sums[part][lane] += block[LANES * part + lane];
+                sums[k][lane] += block[LANES * k + lane];
             }
         }
     }
@@ -53,7 +53,7 @@ impl<'a, const COUNT: usize> Columns<'a, COUNT> {
     /// The columns in `data`.
     ///
     /// # Panics
-    /// Where `data` does not hold as many numbers in each column.
+    /// If the length of `data` is no multiple of `COUNT`.
     pub fn in_slice(data: &'a [f64]) -> Self {
         assert!(data.len().is_multiple_of(COUNT));
         Self { data, rows: data.len() / COUNT }
@@ -68,7 +68,7 @@ impl<'a, const COUNT: usize> Columns<'a, COUNT> {
     /// Eight rows of a column.
     ///
     /// # Panics
-    /// Where there is no such row.
+    /// For a row out of range.
     pub fn gather_checked(self, axis: usize, places: &[u32; LANES]) -> F64x8 {
         let column = &self.data[axis * self.rows..][..self.rows];
         F64x8(places.map(|place| column[place as usize]))
@@ -81,18 +81,18 @@ impl<'a, const COUNT: usize> Columns<'a, COUNT> {
     #[inline(always)]
     #[allow(unsafe_code)]
     pub unsafe fn read<V: SimdF64>(self, axis: usize, at: u32) -> V {
-        // SAFETY: `data` has COUNT `rows` numbers, so eight from axis rows + at on lie within it.
+        // SAFETY: `data` has COUNT times `rows` numbers, so that the eight from axis * rows + at on lie within it.
         V::load_from(unsafe { &*self.data.as_ptr().add(axis * self.rows + at as usize).cast() })
     }
 
-    /// Rows `at` to `at + 4` of a column, for both places.
+    /// Rows `at` to `at + 4` of a column, for both entries of `at`.
     ///
     /// # Safety
     /// `axis < COUNT` and `at + 4 <= rows`.
     #[inline(always)]
     #[allow(unsafe_code)]
     pub unsafe fn read_split<V: SimdF64>(self, axis: usize, at: [u32; 2]) -> V {
-        // SAFETY: `data` has COUNT `rows` numbers, so four from axis rows + at on lie within it.
+        // SAFETY: `data` has COUNT times `rows` numbers, so that the four from axis * rows + at on lie within it.
         let low = unsafe { &*self.data.as_ptr().add(axis * self.rows + at[0] as usize).cast() };
         // SAFETY: the same.
         let high = unsafe { &*self.data.as_ptr().add(axis * self.rows + at[1] as usize).cast() };
@@ -108,7 +108,7 @@ impl<'a, const COUNT: usize> Columns<'a, COUNT> {
     pub unsafe fn gather(self, axis: usize, places: &[u32; LANES]) -> F64x8 {
         let mut out = [0.0; LANES];
         for lane in 0..LANES {
-            // SAFETY: `data` has COUNT `rows` numbers, and places[lane] < rows.
+            // SAFETY: `data` has COUNT times `rows` numbers, and places[lane] < rows.
             out[lane] = unsafe { *self.data.get_unchecked(axis * self.rows + places[lane] as usize) };
         }
         F64x8(out)
@@ -138,10 +138,10 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
         self.rows
     }
 
-    /// Adds to eight rows of a column, one after the other: two places may be the same.
+    /// Adds to eight rows of a column, one after the other; places may coincide.
     ///
     /// # Panics
-    /// Where there is no such row.
+    /// For a row out of range.
     pub fn scatter_checked(&mut self, axis: usize, places: &[u32; LANES], values: F64x8) {
         let column = &mut self.data[axis * self.rows..][..self.rows];
         for (&place, value) in places.iter().zip(values.0) {
@@ -162,7 +162,7 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
         *place = (V::load_from(place) + values).lanes().0;
     }
 
-    /// Adds to rows `at` to `at + 4` of a column, for one place after the other: they may overlap.
+    /// Adds to rows `at` to `at + 4` of a column, for one entry of `at` after the other; they may overlap.
     ///
     /// # Safety
     /// `axis < COUNT` and `at + 4 <= rows`.
@@ -176,7 +176,7 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
         values.add_high_to(unsafe { &mut *self.data.as_mut_ptr().add(high).cast() });
     }
 
-    /// Adds to eight rows of a column, one after the other: two places may be the same.
+    /// Adds to eight rows of a column, one after the other; places may coincide.
     ///
     /// # Safety
     /// `axis < COUNT` and every place is below `rows`.
@@ -184,7 +184,7 @@ impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
     #[allow(unsafe_code)]
     pub unsafe fn scatter(&mut self, axis: usize, places: &[u32; LANES], values: F64x8) {
         for lane in 0..LANES {
-            // SAFETY: `data` has COUNT `rows` numbers, and places[lane] < rows.
+            // SAFETY: `data` has COUNT times `rows` numbers, and places[lane] < rows.
             unsafe { *self.data.get_unchecked_mut(axis * self.rows + places[lane] as usize) += values.0[lane] };
         }
     }

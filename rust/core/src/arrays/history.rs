@@ -1,12 +1,12 @@
-//! What a method or a law keeps from step to step beside the motion: saved and restored with a run.
+//! The history of a method or a law: data kept from step to step beside the motion, saved and restored with a run.
 
 use super::state::NodeVectors;
 
-/// Vectors and numbers to go on from; empty before the first step, and for what keeps nothing.
+/// Vectors and numbers; empty before the first step, and for methods and laws without history.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct History {
-    /// One vector per node each, in the core's numbering.
+    /// Each with one vector per node, in internal order.
     pub vectors: Vec<NodeVectors>,
-    /// Whatever else.
+    /// Other data.
     pub numbers: Vec<f64>,
 }

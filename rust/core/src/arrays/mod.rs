@@ -1,4 +1,4 @@
-//! Node vectors as columns, blocks of their rows, and blocks of Jacobians.
+//! Node vectors as columns, blocks of their rows, histories, and blocks of the Jacobian.
 
 pub mod blocks;
 pub mod columns;

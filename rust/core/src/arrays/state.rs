@@ -7,7 +7,7 @@ use nalgebra::MatrixXx3;
 /// One 3-vector per node: x, y and z are three contiguous columns.
 pub type NodeVectors = MatrixXx3<f64>;
 
-/// Where every node is and how it moves, in the frame that turns with the hub.
+/// Positions and velocities of all nodes, in the frame that turns with the hub.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Positions \[m\].
@@ -16,7 +16,7 @@ pub struct State {
     pub velocities: NodeVectors,
 }
 
-/// A point (t, x, v) at which a method asks for accelerations.
+/// A point (t, x, v) of an evaluation.
 #[derive(Debug, Clone, Copy)]
 pub struct PhasePoint<'a> {
     /// Time \[s\].
@@ -43,7 +43,7 @@ pub fn columns(vectors: &NodeVectors) -> [&[f64]; 3] {
     [x, y, z]
 }
 
-/// The three columns of `vectors`, to be written.
+/// The three columns of `vectors`, for writing.
 #[inline]
 pub fn columns_mut(vectors: &mut NodeVectors) -> [&mut [f64]; 3] {
     let n = vectors.nrows();
@@ -58,13 +58,13 @@ pub fn rows(vectors: &NodeVectors, rows: Range<usize>) -> [&[f64]; 3] {
     columns(vectors).map(|column| &column[rows.clone()])
 }
 
-/// `rows` of the three columns of `vectors`, to be written.
+/// `rows` of the three columns of `vectors`, for writing.
 #[inline]
 pub fn rows_mut(vectors: &mut NodeVectors, rows: Range<usize>) -> [&mut [f64]; 3] {
     columns_mut(vectors).map(|column| &mut column[rows.clone()])
 }
 
-/// Columns that are only read after all.
+/// Columns for writing, as columns for reading.
 #[inline]
 pub fn shared<'a>(columns: &'a [&mut [f64]; 3]) -> [&'a [f64]; 3] {
     columns.each_ref().map(|column| &**column)

@@ -1,14 +1,13 @@
-//! Facets: triangles as surfaces with a side, for loads and drag; eight to a batch.
+//! Facets: triangles as oriented surfaces, for loads and drag, in batches of eight.
 
 use crate::assembly::Assembly;
 use crate::layout::ElementSet;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, sub};
 
-/// All triangles of a mesh, each taken from its lowest node and in its own winding: turned by a third of a turn, a facet is the
-/// same facet.
+/// All triangles of a mesh, each with its nodes in cyclic order from the lowest: the first node is arbitrary.
 pub(crate) struct FacetSet {
     pub(crate) elements: ElementSet<3>,
-    /// 1 where there is a facet, 0 in padding lanes.
+    /// 1 for a facet, 0 in padding lanes.
     pub(crate) presence: Vec<F64x8>,
 }
 
@@ -22,11 +21,11 @@ impl FacetSet {
     }
 }
 
-/// Three nodes in cyclic order from the lowest on, and by how many places they were turned.
+/// Three nodes in cyclic order from the lowest, and the number of places by which they were rotated.
 pub(crate) fn from_lowest(mut nodes: [u32; 3]) -> ([u32; 3], usize) {
-    let turn = (0..3).min_by_key(|&k| nodes[k]).unwrap_or(0);
-    nodes.rotate_left(turn);
-    (nodes, turn)
+    let places = (0..3).min_by_key(|&k| nodes[k]).unwrap_or(0);
+    nodes.rotate_left(places);
+    (nodes, places)
 }
 
 /// Twice the vector area of facets with these corners \[m2\].

@@ -1,16 +1,16 @@
-//! Kinematics of a hinge: two facets ABC and ABD that share the edge AB.
+//! Kinematics of a hinge: two facets ABC and ABD with the common edge AB.
 //!
-//! With e = B - A, c = C - A, d = D - A the facets have the normals n_C = e x c and n_D = d x e, twice their vector areas. The
-//! hinge angle theta is pi where the facets are flat, 0 where they lie on each other, negative where they interpenetrate; its
-//! sign is the fold's, never the geometry's.
+//! With e = B - A, c = C - A, d = D - A the facets have the normals n_C = e x c and n_D = d x e, twice their vector
+//! areas. The hinge angle theta is pi for flat facets, 0 for a shut hinge, and negative where the facets
+//! interpenetrate. The fold pattern gives its sign, not the geometry.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::layout::Renumbering;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, sub};
 
-/// A hinge's nodes in the core's numbering, taken from the lower node of its edge: turned by half a turn, it is the same hinge.
-/// And whether the two facets have changed places.
+/// The internal nodes of a hinge, with the lower node of its edge as A: a hinge has no direction. Second, whether this
+/// exchanges the two facets.
 pub(crate) fn oriented(nodes: [u32; 4], numbering: &Renumbering) -> ([u32; 4], bool) {
     let [a, b, c, d] = numbering.to_internal(nodes);
     if a < b { ([a, b, c, d], false) } else { ([b, a, d, c], true) }
@@ -39,7 +39,8 @@ impl<V: SimdF64> Facets<V> {
         Self { e, c, d, normal_c: cross(e, c), normal_d: cross(d, e), length, length_square }
     }
 
-    /// The hinge angle [rad]; its cut lies at -pi/2 (or 3 pi/2), as far from shut as from flat. The sine times both normals' lengths is |AB| n_D . c, since n_D x n_C = e (n_D . c).
+    /// The hinge angle [rad]. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut and from flat. The sine
+    /// times the lengths of both normals is |AB| n_D . c, since n_D x n_C = e (n_D . c).
     #[inline(always)]
     pub(crate) fn angle(&self, sign: V) -> V {
         let sine = sign * self.length * dot(self.normal_d, self.c);
@@ -48,7 +49,7 @@ impl<V: SimdF64> Facets<V> {
         angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
     }
 
-    /// The shares of vectors at C and at D that act at B, the rest at A, so that no torque is left of them.
+    /// The shares of forces at C and at D that B bears, normal to the facets; A bears the rest, without torque.
     #[inline(always)]
     pub(crate) fn shares_at_b(&self) -> [V; 2] {
         let inverse = V::all(-1.0) / self.length_square;

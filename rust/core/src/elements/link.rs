@@ -1,4 +1,4 @@
-//! Links between two nodes, the sides of the mesh and the pieces of tether: their spans, in batches of eight.
+//! Links between two nodes: edges of the mesh and segments of tethers, in batches of eight.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::layout::ElementSet;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::{F64x8, SimdF64, dot, sub};
 
-/// A set of links, and the instructions that kernels over them run with.
+/// A set of links, and the instruction set of their kernels.
 pub struct Links {
     /// The ends of each link, the lower number first: a link has no direction.
     pub elements: ElementSet<2>,
@@ -32,7 +32,7 @@ impl Links {
     }
 }
 
-/// The links of a scene, arranged once for all laws.
+/// The links of a scene in batches, common to all laws.
 #[derive(Default)]
 pub struct SpringNetworks {
     film: OnceCell<Arc<Links>>,
@@ -40,12 +40,12 @@ pub struct SpringNetworks {
 }
 
 impl SpringNetworks {
-    /// The sides of the mesh.
+    /// The edges of the mesh.
     pub(crate) fn film(&self, assembly: &Assembly) -> Arc<Links> {
         self.film.get_or_init(|| Links::new(assembly.mesh.edges.iter().copied(), assembly)).clone()
     }
 
-    /// The pieces of tether.
+    /// The segments of the tethers.
     pub(crate) fn cords(&self, assembly: &Assembly) -> Arc<Links> {
         self.cords.get_or_init(|| Links::new(assembly.model.cords.iter().map(|cord| cord.nodes), assembly)).clone()
     }

@@ -1,5 +1,5 @@
-//! Kinematics of elements and their transposes: what motion of the nodes does to an element, and what a force on it does to the
-//! nodes. Orientation is settled here, once: each element is taken from its lowest node.
+//! Kinematics of elements and its transpose: from the motion of the nodes to the deformation of an element, and from
+//! its stress to forces on the nodes. Elements are oriented here, by their lowest node.
 
 pub(crate) mod facet;
 pub(crate) mod hinge;

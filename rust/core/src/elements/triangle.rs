@@ -1,5 +1,5 @@
-//! Triangles that were flat: deformation gradient, Green's strain, plane stress, and the pull of a stress on the nodes.
-//! What the elasticity of a film of triangles and its damping share.
+//! Triangles with a flat reference: deformation gradient, Green's strain, plane stress, and nodal forces of a stress.
+//! Common to the elasticity of a film of triangles and its damping.
 
 use super::facet::from_lowest;
 use crate::assembly::Assembly;
@@ -8,34 +8,34 @@ use crate::layout::ElementSet;
 use crate::model::mesh;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, negate, scale, sub, sum};
 
-/// Flat triangles, eight to a batch, and how strain follows from where their nodes are.
+/// Triangles in batches of eight, with the coefficients of their deformation gradients.
 pub(crate) struct FlatTriangles {
     pub(crate) elements: ElementSet<3>,
     /// The gradient's columns are f1 = p u, f2 = q u + r v, with u and v the sides from the first node [1/m].
     pub(super) p: Vec<F64x8>,
     pub(super) q: Vec<F64x8>,
     pub(super) r: Vec<F64x8>,
-    /// E_Y h A0 [J]; 0 in lanes without a triangle.
+    /// E_Y h A0 [J]; 0 in padding lanes.
     pub(crate) stiffness: Vec<F64x8>,
     pub(crate) nu: f64,
 }
 
-/// A flat triangle in its own frame, taken from its lowest node: turned by a third of a turn, it is the same triangle.
+/// A reference triangle in a frame of its own, with its nodes in cyclic order from the lowest internal number.
 pub(crate) struct Corners {
-    /// The caller's numbers.
+    /// External numbers.
     pub(crate) nodes: [u32; 3],
     /// The first node at the origin, the second on axis 1 [m].
     pub(crate) points: [[f64; 2]; 3],
-    /// Edges opposite to the corners.
+    /// The edges opposite the corners.
     pub(crate) edges: [u32; 3],
 }
 
 impl Corners {
     pub(crate) fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
         assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
-            let (_, turn) = from_lowest(assembly.numbering.to_internal(nodes));
+            let (_, places) = from_lowest(assembly.numbering.to_internal(nodes));
             let [nodes, edges] = [nodes, edges].map(|mut corners| {
-                corners.rotate_left(turn);
+                corners.rotate_left(places);
                 corners
             });
             let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
@@ -46,7 +46,7 @@ impl Corners {
         })
     }
 
-    /// t t of the unit vector t along the side opposite to each corner: 11, 22, 12.
+    /// t t^T of the unit vector t along the side opposite each corner: 11, 22, 12.
     pub(crate) fn directions(&self) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|k| {
             let [[x, y], [to_x, to_y]] = [self.points[(k + 1) % 3], self.points[(k + 2) % 3]];
@@ -67,16 +67,16 @@ impl FlatTriangles {
     /// `DegenerateTriangle`.
     pub(crate) fn new(assembly: &Assembly) -> Result<Self> {
         let corners: Vec<Corners> = Corners::all(assembly).collect();
-        let inside: Vec<[u32; 3]> =
+        let internal: Vec<[u32; 3]> =
             corners.iter().map(|corners| assembly.numbering.to_internal(corners.nodes)).collect();
-        let elements = ElementSet::new(&inside, assembly.masses.len());
-        let (stretch, nu) =
+        let elements = ElementSet::new(&internal, assembly.masses.len());
+        let (modulus, nu) =
             assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
         let mut rows = Vec::with_capacity(corners.len());
         for (triangle, corners) in corners.iter().enumerate() {
             let area = assembly.mesh.area(triangle)?;
             let [_, [side, _], [along, height]] = corners.points;
-            rows.push([1.0 / side, -along / (side * height), 1.0 / height, stretch * area]);
+            rows.push([1.0 / side, -along / (side * height), 1.0 / height, modulus * area]);
         }
         Ok(Self {
             p: elements.pack(1.0, |row| rows[row][0]),
@@ -96,9 +96,9 @@ impl FlatTriangles {
         [scale(p, u), sum(scale(q, u), scale(r, v))]
     }
 
-    /// What stress s, times E_Y h A0, pulls the nodes by: the negative derivative of the strain energy.
+    /// The nodal forces of a stress s over E_Y: the negative gradient of the strain energy [N].
     #[inline(always)]
-    pub(crate) fn pull<V: SimdF64>(&self, batch: usize, [f1, f2]: [Vec3<V>; 2], s: Tensor<V>) -> [Vec3<V>; 3] {
+    pub(crate) fn nodal_forces<V: SimdF64>(&self, batch: usize, [f1, f2]: [Vec3<V>; 2], s: Tensor<V>) -> [Vec3<V>; 3] {
         let k = V::load(&self.stiffness[batch]);
         let (p, q, r) = (V::load(&self.p[batch]), V::load(&self.q[batch]), V::load(&self.r[batch]));
         let [s11, s22, s12] = [k * s[0], k * s[1], k * s[2]];
@@ -109,7 +109,7 @@ impl FlatTriangles {
         [sum(at_b, at_c), negate(at_b), negate(at_c)]
     }
 
-    /// The stress of a film that does not wrinkle, over E_Y.
+    /// The stress of a film without wrinkles, over E_Y.
     #[inline(always)]
     pub(crate) fn stress<V: SimdF64>(&self, e: Tensor<V>) -> Tensor<V> {
         let shear = 1.0 / (1.0 + self.nu);
@@ -118,14 +118,14 @@ impl FlatTriangles {
     }
 }
 
-/// Green's strain of a gradient.
+/// Green's strain of a deformation gradient.
 #[inline(always)]
 pub(crate) fn strain<V: SimdF64>([f1, f2]: [Vec3<V>; 2]) -> Tensor<V> {
     let (half, one) = (V::all(0.5), V::all(1.0));
     [half * (dot(f1, f1) - one), half * (dot(f2, f2) - one), half * dot(f1, f2)]
 }
 
-/// The change of Green's strain as the gradient changes by `rate`.
+/// The rate of Green's strain for a rate (g1, g2) of the gradient.
 #[inline(always)]
 pub(crate) fn strain_rate<V: SimdF64>([f1, f2]: [Vec3<V>; 2], [g1, g2]: [Vec3<V>; 2]) -> Tensor<V> {
     [dot(f1, g1), dot(f2, g2), V::all(0.5) * (dot(f1, g2) + dot(f2, g1))]

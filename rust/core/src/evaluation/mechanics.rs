@@ -1,4 +1,4 @@
-//! Laws and masses, as an integrator sees them.
+//! Laws and masses as the system of equations of a method.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Add, Formula, each, on_axes};
 
-/// The laws and masses, and the motion of the frame.
+/// Laws, masses, and the motion of the frame.
 pub struct Mechanics {
     pub(crate) laws: Vec<Box<dyn Law>>,
     pub(crate) spin: Spin,
@@ -24,21 +24,21 @@ pub struct Mechanics {
     pub(crate) inverse_masses: Vec<f64>,
     pub(crate) evaluation_count: u64,
     plan: Plan,
-    /// Where the method is implicit.
+    /// For an implicit method.
     tangent: Option<Tangent>,
-    /// The forces between nodes \[N\]; zero but from `accumulate_forces` to `accelerations`.
+    /// The forces between nodes \[N\]; zero except between `accumulate_forces` and `accelerations`.
     forces: NodeVectors,
-    /// Of laws whose power the method asks for later.
+    /// Of each law with deferred power.
     deferrals: Vec<Option<Deferral>>,
-    /// Whether each law is slow, and whether evaluations take it now.
+    /// Whether each law is slow, and whether the selected rate group has it.
     is_slow: Vec<bool>,
-    is_taken: Vec<bool>,
+    is_selected: Vec<bool>,
     rate_group: Option<RateGroup>,
     instructions: InstructionSet,
 }
 
 impl Mechanics {
-    /// As `method` needs them.
+    /// The system for a method.
     pub(crate) fn new(
         mut laws: Vec<Box<dyn Law>>,
         spin: Spin,
@@ -50,12 +50,12 @@ impl Mechanics {
     ) -> Self {
         let nodes = masses.len();
         let deferrals = Deferral::of_laws(&mut laws, method, nodes);
-        let is_apart: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
+        let is_separate: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
         Self {
-            plan: Plan::with(&mut laws, &is_apart),
+            plan: Plan::with(&mut laws, &is_separate),
             deferrals,
             is_slow: vec![false; laws.len()],
-            is_taken: vec![true; laws.len()],
+            is_selected: vec![true; laws.len()],
             rate_group: None,
             laws,
             spin,
@@ -68,14 +68,14 @@ impl Mechanics {
         }
     }
 
-    /// Adds the forces \[N\] of one law by itself, and gives its power \[W\].
+    /// Adds the forces \[N\] of one law, and returns its power \[W\].
     pub(crate) fn add_forces_of(&mut self, row: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let mut powers = vec![0.0; self.laws.len()];
-        self.plan.add_taken(&mut self.laws, |other| other == row, at, forces, &mut powers);
+        self.plan.add_selected(&mut self.laws, |other| other == row, at, forces, &mut powers);
         powers[row]
     }
 
-    /// Says which laws are slow. Laws along links, which may share a pass, are slow together or not at all.
+    /// Sets the slow laws. Laws along links are slow together or not at all, since they may share a pass.
     pub(crate) fn set_slow(&mut self, mut is_slow: Vec<bool>) {
         let along_links: Vec<usize> = self.plan.along_links().collect();
         if along_links.iter().any(|&row| !is_slow[row]) {
@@ -90,12 +90,12 @@ impl Mechanics {
         laws.filter(|(_, is_slow)| **is_slow == (group == RateGroup::Slow)).map(|(law, _)| law.as_ref()).collect()
     }
 
-    /// What each law keeps.
+    /// The history of each law.
     pub(crate) fn histories(&self) -> Vec<History> {
         self.laws.iter().map(|law| law.history()).collect()
     }
 
-    /// Lets each law go on from its history, from that of the start where there are none. Whether all fit.
+    /// Restores the history of each law, or that of the start without any. Whether all fit.
     pub(crate) fn restore_histories(&mut self, histories: &[History]) -> bool {
         if !histories.is_empty() && histories.len() != self.laws.len() {
             return false;
@@ -115,7 +115,7 @@ impl Mechanics {
     }
 }
 
-/// Forces to accelerations; the forces are zero then.
+/// Divides forces by masses, and resets the forces to zero.
 struct Divide;
 
 impl Formula<1, 2> for Divide {
@@ -140,7 +140,7 @@ impl Formula<6, 0> for Power {
     }
 }
 
-/// Where the rows of a row block are among forces of all nodes or of one row block.
+/// The rows of a row block in an array of the forces on all nodes, or on one row block.
 fn place_of(range: &Range<usize>, forces: &NodeVectors, nodes: usize) -> Range<usize> {
     if forces.nrows() < nodes { 0..range.len() } else { range.clone() }
 }
@@ -153,21 +153,21 @@ fn power_of(instructions: InstructionSet, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: 
 impl System for Mechanics {
     fn select_rate_group(&mut self, group: RateGroup) {
         self.rate_group = Some(group);
-        for (is_taken, is_slow) in self.is_taken.iter_mut().zip(&self.is_slow) {
-            *is_taken = *is_slow == (group == RateGroup::Slow);
+        for (is_selected, is_slow) in self.is_selected.iter_mut().zip(&self.is_slow) {
+            *is_selected = *is_slow == (group == RateGroup::Slow);
         }
     }
 
     fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
-            // Where laws are told apart, evaluations of the fast ones count.
+            // With rate groups, evaluations of the fast laws count.
             self.evaluation_count += u64::from(self.rate_group != Some(RateGroup::Slow));
         }
         let at = self.instant(point);
-        let Self { plan, laws, is_taken, forces, deferrals, .. } = self;
-        plan.add_to_tile(laws, |row| is_taken[row], tile, at, &mut Sums { forces, powers, deferrals });
-        // What `power_at` adds later. That of laws node by node is added row by row, between the tiles.
+        let Self { plan, laws, is_selected, forces, deferrals, .. } = self;
+        plan.add_to_tile(laws, |row| is_selected[row], tile, at, &mut Sums { forces, powers, deferrals });
+        // `power_at` adds this power later. That of nodal laws is added with their rows, between the tiles.
         for ((law, deferral), power) in laws.iter_mut().zip(deferrals).zip(powers) {
             if deferral.is_some() && law.nodal().is_none() {
                 *power = 0.0;
@@ -183,9 +183,9 @@ impl System for Mechanics {
         powers: &mut [f64],
     ) {
         let (at, nodes) = (self.instant(point), self.masses.len());
-        let Self { laws, deferrals, forces, is_taken, instructions, .. } = self;
+        let Self { laws, deferrals, forces, is_selected, instructions, .. } = self;
         for (((law, deferral), power), _) in
-            laws.iter_mut().zip(deferrals).zip(powers).zip(is_taken).filter(|(_, is_taken)| **is_taken)
+            laws.iter_mut().zip(deferrals).zip(powers).zip(is_selected).filter(|(_, is_selected)| **is_selected)
         {
             let forces = rows_mut(forces, range.clone());
             match (law.nodal(), deferral.as_mut().and_then(Deferral::forces)) {
@@ -207,8 +207,13 @@ impl System for Mechanics {
 
     fn row_power_at(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {
         let nodes = self.masses.len();
-        for (((law, deferral), power), _) in
-            self.laws.iter_mut().zip(&self.deferrals).zip(powers).zip(&self.is_taken).filter(|(_, taken)| **taken)
+        for (((law, deferral), power), _) in self
+            .laws
+            .iter_mut()
+            .zip(&self.deferrals)
+            .zip(powers)
+            .zip(&self.is_selected)
+            .filter(|(_, is_selected)| **is_selected)
         {
             if let (Some(_), Some(Deferral::Forces(own))) = (law.nodal(), deferral) {
                 *power += power_of(self.instructions, rows(own, place_of(&range, own, nodes)), velocities);
@@ -218,10 +223,10 @@ impl System for Mechanics {
 
     fn power_at(&mut self, point: PhasePoint<'_>, powers: &mut [f64]) {
         let at = self.instant(point);
-        let rows = self.laws.iter_mut().zip(&mut self.deferrals).zip(&self.is_taken).enumerate();
-        for (row, ((law, deferral), _)) in rows.filter(|(_, (_, is_taken))| **is_taken) {
+        let rows = self.laws.iter_mut().zip(&mut self.deferrals).zip(&self.is_selected).enumerate();
+        for (row, ((law, deferral), _)) in rows.filter(|(_, (_, is_selected))| **is_selected) {
             match deferral {
-                Some(Deferral::Pulls(pulls)) => powers[row] += self.plan.power_of_pulls(row, pulls, at),
+                Some(Deferral::Resistances(own)) => powers[row] += self.plan.power_of_resistances(row, own, at),
                 Some(Deferral::Forces(own)) if law.nodal().is_none() => {
                     powers[row] += power_of(self.instructions, columns(own), columns(at.velocities));
                     own.fill(0.0);

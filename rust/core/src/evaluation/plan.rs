@@ -1,7 +1,7 @@
-//! The evaluation plan: which kernels run in which order for the laws of a scene, and which laws share a pass.
+//! The evaluation plan: the passes over the elements of a scene, in the order of its laws, some common to two laws.
 //!
-//! Laws are gone over in their order. A spring and the dashpot along it go through one pass that adds to two laws' power, where
-//! both are evaluated; laws that act on each node by itself are only prepared, for methods add them row block by row block.
+//! Springs and the dashpots along them have a common pass when both are evaluated. Nodal laws are only prepared here:
+//! methods add their forces row block by row block.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ use crate::laws::springs::{self, TensionKernel};
 use crate::laws::{Law, LinkResponse};
 use crate::simd::lanes::F64x8;
 
-/// What is evaluated in one go.
+/// A pass.
 enum Pass {
-    /// What a law node by node has to work out before its rows.
+    /// The preparation of a nodal law.
     Prepare(usize),
     /// The elements of a law.
     Elements(usize),
@@ -27,7 +27,7 @@ enum Pass {
     Links(LinkPass),
 }
 
-/// One pass over links, for a law with tension, a law with resistance, or both.
+/// A pass over links, for a law with tension, a law with resistance, or both.
 struct LinkPass {
     links: Arc<Links>,
     elastic: Option<(usize, Arc<Vec<springs::Parameters>>)>,
@@ -36,19 +36,19 @@ struct LinkPass {
 
 /// Resistance along links.
 struct Viscous {
-    /// The law's row, and which of its sets of links this is.
+    /// The row of the law, and the number of these links among its sets.
     row: usize,
     set: usize,
     coefficient: Arc<Vec<F64x8>>,
 }
 
-/// What an evaluation adds to.
+/// The results of an evaluation.
 pub(super) struct Sums<'a> {
-    /// Forces of all laws together \[N\].
+    /// The sum of the forces of all laws \[N\].
     pub(super) forces: &'a mut NodeVectors,
     /// The power of each law \[W\].
     pub(super) powers: &'a mut [f64],
-    /// Of laws whose power is deferred; empty where none is.
+    /// The deferral of each law; empty without deferred power.
     pub(super) deferrals: &'a mut [Option<Deferral>],
 }
 
@@ -59,14 +59,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// For these laws, each evaluated with the others.
+    /// The plan of these laws.
     pub fn new(laws: &mut [Box<dyn Law>]) -> Self {
-        let is_apart = vec![false; laws.len()];
-        Self::with(laws, &is_apart)
+        let is_separate = vec![false; laws.len()];
+        Self::with(laws, &is_separate)
     }
 
-    /// Where the forces of some laws are kept apart: these share no pass.
-    pub(super) fn with(laws: &mut [Box<dyn Law>], is_apart: &[bool]) -> Self {
+    /// The plan where some laws have separate forces: these have passes of their own.
+    pub(super) fn with(laws: &mut [Box<dyn Law>], is_separate: &[bool]) -> Self {
         let mut passes = Vec::new();
         let mut resistances: Vec<(Arc<Links>, Viscous)> = Vec::new();
         for (row, law) in laws.iter().enumerate() {
@@ -80,7 +80,7 @@ impl Plan {
             let found = resistances.iter().position(|(own, force)| Arc::ptr_eq(own, links) && is_wanted(force.row));
             found.map(|place| resistances.remove(place).1)
         };
-        // Springs take the dashpots along them, wherever these stand in the list.
+        // Springs take the dashpots along them, wherever these are in the list.
         for (row, law) in laws.iter_mut().enumerate() {
             let kernels = law.kernels();
             if law.nodal().is_some() {
@@ -91,7 +91,7 @@ impl Plan {
             }
             for force in kernels.links {
                 if let LinkResponse::Elastic(parameters) = force.response {
-                    let viscous = take(&force.links, &|other| !is_apart[other]);
+                    let viscous = take(&force.links, &|other| !is_separate[other]);
                     passes.push(Pass::Links(LinkPass {
                         links: force.links,
                         elastic: Some((row, parameters)),
@@ -100,20 +100,20 @@ impl Plan {
                 }
             }
         }
-        // The others stand where their law does.
+        // The remaining dashpots have the place of their law.
         for (row, law) in laws.iter().enumerate() {
             for force in law.kernels().links {
                 if let Some(viscous) = take(&force.links, &|other| other == row) {
-                    let behind = passes.iter().position(|pass| pass.row() > row).unwrap_or(passes.len());
+                    let place = passes.iter().position(|pass| pass.row() > row).unwrap_or(passes.len());
                     let pass = LinkPass { links: force.links, elastic: None, viscous: Some(viscous) };
-                    passes.insert(behind, Pass::Links(pass));
+                    passes.insert(place, Pass::Links(pass));
                 }
             }
         }
         Self { passes }
     }
 
-    /// The rows of laws that act along links, some more than once.
+    /// The rows of laws along links, possibly repeated.
     pub(super) fn along_links(&self) -> impl Iterator<Item = usize> {
         let passes = self.passes.iter().filter_map(|pass| if let Pass::Links(pass) = pass { Some(pass) } else { None });
         passes.flat_map(|LinkPass { elastic, viscous, .. }| {
@@ -122,38 +122,38 @@ impl Plan {
         })
     }
 
-    /// Adds the forces \[N\] of what belongs to a tile, of the laws that are taken, and to the power of each \[W\]. Laws node by
-    /// node are only prepared. A law whose power is deferred adds its forces to its own, or keeps its pulls.
+    /// Adds the forces \[N\] of the elements of a tile, for the selected laws, and their power \[W\]. Nodal laws are
+    /// only prepared. A law with deferred power adds its forces to an array of its own, or stores its resistances.
     pub(super) fn add_to_tile(
         &self,
         laws: &mut [Box<dyn Law>],
-        is_taken: impl Fn(usize) -> bool,
+        is_selected: impl Fn(usize) -> bool,
         tile: usize,
         at: Instant<'_>,
         sums: &mut Sums<'_>,
     ) {
         for pass in &self.passes {
             match pass {
-                Pass::Prepare(row) if is_taken(*row) => {
+                Pass::Prepare(row) if is_selected(*row) => {
                     if let Some(law) = laws[*row].nodal() {
                         law.prepare(tile, at);
                     }
                 }
-                Pass::Elements(row) if is_taken(*row) => {
+                Pass::Elements(row) if is_selected(*row) => {
                     let own = sums.deferrals.get_mut(*row).and_then(Option::as_mut).and_then(Deferral::forces);
                     sums.powers[*row] += laws[*row].add_to_tile(tile, at, own.unwrap_or(sums.forces));
                 }
-                Pass::Links(pass) => pass.run(&is_taken, tile, at, sums),
+                Pass::Links(pass) => pass.run(&is_selected, tile, at, sums),
                 Pass::Prepare(_) | Pass::Elements(_) => {}
             }
         }
     }
 
-    /// Adds the forces \[N\] of the laws that are taken on all nodes, and fills the power of each \[W\].
-    pub fn add_taken(
+    /// Adds the forces \[N\] of the selected laws on all nodes, and fills the power of each \[W\].
+    pub fn add_selected(
         &self,
         laws: &mut [Box<dyn Law>],
-        is_taken: impl Fn(usize) -> bool,
+        is_selected: impl Fn(usize) -> bool,
         at: Instant<'_>,
         forces: &mut NodeVectors,
         powers: &mut [f64],
@@ -161,8 +161,8 @@ impl Plan {
         powers.fill(0.0);
         let count = at.positions.nrows();
         for tile in tiles(count) {
-            self.add_to_tile(laws, &is_taken, tile, at, &mut Sums { forces, powers, deferrals: &mut [] });
-            for (row, law) in laws.iter_mut().enumerate().filter(|(row, _)| is_taken(*row)) {
+            self.add_to_tile(laws, &is_selected, tile, at, &mut Sums { forces, powers, deferrals: &mut [] });
+            for (row, law) in laws.iter_mut().enumerate().filter(|(row, _)| is_selected(*row)) {
                 if let Some(law) = law.nodal() {
                     let range = rows_of(tile, count);
                     powers[row] += law.add_to_rows(range.clone(), at, rows_mut(forces, range));
@@ -171,12 +171,12 @@ impl Plan {
         }
     }
 
-    /// The power \[W\] of the pulls that a law kept at the last evaluation, on the velocities of `at`, whose positions are those of
-    /// that evaluation.
-    pub(super) fn power_of_pulls(&self, row: usize, pulls: &[Vec<F64x8>], at: Instant<'_>) -> f64 {
+    /// The power \[W\] of the resistances of the last evaluation of a law on the velocities of `at`, at the positions
+    /// of that evaluation.
+    pub(super) fn power_of_resistances(&self, row: usize, resistances: &[Vec<F64x8>], at: Instant<'_>) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let mut power = 0.0;
-        for (set, pulls) in pulls.iter().enumerate() {
+        for (set, resistances) in resistances.iter().enumerate() {
             let is_own = |viscous: &Viscous| viscous.row == row && viscous.set == set;
             let links = self.passes.iter().find_map(|pass| match pass {
                 Pass::Links(pass) if pass.viscous.as_ref().is_some_and(is_own) => Some(&pass.links),
@@ -184,7 +184,8 @@ impl Plan {
             });
             let Some(links) = links else { continue };
             for tile in tiles(positions.rows()) {
-                power += links.instructions.run_batches(PowerKernel { links, tile, pulls, positions, velocities });
+                power +=
+                    links.instructions.run_batches(PowerKernel { links, tile, resistances, positions, velocities });
             }
         }
         power
@@ -192,7 +193,7 @@ impl Plan {
 }
 
 impl Pass {
-    /// The law after which others stand.
+    /// The row of the law whose place the pass has.
     fn row(&self) -> usize {
         match self {
             Self::Prepare(row) | Self::Elements(row) => *row,
@@ -205,10 +206,10 @@ impl Pass {
 }
 
 impl LinkPass {
-    fn run(&self, is_taken: impl Fn(usize) -> bool, tile: usize, at: Instant<'_>, sums: &mut Sums<'_>) {
+    fn run(&self, is_selected: impl Fn(usize) -> bool, tile: usize, at: Instant<'_>, sums: &mut Sums<'_>) {
         let Self { links, elastic, viscous } = self;
-        let elastic = elastic.as_ref().filter(|(row, _)| is_taken(*row));
-        let viscous = viscous.as_ref().filter(|viscous| is_taken(viscous.row));
+        let elastic = elastic.as_ref().filter(|(row, _)| is_selected(*row));
+        let viscous = viscous.as_ref().filter(|viscous| is_selected(viscous.row));
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let Some(Viscous { row, set, coefficient }) = viscous else {
             if let Some((_, parameters)) = elastic {
@@ -217,22 +218,22 @@ impl LinkPass {
             }
             return;
         };
-        let (mut pulls, mut own) = (None, None);
+        let (mut cache, mut own) = (None, None);
         match sums.deferrals.get_mut(*row).and_then(Option::as_mut) {
-            Some(Deferral::Pulls(sets)) => pulls = sets.get_mut(*set).map(Vec::as_mut_slice),
+            Some(Deferral::Resistances(sets)) => cache = sets.get_mut(*set).map(Vec::as_mut_slice),
             Some(Deferral::Forces(forces)) => own = Some(forces),
             None => {}
         }
         let forces = ColumnsMut::of(own.unwrap_or(sums.forces));
         sums.powers[*row] += if let Some((_, springs)) = elastic {
             let kernel = DampedKernel { links, springs, coefficient, tile, positions, velocities, forces };
-            match pulls {
+            match cache {
                 None => links.instructions.run_batches(kernel),
-                Some(pulls) => links.instructions.run_batches(CachedKernel(kernel, pulls)),
+                Some(cache) => links.instructions.run_batches(CachedKernel(kernel, cache)),
             }
         } else {
             let (out, sign) = (forces, 1.0);
-            let kernel = ResistanceKernel { links, coefficient, tile, positions, velocities, out, pulls, sign };
+            let kernel = ResistanceKernel { links, coefficient, tile, positions, velocities, out, cache, sign };
             links.instructions.run_batches(kernel)
         };
     }

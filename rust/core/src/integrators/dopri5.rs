@@ -4,21 +4,21 @@
 //!     y(t + theta dt) = y0 + theta (D + (1 - theta) (B + theta (C + (1 - theta) E)))
 //!     D = y1 - y0,   B = dt k1 - D,   C = D - dt k7 - B,   E = dt sum d_i k_i
 //!
-//! Six evaluations a step: the seventh stage is the first of the next step. Order 5; order 4 between steps.
+//! Six evaluations a step: the seventh stage is the first of the next step. Order 5, between steps 4.
 //! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5/120 + z^6/600; stable to 3.307 on the negative real axis, and to 1.0
 //! only on the imaginary one.
-//! With a step given it takes that step. Without one, the difference of the two orders steers the step (`controller`).
-//! Storage: 19 vectors per node beside the state, and four more between steps.
+//! The step is constant if given; otherwise the difference of the two orders controls it (`controller`).
+//! Storage: 19 vectors per node beside the state, and four more for the continuous extension.
 
 use nalgebra::Complex;
 
-use super::{Embedded, Integrator, Options, Properties, Start, System, Tolerance, amplification_of};
+use super::{Embedded, Endpoint, Integrator, Options, Properties, System, Tolerance, amplification_of};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns};
 use crate::simd::dispatch::{InstructionSet, Sweep};
 
 const NODES: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
-/// Row k: what stage k + 1 takes of the stages before it. The last row holds the weights of order 5.
+/// Row k: coefficients of stage k + 1. The last row holds the weights of order 5.
 const MATRIX: [&[f64]; 6] = [
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -31,7 +31,7 @@ const MATRIX: [&[f64]; 6] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 /// d_i of the continuous extension.
-const BETWEEN: [f64; 7] = [
+const EXTENSION: [f64; 7] = [
     -12715105075.0 / 11282082432.0,
     0.0,
     87487479700.0 / 32700410799.0,
@@ -43,31 +43,31 @@ const BETWEEN: [f64; 7] = [
 
 /// The method and its stages.
 struct Dopri5 {
-    /// Velocity and acceleration at each stage, and each law's power.
+    /// Velocity and acceleration at each stage, and the power of each law.
     velocities: [NodeVectors; 7],
     accelerations: [NodeVectors; 7],
     powers: [Vec<f64>; 7],
-    /// The stage's position; at last the end of the step. Its velocity is that of the last stage.
+    /// Position of the present stage, at last that at the end of the step, with the velocity of the last stage.
     position: NodeVectors,
     error: [NodeVectors; 2],
-    /// Whether the last stage is the derivative at the state's own instant.
+    /// Whether the last stage is the derivative at the present state.
     is_fresh: bool,
     is_started: bool,
     time: f64,
     dt: f64,
-    within: Option<Within>,
+    extension: Option<Extension>,
     instructions: InstructionSet,
 }
 
-/// What the continuous extension needs beside both ends' states and derivatives.
-struct Within {
+/// Data of the continuous extension beside the states and derivatives at both ends.
+struct Extension {
     time: f64,
     dt: f64,
     start: State,
     acceleration: NodeVectors,
     /// E for position and velocity.
-    bend: [NodeVectors; 2],
-    /// For each law: work and power at the start, E.
+    e: [NodeVectors; 2],
+    /// For each law: work and power at the start, and E.
     laws: Vec<[f64; 3]>,
 }
 
@@ -89,7 +89,7 @@ impl Dopri5 {
             is_started: false,
             time: 0.0,
             dt: 0.0,
-            within: None,
+            extension: None,
             instructions,
         }
     }
@@ -116,17 +116,18 @@ impl Dopri5 {
         state.positions.copy_from(&self.position);
         state.velocities.copy_from(&self.velocities[6]);
         for (law, work) in work.iter_mut().enumerate() {
-            *work += self.dt * self.of_law(MATRIX[5], law);
+            *work += self.dt * self.weighted_power(MATRIX[5], law);
         }
         self.is_fresh = true;
     }
 
-    fn of_law(&self, weights: &[f64], law: usize) -> f64 {
+    /// Weighted sum of the powers of a law over the stages [W].
+    fn weighted_power(&self, weights: &[f64], law: usize) -> f64 {
         weights.iter().zip(&self.powers).map(|(weight, powers)| weight * powers[law]).sum()
     }
 }
 
-/// out = start + dt sum of weights and terms.
+/// out = start + dt sum of weights times terms; zeros without `start`.
 fn sum(
     instructions: InstructionSet,
     start: Option<&NodeVectors>,
@@ -156,7 +157,7 @@ fn sum(
     }
 }
 
-/// Adds weighted terms, from the first to the last.
+/// Adds weighted terms in their order.
 struct Add<'a, const N: usize> {
     terms: [(f64, &'a [f64]); N],
     out: &'a mut [f64],
@@ -179,91 +180,95 @@ impl<const N: usize> Sweep for Add<'_, N> {
     }
 }
 
-/// The largest square of error over allowed error, over all nodes; not finite where any is not.
-struct Worst<'a> {
+/// The largest squared ratio of error to magnitude, over all nodes; not finite if one is not.
+struct LargestRatio<'a> {
     error: [&'a [f64]; 3],
     value: [&'a [f64]; 3],
     floor: f64,
 }
 
-impl Sweep for Worst<'_> {
+impl Sweep for LargestRatio<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn sweep(self) -> f64 {
         let ([ex, ey, ez], [x, y, z]) = (self.error, self.value);
         let floor = self.floor * self.floor;
-        let (mut worst, mut all) = (0.0_f64, 0.0);
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
         for i in 0..ex.len() {
             let square = ex[i] * ex[i] + ey[i] * ey[i] + ez[i] * ez[i];
-            let share = square / (floor + (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
-            worst = worst.max(share);
-            // `max` passes over what is not a number; a sum does not.
-            all += share;
+            let ratio = square / (floor + (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
+            largest = largest.max(ratio);
+            // `max` ignores what is not a number; a sum does not.
+            sum += ratio;
         }
-        if all.is_finite() { worst } else { f64::INFINITY }
+        if sum.is_finite() { largest } else { f64::INFINITY }
     }
 }
 
 impl Embedded for Dopri5 {
-    fn attempt(&mut self, system: &mut dyn System, from: Start<'_>, dt: f64, tolerance: &Tolerance) -> f64 {
+    fn attempt(&mut self, system: &mut dyn System, from: Endpoint<'_>, dt: f64, tolerance: &Tolerance) -> f64 {
         self.stages(system, from.time, dt, from.state);
         let [of_position, of_velocity] = &mut self.error;
         sum(self.instructions, None, dt, &ERROR, &self.velocities, of_position);
         sum(self.instructions, None, dt, &ERROR, &self.accelerations, of_velocity);
-        let worst = |error: &NodeVectors, value: &NodeVectors, floor: f64| {
-            self.instructions.run(Worst { error: columns(error), value: columns(value), floor })
+        let largest_ratio = |error: &NodeVectors, value: &NodeVectors, floor: f64| {
+            self.instructions.run(LargestRatio { error: columns(error), value: columns(value), floor })
         };
-        let shares = [
-            worst(of_position, &self.position, tolerance.length),
-            worst(of_velocity, &self.velocities[6], tolerance.speed),
+        let ratios = [
+            largest_ratio(of_position, &self.position, tolerance.length),
+            largest_ratio(of_velocity, &self.velocities[6], tolerance.speed),
         ];
-        shares[0].max(shares[1]).sqrt() / tolerance.relative
+        ratios[0].max(ratios[1]).sqrt() / tolerance.relative
     }
 
     fn accept(&mut self, state: &mut State, work: &mut [f64]) {
-        let bend = [&self.velocities, &self.accelerations].map(|terms| {
-            let mut bend = NodeVectors::zeros(self.position.nrows());
-            sum(self.instructions, None, self.dt, &BETWEEN, terms, &mut bend);
-            bend
+        let e = [&self.velocities, &self.accelerations].map(|terms| {
+            let mut e = NodeVectors::zeros(self.position.nrows());
+            sum(self.instructions, None, self.dt, &EXTENSION, terms, &mut e);
+            e
         });
         let laws = work.iter().enumerate();
-        let laws = laws.map(|(law, work)| [*work, self.powers[0][law], self.dt * self.of_law(&BETWEEN, law)]).collect();
-        self.within = Some(Within {
+        let laws = laws
+            .map(|(law, work)| [*work, self.powers[0][law], self.dt * self.weighted_power(&EXTENSION, law)])
+            .collect();
+        self.extension = Some(Extension {
             time: self.time,
             dt: self.dt,
             start: state.clone(),
             acceleration: self.accelerations[0].clone(),
-            bend,
+            e,
             laws,
         });
         self.finish(state, work);
     }
 
-    fn between(&self, end: Start<'_>, time: f64) -> (State, Vec<f64>) {
-        let Some(within) = &self.within else {
+    fn interpolate(&self, end: Endpoint<'_>, time: f64) -> (State, Vec<f64>) {
+        let Some(extension) = &self.extension else {
             return (end.state.clone(), end.work.to_vec());
         };
-        let Within { dt, start, acceleration, bend, laws, .. } = within;
-        let theta = (time - within.time) / dt;
-        let blend = |y0: f64, y1: f64, k1: f64, k7: f64, e: f64| {
+        let Extension { dt, start, acceleration, e: [e_x, e_v], laws, .. } = extension;
+        let theta = (time - extension.time) / dt;
+        let extend = |y0: f64, y1: f64, k1: f64, k7: f64, e: f64| {
             let d = y1 - y0;
             let b = dt * k1 - d;
             let c = d - dt * k7 - b;
             y0 + theta * (d + (1.0 - theta) * (b + theta * (c + (1.0 - theta) * e)))
         };
-        let all = |y0: &NodeVectors, y1: &NodeVectors, k1: &NodeVectors, k7: &NodeVectors, e: &NodeVectors| {
+        let extend_all = |y0: &NodeVectors, y1: &NodeVectors, k1: &NodeVectors, k7: &NodeVectors, e: &NodeVectors| {
             NodeVectors::from_fn(y0.nrows(), |i, axis| {
                 let at = (i, axis);
-                blend(y0[at], y1[at], k1[at], k7[at], e[at])
+                extend(y0[at], y1[at], k1[at], k7[at], e[at])
             })
         };
         let last = &self.accelerations[6];
         let (x0, v0, x1, v1) = (&start.positions, &start.velocities, &end.state.positions, &end.state.velocities);
-        let state =
-            State { positions: all(x0, x1, v0, v1, &bend[0]), velocities: all(v0, v1, acceleration, last, &bend[1]) };
+        let state = State {
+            positions: extend_all(x0, x1, v0, v1, e_x),
+            velocities: extend_all(v0, v1, acceleration, last, e_v),
+        };
         let work =
-            laws.iter().enumerate().map(|(law, [w0, p0, e])| blend(*w0, end.work[law], *p0, self.powers[6][law], *e));
+            laws.iter().enumerate().map(|(law, [w0, p0, e])| extend(*w0, end.work[law], *p0, self.powers[6][law], *e));
         (state, work.collect())
     }
 }
@@ -287,7 +292,7 @@ impl Integrator for Dopri5 {
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
         system.accelerate(state.at(time), &mut self.accelerations[6], &mut self.powers[6]);
-        (self.is_started, self.is_fresh, self.within) = (true, true, None);
+        (self.is_started, self.is_fresh, self.extension) = (true, true, None);
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
@@ -300,19 +305,18 @@ impl Integrator for Dopri5 {
             return History::default();
         }
         let mut history = History { vectors: vec![self.accelerations[6].clone()], numbers: self.powers[6].clone() };
-        if let Some(within) = &self.within {
-            let [bend_x, bend_v] = &within.bend;
-            let kept = [&within.start.positions, &within.start.velocities, &within.acceleration, bend_x, bend_v];
-            history.vectors.extend(kept.map(Clone::clone));
-            history.numbers.extend([within.time, within.dt]);
-            history.numbers.extend(within.laws.iter().flatten());
+        if let Some(Extension { time, dt, start, acceleration, e: [e_x, e_v], laws }) = &self.extension {
+            let saved = [&start.positions, &start.velocities, acceleration, e_x, e_v];
+            history.vectors.extend(saved.map(Clone::clone));
+            history.numbers.extend([time, dt]);
+            history.numbers.extend(laws.iter().flatten());
         }
         history
     }
 
     fn restore_history(&mut self, history: History) -> bool {
         let History { mut vectors, numbers } = history;
-        self.within = None;
+        self.extension = None;
         (self.is_started, self.is_fresh) = (!vectors.is_empty(), true);
         if !self.is_started {
             return numbers.is_empty();
@@ -323,20 +327,20 @@ impl Integrator for Dopri5 {
             return false;
         }
         self.powers[6].copy_from_slice(&numbers[..laws]);
-        let mut kept = vectors.drain(1..);
-        if let (Some(positions), Some(velocities), Some(acceleration), Some(bend_x), Some(bend_v)) =
-            (kept.next(), kept.next(), kept.next(), kept.next(), kept.next())
+        let mut saved = vectors.drain(1..);
+        if let (Some(positions), Some(velocities), Some(acceleration), Some(e_x), Some(e_v)) =
+            (saved.next(), saved.next(), saved.next(), saved.next(), saved.next())
         {
-            self.within = Some(Within {
+            self.extension = Some(Extension {
                 time: numbers[laws],
                 dt: numbers[laws + 1],
                 start: State { positions, velocities },
                 acceleration,
-                bend: [bend_x, bend_v],
+                e: [e_x, e_v],
                 laws: numbers[laws + 2..].chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect(),
             });
         }
-        drop(kept);
+        drop(saved);
         self.accelerations[6].copy_from(&vectors[0]);
         true
     }

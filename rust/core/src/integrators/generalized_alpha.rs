@@ -1,25 +1,26 @@
 //! The generalised-alpha method (Chung and Hulbert, J. Appl. Mech. 60, 1993), implicit, for stiff and damped scenes and
-//! for those that come to rest:
+//! for relaxation to rest:
 //!
 //!     (1 - am) a' + am a = F(t_f, x_f, v_f)/m,      (.)_f = (1 - af) (.)' + af (.)
 //!     x' = x + h v + h^2 ((1/2 - b) a + b a'),      v' = v + h ((1 - g) a + g a')
 //!     am = (2 r - 1)/(r + 1),   af = r/(r + 1),   g = 1/2 - am + af,   b = (1 - am + af)^2/4
 //!
-//! Order 2 and, where forces are linear, stable at every step for every damping. r, the spectral radius, is the factor by
-//! which it multiplies what it cannot resolve: 1 is the implicit midpoint rule, which keeps its ringing for ever; 0 removes
-//! it in one step. Between, what is slow hardly loses: at omega h = 0.1 and r = 0.8, 7e-8 of the amplitude per step.
-//! That is why it is this method and not midpoint: where springs buckle and contacts close, something always rings.
+//! Order 2 and, for linear forces, stable at every step for every damping. r, the spectral radius at infinite
+//! frequency, is the amplification per step of vibrations that the step does not resolve. r = 1 is the implicit
+//! midpoint rule, in which they persist; r = 0 removes them in one step. Slow motion is hardly damped in between: at
+//! omega h = 0.1 and r = 0.8, by 7e-8 of the amplitude per step. Hence this method and not the midpoint rule: springs
+//! that buckle and contacts that close excite unresolved vibrations all the time.
 //!
-//! a' is found by Newton's method with the tangent's symmetric part (see `tangent`), from the guess of a constant velocity.
-//! One factor serves as long as each correction is below `CONTRACTION` of the one before; corrections, not residuals, are
-//! compared (the natural monotonicity test: Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3), for a
-//! residual is mostly that of the stiffest. A correction that does not shrink is halved up to `HALVINGS` times. The
-//! iteration ends where the next correction would be below 1e-9 of the way that the fastest node goes in the step,
-//! or below rounding. A matrix that is not positive definite gets heavier masses. If Newton's method fails, the step is
-//! taken in halves, down to 2^-`LEVELS` of it, each counted; if that fails too, the step is `stalled`.
+//! Newton's method finds a' with the symmetric part of the tangent (see `tangent`), from an initial guess of constant
+//! velocity. A factor is reused while each correction is below `CONTRACTION` of the last. Corrections are compared, not
+//! residuals, which the stiffest elements dominate (natural monotonicity test: Deuflhard, Newton Methods for Nonlinear
+//! Problems, 2004, section 3.3). A correction that does not shrink is halved up to `HALVINGS` times. The iteration ends
+//! where the next correction is below 1e-9 of the largest displacement of a node in the step, or below rounding. A
+//! matrix that is not positive definite is factorised again with larger masses. If Newton's method fails the step is
+//! halved, down to 2^-`LEVELS` of it, and each halving is counted. If that fails too the step is `stalled`.
 //!
-//! The work of laws is what their forces at t_f do on the velocities there, taken on to the middle of the step along the
-//! line through the step before: order 2, and bounded however stiff a dashpot is.
+//! The work of a law is the integral of its power at t_f, extrapolated to the middle of the step by the line through
+//! the power of the step before: order 2, and bounded however stiff a dashpot is.
 //! Storage: six vectors per node beside the state; the tangent and its factor.
 
 use nalgebra::Matrix3;
@@ -29,46 +30,46 @@ use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State};
 use crate::linear::tangent::Weights;
 
-/// Corrections per attempt, and how often one is halved.
+/// Largest number of corrections per attempt, and of halvings of one.
 const ITERATIONS: u32 = 25;
 const HALVINGS: u32 = 5;
-/// Ratio of two corrections up to which a factor is kept.
+/// Ratio of two corrections up to which a factor is reused.
 const CONTRACTION: f64 = 0.25;
-/// How often masses are made heavier, each time fourfold, for a matrix that is not positive definite.
+/// Number of times that the masses are increased, each time fourfold, for a matrix that is not positive definite.
 const SHIFTS: i32 = 5;
-/// A step is halved so often at most.
+/// Largest number of halvings of a step.
 const LEVELS: u32 = 10;
-/// The correction at which the iteration ends, over the step's longest way, and over the scene's size.
+/// Correction at which the iteration ends, over the largest displacement in the step, and over the size of the scene.
 const TOLERANCE: [f64; 2] = [1e-9, 1e-14];
-/// The same where corrections no longer shrink, because of rounding.
+/// The same for corrections that no longer shrink because of rounding.
 const ROUNDING: [f64; 2] = [1e-6, 1e-9];
 
-/// The method and what it keeps.
+/// The method, its history and its work arrays.
 struct GeneralizedAlpha {
     alpha_m: f64,
     alpha_f: f64,
     beta: f64,
     gamma: f64,
-    /// a, and each law's power, where the forces were last evaluated: `lag` before the end of the last step [s].
+    /// a, and the power of each law at the last evaluation, `lag` before the end of the last step [s].
     acceleration: NodeVectors,
     powers: Vec<f64>,
     lag: f64,
     is_started: bool,
     statistics: Statistics,
     stall: Option<Stall>,
-    /// a', x', v' and then x_f, v_f.
+    /// a' so far and with the present correction; then x_f, v_f.
     next: NodeVectors,
     trial: NodeVectors,
-    place: NodeVectors,
+    position: NodeVectors,
     velocity: NodeVectors,
-    /// The correction to be made, and the next one.
+    /// The present correction; the residual, then the next correction.
     correction: NodeVectors,
     residual: NodeVectors,
     new_powers: Vec<f64>,
 }
 
-/// From where a step goes, and how far.
-struct Leap<'a> {
+/// A step or a part of one: its start and its length h.
+struct Interval<'a> {
     time: f64,
     h: f64,
     from: &'a State,
@@ -97,7 +98,7 @@ impl GeneralizedAlpha {
             stall: None,
             next: zeros(),
             trial: zeros(),
-            place: zeros(),
+            position: zeros(),
             velocity: zeros(),
             correction: zeros(),
             residual: zeros(),
@@ -115,25 +116,25 @@ impl GeneralizedAlpha {
     }
 
     /// x_f and v_f with `trial` as a'.
-    fn blend(&mut self, leap: &Leap<'_>) {
-        let (h, kept) = (leap.h, self.alpha_f);
+    fn interpolate(&mut self, interval: &Interval<'_>) {
+        let (h, kept) = (interval.h, self.alpha_f);
         let implicit = 1.0 - kept;
         let (of_old, of_new) = (implicit * h * h * (0.5 - self.beta), implicit * h * h * self.beta);
         let (v_old, v_new) = (implicit * h * (1.0 - self.gamma), implicit * h * self.gamma);
-        let (x, v) = (leap.from.positions.as_slice(), leap.from.velocities.as_slice());
+        let (x, v) = (interval.from.positions.as_slice(), interval.from.velocities.as_slice());
         let (a, next) = (self.acceleration.as_slice(), self.trial.as_slice());
-        let (place, velocity) = (self.place.as_mut_slice(), self.velocity.as_mut_slice());
+        let (position, velocity) = (self.position.as_mut_slice(), self.velocity.as_mut_slice());
         for i in 0..x.len() {
-            place[i] = x[i] + (implicit * h * v[i] + of_old * a[i] + of_new * next[i]);
+            position[i] = x[i] + (implicit * h * v[i] + of_old * a[i] + of_new * next[i]);
             velocity[i] = v[i] + (v_old * a[i] + v_new * next[i]);
         }
     }
 
     /// The residual at `trial`, F/m - (1 - am) a' - am a, into `residual`.
-    fn evaluate(&mut self, system: &mut dyn System, leap: &Leap<'_>) {
-        self.blend(leap);
-        let time = leap.time + (1.0 - self.alpha_f) * leap.h;
-        let at = PhasePoint { time, positions: &self.place, velocities: &self.velocity };
+    fn evaluate(&mut self, system: &mut dyn System, interval: &Interval<'_>) {
+        self.interpolate(interval);
+        let time = interval.time + (1.0 - self.alpha_f) * interval.h;
+        let at = PhasePoint { time, positions: &self.position, velocities: &self.velocity };
         system.accelerate(at, &mut self.residual, &mut self.new_powers);
         let (new, old) = (1.0 - self.alpha_m, self.alpha_m);
         let (next, a) = (self.trial.as_slice(), self.acceleration.as_slice());
@@ -142,30 +143,30 @@ impl GeneralizedAlpha {
         }
     }
 
-    /// A factor of the tangent where the forces were last evaluated, with masses as heavy as it takes.
-    fn factorise(&mut self, system: &mut dyn System, leap: &Leap<'_>) -> bool {
-        let time = leap.time + (1.0 - self.alpha_f) * leap.h;
-        let at = PhasePoint { time, positions: &self.place, velocities: &self.velocity };
-        let weights = self.weights(leap.h);
+    /// Factorises the tangent at the last evaluation, with the least masses that make it positive definite.
+    fn factorise(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> bool {
+        let time = interval.time + (1.0 - self.alpha_f) * interval.h;
+        let at = PhasePoint { time, positions: &self.position, velocities: &self.velocity };
+        let weights = self.weights(interval.h);
         for shift in 0..=SHIFTS {
             self.statistics.factorisations += 1;
-            let heavier = if shift == 0 { 1.0 } else { 1.0 + 4.0_f64.powi(shift - 1) };
-            if system.factorise(at, Weights { mass: heavier * weights.mass, ..weights }) {
+            let factor = if shift == 0 { 1.0 } else { 1.0 + 4.0_f64.powi(shift - 1) };
+            if system.factorise(at, Weights { mass: factor * weights.mass, ..weights }) {
                 return true;
             }
         }
         false
     }
 
-    /// Finds a' by Newton's method; the node whose correction was last the largest where it fails.
-    fn newton(&mut self, system: &mut dyn System, leap: &Leap<'_>) -> Result<(), usize> {
-        let size = leap.from.positions.amax();
-        // A constant velocity.
+    /// Finds a' by Newton's method; a failure gives the node with the largest last correction.
+    fn newton(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> Result<(), usize> {
+        let size = interval.from.positions.amax();
+        // The initial guess: constant velocity.
         self.next.copy_from(&self.acceleration);
         self.next *= (self.beta - 0.5) / self.beta;
         self.trial.copy_from(&self.next);
-        self.evaluate(system, leap);
-        if !self.residual.sum().is_finite() || !self.factorise(system, leap) {
+        self.evaluate(system, interval);
+        if !self.residual.sum().is_finite() || !self.factorise(system, interval) {
             return Err(largest(&self.residual).0);
         }
         let mut is_fresh = true;
@@ -179,7 +180,7 @@ impl GeneralizedAlpha {
             loop {
                 self.trial.copy_from(&self.next);
                 self.trial.zip_apply(&self.correction, |a, correction| *a += share * correction);
-                self.evaluate(system, leap);
+                self.evaluate(system, interval);
                 system.solve(&mut self.residual);
                 ratio = self.residual.norm() / before;
                 if before == 0.0 || ratio <= 1.0 - 0.25 * share || share < 0.5_f64.powi(HALVINGS as i32) {
@@ -187,26 +188,26 @@ impl GeneralizedAlpha {
                 }
                 share *= 0.5;
             }
-            let reach = self.beta * leap.h * leap.h;
-            let (node, of_now) = largest(&self.correction);
+            let scale = self.beta * interval.h * interval.h;
+            let (node, of_present) = largest(&self.correction);
             let (_, of_next) = largest(&self.residual);
-            let way = self.longest_way(leap);
-            if before == 0.0 || reach * of_next <= TOLERANCE[0] * way + TOLERANCE[1] * size {
+            let displacement = self.largest_displacement(interval);
+            if before == 0.0 || scale * of_next <= TOLERANCE[0] * displacement + TOLERANCE[1] * size {
                 self.next.copy_from(&self.trial);
                 return Ok(());
             }
             let has_shrunk = ratio <= 1.0 - 0.25 * share;
             if !has_shrunk {
-                if reach * of_now.max(of_next) <= ROUNDING[0] * way + ROUNDING[1] * size {
+                if scale * of_present.max(of_next) <= ROUNDING[0] * displacement + ROUNDING[1] * size {
                     self.next.copy_from(&self.trial);
                     return Ok(());
                 }
                 if is_fresh {
                     return Err(node);
                 }
-                // The factor is of another place: back, for one of this.
+                // The factor belongs to an earlier iterate: back to the present one, for its factor.
                 self.trial.copy_from(&self.next);
-                self.evaluate(system, leap);
+                self.evaluate(system, interval);
             } else {
                 self.next.copy_from(&self.trial);
                 if share == 1.0 && ratio <= CONTRACTION {
@@ -215,9 +216,9 @@ impl GeneralizedAlpha {
                     continue;
                 }
                 // The residual was overwritten by the next correction.
-                self.evaluate(system, leap);
+                self.evaluate(system, interval);
             }
-            if !self.factorise(system, leap) {
+            if !self.factorise(system, interval) {
                 return Err(node);
             }
             is_fresh = true;
@@ -227,17 +228,17 @@ impl GeneralizedAlpha {
         Err(largest(&self.correction).0)
     }
 
-    /// The longest way of any node in the step with `trial` [m].
-    fn longest_way(&self, leap: &Leap<'_>) -> f64 {
-        let (h, nodes) = (leap.h, self.trial.nrows());
+    /// The largest displacement of any node in the step with `trial` [m].
+    fn largest_displacement(&self, interval: &Interval<'_>) -> f64 {
+        let (h, nodes) = (interval.h, self.trial.nrows());
         let (of_old, of_new) = (h * h * (0.5 - self.beta), h * h * self.beta);
-        let (v, a, next) = (&leap.from.velocities, &self.acceleration, &self.trial);
+        let (v, a, next) = (&interval.from.velocities, &self.acceleration, &self.trial);
         let squares = (0..nodes)
             .map(|i| (0..3).map(|k| (h * v[(i, k)] + of_old * a[(i, k)] + of_new * next[(i, k)]).powi(2)).sum::<f64>());
         squares.fold(0.0, f64::max).sqrt()
     }
 
-    /// Goes to the end of the step that was found.
+    /// Advances the state to the end of the step.
     fn accept(&mut self, h: f64, state: &mut State, work: &mut [f64]) {
         let (x, v) = (state.positions.as_mut_slice(), state.velocities.as_mut_slice());
         let (a, next) = (self.acceleration.as_slice(), self.next.as_slice());
@@ -246,10 +247,10 @@ impl GeneralizedAlpha {
             v[i] += h * ((1.0 - self.gamma) * a[i] + self.gamma * next[i]);
         }
         self.acceleration.copy_from(&self.next);
-        // On along the line from the last place of evaluation to the middle of the step.
-        let on = (self.alpha_f - 0.5) * h / ((1.0 - self.alpha_f) * h + self.lag);
+        // Extrapolation from the last two evaluations to the middle of the step.
+        let extrapolation = (self.alpha_f - 0.5) * h / ((1.0 - self.alpha_f) * h + self.lag);
         for (work, (power, last)) in work.iter_mut().zip(self.new_powers.iter().zip(&mut self.powers)) {
-            *work += h * (power + on * (power - *last));
+            *work += h * (power + extrapolation * (power - *last));
             *last = *power;
         }
         self.lag = self.alpha_f * h;
@@ -258,25 +259,25 @@ impl GeneralizedAlpha {
 
 /// The node with the largest vector, and its length.
 fn largest(vectors: &NodeVectors) -> (usize, f64) {
-    let mut most = (0, 0.0);
+    let mut largest = (0, 0.0);
     for (node, vector) in vectors.row_iter().enumerate() {
         let square = vector.norm_squared();
-        if square > most.1 || square.is_nan() {
-            most = (node, square);
+        if square > largest.1 || square.is_nan() {
+            largest = (node, square);
         }
     }
-    (most.0, most.1.sqrt())
+    (largest.0, largest.1.sqrt())
 }
 
 impl Integrator for GeneralizedAlpha {
     fn properties(&self) -> Properties {
-        // Two evaluations where forces are linear; each further iteration costs one more.
+        // Two evaluations for linear forces, one more for each further iteration.
         let explicit = Properties::explicit("generalized_alpha", 2, 2);
         Properties { evaluations_at_start: 1, is_implicit: true, ..explicit }
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
-        // One step of (x, dt v, dt^2 a).
+        // The amplification matrix of (x, dt v, dt^2 a).
         let (z, c) = ((omega * dt).powi(2), damping * dt);
         let (implicit, late, slow) = (1.0 - self.alpha_f, 1.0 - self.gamma, 0.5 - self.beta);
         let own = 1.0 - self.alpha_m + implicit * (self.gamma * c + self.beta * z);
@@ -303,10 +304,10 @@ impl Integrator for GeneralizedAlpha {
         let (mut done, mut part) = (0, whole);
         while done < whole {
             let share = |parts: u32| f64::from(parts) / f64::from(whole);
-            let leap = Leap { time: time + dt * share(done), h: dt * share(part), from: state };
-            match self.newton(system, &leap) {
+            let interval = Interval { time: time + dt * share(done), h: dt * share(part), from: state };
+            match self.newton(system, &interval) {
                 Ok(()) => {
-                    let h = leap.h;
+                    let h = interval.h;
                     self.accept(h, state, work);
                     done += part;
                     if part < whole && done.is_multiple_of(2 * part) {
@@ -314,7 +315,7 @@ impl Integrator for GeneralizedAlpha {
                     }
                 }
                 Err(node) if part == 1 => {
-                    self.stall = Some(Stall { time: leap.time, dt: leap.h, node });
+                    self.stall = Some(Stall { time: interval.time, dt: interval.h, node });
                     return;
                 }
                 Err(_) => {
@@ -340,7 +341,7 @@ impl Integrator for GeneralizedAlpha {
         History { vectors: vec![self.acceleration.clone()], numbers }
     }
 
-    /// Counts go on from the larger: a run that is set back has spent what it spent.
+    /// Counts continue from the larger ones: a run that returns to an earlier state has spent them.
     fn restore_history(&mut self, history: History) -> bool {
         let History { vectors, numbers } = history;
         self.stall = None;

@@ -1,4 +1,5 @@
-//! What leapfrog and its substeps share: the drift with its prediction, the kick with Boris's rotation, the amplification.
+//! Common parts of leapfrog with and without substeps: drift with prediction, kick with Boris's rotation,
+//! amplification.
 
 use nalgebra::Matrix3;
 
@@ -9,7 +10,7 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
-/// The drift, and the prediction in place of the velocity.
+/// The drift; the predicted velocity replaces the velocity.
 pub(super) struct Drift {
     pub(super) dt: f64,
 }
@@ -23,7 +24,7 @@ impl Formula<1, 2> for Drift {
     }
 }
 
-/// The velocity from its prediction, without coriolis_rate: v = p + dt/2 (a' - a). Then a' stands in place of a.
+/// The velocity from its prediction, without the force of Coriolis: v = p + dt/2 (a' - a). a' replaces a.
 struct Correct {
     half: f64,
 }
@@ -35,7 +36,7 @@ impl Formula<1, 2> for Correct {
     }
 }
 
-/// The same with coriolis_rate, in x and y.
+/// The same with the force of Coriolis, for x and y.
 struct Boris {
     half: f64,
     rate: f64,
@@ -54,7 +55,7 @@ impl Formula<2, 4> for Boris {
 
 /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
 pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
-    // One step of (x, dt v, dt^2 a).
+    // The amplification matrix of (x, dt v, dt^2 a).
     let (z, c) = ((omega * dt).powi(2), damping * dt);
     let step = Matrix3::new(
         1.0,
@@ -70,7 +71,7 @@ pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
     step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// Accelerations at the first instant, and each law's power with them.
+/// Accelerations at the first instant, and the power of each law.
 pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
     let count = accelerations.nrows();
     for tile in tiles(count) {
@@ -83,21 +84,21 @@ pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: 
     system.power_at(at, powers);
 }
 
-/// The end of a step: the state stands at `time`, its velocities as predicted.
+/// The end of a step: positions at `time`, velocities as predicted.
 pub(super) struct End<'a> {
     pub(super) time: f64,
     /// Half of the step.
     pub(super) half: f64,
-    /// Those at its start; then those at its end, and each law's power with them.
+    /// Those at the start of the step, then those at its end, with the power of each law.
     pub(super) accelerations: &'a mut NodeVectors,
     pub(super) powers: &'a mut [f64],
-    /// Room for accelerations of one row_block of nodes.
+    /// Work array for the accelerations of one row block.
     pub(super) row_block: &'a mut NodeVectors,
     pub(super) instructions: InstructionSet,
 }
 
 impl End<'_> {
-    /// Evaluates the accelerations, and corrects the velocities.
+    /// Evaluates the accelerations and corrects the velocities.
     pub(super) fn correct(self, system: &mut dyn System, state: &mut State) {
         let End { time, half, accelerations, powers, row_block, instructions } = self;
         let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
@@ -122,7 +123,7 @@ impl End<'_> {
     }
 }
 
-/// -dt^2/8 sum m a^2: what leapfrog conserves where forces are linear and undamped, minus the energy \[J\].
+/// -dt^2/8 sum m a^2: the modified energy that leapfrog conserves under linear undamped forces, minus the energy \[J\].
 pub(super) fn energy_shift(accelerations: &NodeVectors, masses: &[f64], dt: f64) -> f64 {
     let [x, y, z] = columns(accelerations);
     let squares = (0..masses.len()).map(|i| masses[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));

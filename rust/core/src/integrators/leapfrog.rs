@@ -2,30 +2,30 @@
 //!
 //!     v_h = v_n + dt/2 a_n                           half a kick
 //!     x_n+1 = x_n + dt v_h                           drift
-//!     p = v_n + dt a_n                               a velocity to evaluate with, good to dt^2
+//!     p = v_n + dt a_n                               predicted velocity, error O(dt^2)
 //!     a_n+1 = a(t_n+1, x_n+1, p) + w J (v_n+1 - p)
 //!     v_n+1 = v_h + dt/2 a_n+1                       half a kick
 //!
-//! One evaluation a step. Forces that depend on velocity see p, which keeps order 2: on x' = -c x the scheme is that of
-//! Adams and Bashforth. The force of Coriolis, w J v with J v = (v_y, -v_x, 0), is instead taken at v_n+1 itself; the two
-//! equations per node are solved in closed form, with h = w dt/2 and d = v_n+1 - p:
+//! One evaluation a step. Forces that depend on velocity are evaluated with p, at order 2: on x' = -c x the scheme is
+//! that of Adams and Bashforth. The acceleration of Coriolis, w J v with J v = (v_y, -v_x, 0), is instead taken at
+//! v_n+1 itself. The two equations per node have a closed solution, with h = w dt/2 and d = v_n+1 - p:
 //!
 //!     (1 - h J) d = v_h + dt/2 a(t_n+1, x_n+1, p) - p = r,    d = (r + h J r) / (1 + h^2)
 //!
-//! That is the method of Boris (1970): the force does no work on the mean of two half-step velocities, so the energy of
-//! a turning scene stays bounded too (Hairer and Lubich 2018). With p in its place it would drift.
+//! This is the method of Boris (1970): the force does no work on the mean of two half-step velocities, so that the
+//! energy in a turning frame remains bounded too (Hairer and Lubich 2018). Evaluated with p it would drift.
 //!
-//! Limits: 2 on the imaginary axis, 1 on the negative real one; with both, a damping ratio zeta leaves
-//! omega dt <= 2 (sqrt(4 zeta^2 + 1) - 2 zeta), which is dt^2 omega^2 + 4 dt c = 4 with c = 2 zeta omega: there a step
-//! turns a mode over, K u + 4/dt C u = 4/dt^2 u. Where forces are linear in x and without damping,
+//! Limits: 2 on the imaginary axis, 1 on the negative real one. With both, a damping ratio zeta leaves
+//! omega dt <= 2 (sqrt(4 zeta^2 + 1) - 2 zeta), that is dt^2 omega^2 + 4 dt c = 4 with c = 2 zeta omega. At this limit
+//! a mode changes sign from step to step: K u + 4/dt C u = 4/dt^2 u. For forces linear in x and without damping
 //!
 //!     m/2 (v_n^2 - dt^2/4 a_n^2) + U(x_n) = m/2 v_n-1/2 . v_n+1/2 + U(x_n)
 //!
-//! is conserved: the energy swings about it by (omega dt)^2/4 of the potential energy, and does not drift.
-//! The work of laws is integrated by the trapezoidal rule; that of a force evaluated with p is its product with v_n, which
-//! is what the sum of kicks takes out of that quantity, step by step.
-//! Storage: one vector per node beside the state, in which p takes the place of v_n until v_n+1 = p + d is known; r is
-//! dt/2 (a(t_n+1, x_n+1, p) - a_n).
+//! is conserved (the modified energy). The energy oscillates about it by (omega dt)^2/4 of the potential energy,
+//! without drift. The work of laws is integrated by the trapezoidal rule. The power of a force evaluated with p is its
+//! product with v_n: its sum is the change of the modified energy by the kicks, step by step.
+//! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
+//! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, System, multirate};
@@ -35,18 +35,18 @@ use crate::arrays::state::{NodeVectors, State};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::map::each;
 
-/// The method and what it keeps.
+/// The method and its history.
 struct Leapfrog {
-    /// a_n, and each law's power with it.
+    /// a_n, and the power of each law there.
     acceleration: NodeVectors,
     powers: Vec<f64>,
     is_started: bool,
-    /// a_n+1 of one row_block of nodes.
+    /// a_n+1 of one row block.
     row_block: NodeVectors,
     instructions: InstructionSet,
 }
 
-/// Of leapfrog without substeps.
+/// Properties of leapfrog without substeps.
 pub(super) const PROPERTIES: Properties = Properties {
     evaluations_at_start: 1,
     conserves_energy: true,
@@ -55,7 +55,7 @@ pub(super) const PROPERTIES: Properties = Properties {
     ..Properties::explicit("leapfrog", 2, 1)
 };
 
-/// The method for a scene, in substeps where these are asked for.
+/// The method for a scene, with substeps where more than one is set.
 pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     if options.substeps > 1 { multirate::make(options) } else { Box::new(Leapfrog::new(options)) }
 }

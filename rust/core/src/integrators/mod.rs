@@ -1,6 +1,6 @@
-//! The methods of time integration, one per file, and the one list of them.
+//! The methods of time integration, one per file, and their list.
 //!
-//! A method sees a system that fills accelerations at (t, x, v), and nothing else: no law, no mesh.
+//! A method knows a system that fills accelerations at (t, x, v), but neither laws nor a mesh.
 
 mod controller;
 mod dopri5;
@@ -21,57 +21,56 @@ use crate::simd::dispatch::InstructionSet;
 pub use controller::Controller;
 pub use system::{RateGroup, System};
 
-/// The spectral radius that is taken where none is given: what a step cannot resolve is gone after some dozens.
+/// Default spectral radius: unresolved vibrations decay within some dozens of steps.
 pub const SPECTRAL_RADIUS: f64 = 0.8;
 
-/// What a method's maker is given.
+/// Input to the constructors of methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Nodes of the scene.
+    /// Number of nodes of the scene.
     pub nodes: usize,
-    /// Its laws.
+    /// Number of its laws.
     pub laws: usize,
-    /// The instructions that passes over nodes run with.
+    /// The instruction set of passes over nodes.
     pub instructions: InstructionSet,
-    /// By what factor an implicit method shrinks, per step, vibrations that it cannot resolve; from 0 to 1.
+    /// Amplification per step, from 0 to 1, of vibrations that the step of an implicit method does not resolve.
     pub spectral_radius: f64,
-    /// Substeps in a step, between which slow laws rest, of a method that has such a form.
+    /// Substeps in a step, for methods with substeps; slow laws are evaluated once a step.
     pub substeps: u32,
 }
 
 impl Default for Options {
-    /// Of no scene: enough to ask a method for its properties.
+    /// Those of no scene, sufficient for the properties of a method.
     fn default() -> Self {
         let instructions = InstructionSet::Baseline;
         Self { nodes: 1, laws: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1 }
     }
 }
 
-/// What is known of a method, whatever it integrates.
+/// Properties of a method, independent of the system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Properties {
-    /// The name in the list.
+    /// Name in the list.
     pub name: &'static str,
-    /// Order of the error after a given time.
+    /// Order of the global error.
     pub order: u32,
     /// Evaluations of the accelerations per step.
     pub evaluations_per_step: u32,
-    /// Evaluations before the first step, and after positions or velocities were set.
+    /// Evaluations before the first step, and after a change of positions or velocities.
     pub evaluations_at_start: u32,
-    /// Whether the energy of an undamped motion stays bounded, however long it lasts.
+    /// Whether the energy error of an undamped motion is bounded for all times.
     pub conserves_energy: bool,
-    /// Whether forces are evaluated with predicted velocities, other than those on which they do work.
+    /// Whether forces are evaluated with predicted velocities, which differ from those of their power.
     pub predicts_velocity: bool,
-    /// Whether it solves for the end of a step with the tangent: then no mode limits the step.
+    /// Whether the method solves for the end of a step with the tangent; then no mode limits the step.
     pub is_implicit: bool,
-    /// The w of a method that is stable as long as dt^2 omega^2 + w dt damping is below the same bound for every shape that
-    /// a scene can take, 4 for leapfrog; `None` for one that multiplies each solution exp(lambda t) by a function of
-    /// lambda dt.
+    /// w of a method whose limit is dt^2 omega^2 + w dt damping = 4 with the Rayleigh quotients of any shape of the
+    /// scene; `None` for a method that multiplies each solution exp(lambda t) by a function of lambda dt.
     pub damping_weight: Option<f64>,
 }
 
 impl Properties {
-    /// Those of an explicit one-step method of this order that evaluates so often per step.
+    /// Those of an explicit one-step method.
     const fn explicit(name: &'static str, order: u32, evaluations_per_step: u32) -> Self {
         Self {
             name,
@@ -86,106 +85,106 @@ impl Properties {
     }
 }
 
-/// A method with its stages preallocated.
+/// A method with preallocated stages.
 pub trait Integrator: Send + Sync {
-    /// What is known of it.
+    /// Its properties.
     fn properties(&self) -> Properties;
     /// The largest factor by which a step multiplies a solution of x'' = -omega^2 x - damping x'.
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64;
-    /// Whether a step can be taken without `start`.
+    /// Whether a step is possible without `start`.
     fn is_started(&self) -> bool {
         true
     }
-    /// Evaluates what the first step needs.
+    /// Evaluates the data of the first step.
     fn start(&mut self, _system: &mut dyn System, _time: f64, _state: &State) {}
-    /// Advances `state` from `time` by `dt`, and adds to `work` the integral of each law's power \[J\].
+    /// Advances `state` from `time` by `dt`, and adds the integral of the power of each law to `work` \[J\].
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]);
-    /// What the method conserves in place of the energy, minus the energy, as far as it is known \[J\].
+    /// The modified energy that the method conserves, minus the energy \[J\]; 0 where none is known.
     fn energy_shift(&self, _masses: &[f64], _dt: f64) -> f64 {
         0.0
     }
-    /// What is kept from step to step.
+    /// Data kept from step to step.
     fn history(&self) -> History {
         History::default()
     }
-    /// Goes on from a history; an empty one asks for a new start. Whether it fits.
+    /// Continues from a history; an empty one requires a new start. Whether its sizes fit.
     fn restore_history(&mut self, history: History) -> bool {
         history == History::default()
     }
-    /// The method by which slow laws move nodes, one step at a time, of a method that tells laws apart by their rate.
+    /// The method whose limit bounds the step for slow laws, of a method with rate groups.
     fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
         None
     }
-    /// The method as one that solves equations.
+    /// The method as an implicit one.
     fn implicit(&self) -> Option<&dyn Implicit> {
         None
     }
-    /// The method as one that knows its own error.
+    /// The method as an embedded pair.
     fn embedded(&mut self) -> Option<&mut dyn Embedded> {
         None
     }
 }
 
-/// A method that solves for the end of a step by Newton's method.
+/// A method that finds the end of a step by Newton's method.
 pub trait Implicit {
-    /// What was spent so far.
+    /// Counts so far.
     fn statistics(&self) -> Statistics;
-    /// The last step, where it could not be taken; the state is then somewhere within it.
+    /// The last step, if Newton's method failed; the state is then at the last part that converged.
     fn stalled(&self) -> Option<Stall>;
 }
 
-/// What an implicit method has spent.
+/// Counts of an implicit method.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Corrections of Newton's method.
     pub iterations: u64,
     /// Factorisations of the tangent.
     pub factorisations: u64,
-    /// Steps, or parts of steps, that were halved because Newton's method failed.
+    /// Halvings of steps or parts of steps after a failure of Newton's method.
     pub fallbacks: u64,
 }
 
-/// A step that could not be taken.
+/// A step in which Newton's method failed at every halving.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stall {
-    /// From when \[s\].
+    /// Its start \[s\].
     pub time: f64,
-    /// The smallest part of the step that was tried \[s\].
+    /// The smallest part attempted \[s\].
     pub dt: f64,
-    /// The node whose correction was the largest, in the core's numbering.
+    /// The node with the largest correction, internal number.
     pub node: usize,
 }
 
-/// A method that estimates the error of its step, and knows the motion within it.
+/// A method with an error estimate and a continuous extension.
 pub trait Embedded {
-    /// Tries a step from `state`, and gives its error; 1 is what `tolerance` allows. Not finite where the step blew up.
-    fn attempt(&mut self, system: &mut dyn System, from: Start<'_>, dt: f64, tolerance: &Tolerance) -> f64;
-    /// Takes the step that was tried last.
+    /// Attempts a step, and returns its estimated error over that of `tolerance`; not finite where the step diverges.
+    fn attempt(&mut self, system: &mut dyn System, from: Endpoint<'_>, dt: f64, tolerance: &Tolerance) -> f64;
+    /// Accepts the last attempt.
     fn accept(&mut self, state: &mut State, work: &mut [f64]);
-    /// The motion and the work at `time` within the last accepted step, which ended at `end`.
-    fn between(&self, end: Start<'_>, time: f64) -> (State, Vec<f64>);
+    /// Motion and work at `time` within the last accepted step, which ended at `end`.
+    fn interpolate(&self, end: Endpoint<'_>, time: f64) -> (State, Vec<f64>);
 }
 
-/// Where a step starts or ends.
+/// The start or the end of a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Start<'a> {
+pub struct Endpoint<'a> {
     /// Time \[s\].
     pub time: f64,
     /// Motion.
     pub state: &'a State,
-    /// Work of each law so far \[J\].
+    /// Work of each law since the start \[J\].
     pub work: &'a [f64],
 }
 
-/// The error that one step may make on any node: `relative` (length^2 + |x|^2)^1/2 in position, `relative` (speed^2 +
+/// The allowed error of a step on each node: `relative` (length^2 + |x|^2)^1/2 in position, `relative` (speed^2 +
 /// |v|^2)^1/2 in velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Without dimension.
+    /// Relative tolerance.
     pub relative: f64,
     /// Distance from the origin below which the tolerance is absolute \[m\].
     pub length: f64,
-    /// Speed below which it is \[m/s\].
+    /// Speed below which the tolerance is absolute \[m/s\].
     pub speed: f64,
 }
 
@@ -197,20 +196,20 @@ fn amplification_of(
     dt: f64,
 ) -> f64 {
     let root = Complex::new(0.25 * damping * damping - omega * omega, 0.0).sqrt();
-    let size = |lambda: Complex<f64>| stability_function(lambda * dt).norm();
-    size(root - 0.5 * damping).max(size(-root - 0.5 * damping))
+    let modulus = |lambda: Complex<f64>| stability_function(lambda * dt).norm();
+    modulus(root - 0.5 * damping).max(modulus(-root - 0.5 * damping))
 }
 
-/// A method by its name: what makes it for a scene.
+/// An entry of the list: name and constructor.
 #[derive(Debug, Clone, Copy)]
 pub struct Method {
-    /// The name that scenes use.
+    /// Name in scenes.
     pub name: &'static str,
-    /// Makes it.
+    /// Constructor for a scene.
     pub make: fn(&Options) -> Box<dyn Integrator>,
 }
 
-/// The one list.
+/// The list of methods.
 pub const METHODS: &[Method] = &[
     Method { name: "rk4", make: rk4::make },
     Method { name: "leapfrog", make: leapfrog::make },
@@ -221,7 +220,7 @@ pub const METHODS: &[Method] = &[
 /// The method called `name`.
 ///
 /// # Errors
-/// `UnknownName`, with the names there are.
+/// `UnknownName`, with the known names.
 pub fn by_name(name: &str) -> Result<Method> {
     let known = || METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
     METHODS.iter().find(|method| method.name == name).copied().ok_or_else(|| Error::UnknownName {

@@ -1,15 +1,17 @@
-//! Leapfrog in short steps, also called r-RESPA or the impulse method (Grubmueller et al. 1991; Tuckerman, Berne and Martyna
-//! 1992): slow laws s are evaluated once a step of length h, the others, f, at each of m short steps of length dt = h/m.
+//! Leapfrog with substeps, also called r-RESPA or the impulse method (Grubmueller et al. 1991; Tuckerman, Berne and
+//! Martyna 1992): slow laws s are evaluated once a step of length h, fast laws f once a substep of length dt = h/m.
 //! With b_k = f_k, and b_k = f_k + m s_k at the ends of the step,
 //!
 //!     v_k+1/2 = v_k + dt/2 b_k,    x_k+1 = x_k + dt v_k+1/2,    v_k+1 = v_k+1/2 + dt/2 b_k+1
 //!
-//! so slow laws kick by h/2 s at both ends. Forces that depend on velocity see p = v_k+1/2 + dt/2 (f_k, + m s_n at the end of
-//! the step), good to h^2, with which order 2 holds; the force of Coriolis is taken at v_k+1 itself, as `leapfrog` does.
+//! so that slow laws kick by h/2 s at both ends. Forces that depend on velocity are evaluated with the prediction
+//! p = v_k+1/2 + dt/2 f_k, plus h/2 s_n at the end of the step. Its error is O(h^2), at which order 2 holds. The force
+//! of Coriolis is taken at v_k+1 itself, as in `leapfrog`.
 //!
-//! Which laws are slow is not said here: those that alone would allow a step many times as long (`simulation::pace`).
-//! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, kicks by slow laws
-//! can meet that mode in step, and feed it unless damping takes more: a step that is not given stays below.
+//! `simulation::rate_groups` selects the slow laws: those that alone would allow a step many times as long.
+//! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, the kicks of
+//! slow laws can be in resonance with that mode and excite it unless damping dissipates more; the default
+//! step stays below.
 //! Storage: two vectors per node beside the state.
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
@@ -21,22 +23,22 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each, on_axes};
 
-/// The method and what it keeps.
+/// The method and its history.
 struct Multirate {
     /// m.
     count: u32,
-    /// f_n and s_n, and each law's power with them.
+    /// f_n and s_n, and the power of each law there.
     fast: NodeVectors,
     slow: NodeVectors,
     fast_powers: Vec<f64>,
     slow_powers: Vec<f64>,
     is_started: bool,
-    /// Accelerations of one row_block of nodes.
+    /// Accelerations of one row block.
     row_block: NodeVectors,
     instructions: InstructionSet,
 }
 
-/// The method for a scene; of more than one substep.
+/// The method for a scene, with more than one substep.
 pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     debug_assert!(options.substeps > 1, "one substep is leapfrog");
     Box::new(Multirate {
@@ -52,8 +54,8 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
 }
 
 impl Multirate {
-    /// Evaluates the slow laws at the end of a step: what the last short step then takes for f_k is f_k - m (s' - s), so
-    /// that its correction is that of b.
+    /// Evaluates the slow laws at the end of a step. f_k - m (s' - s) replaces f_k, so that the correction of the last
+    /// substep is that by b.
     fn evaluate_slow(&mut self, system: &mut dyn System, at: PhasePoint<'_>) {
         let Self { fast, slow, slow_powers, row_block, instructions, .. } = self;
         let shift = Shift { count: f64::from(self.count) };
@@ -70,7 +72,7 @@ impl Multirate {
         system.select_rate_group(RateGroup::Fast);
     }
 
-    /// Evaluates the fast laws at the end of a short step, and corrects its velocities.
+    /// Evaluates the fast laws at the end of a substep, and corrects its velocities.
     fn evaluate_fast(&mut self, system: &mut dyn System, time: f64, half: f64, state: &mut State) {
         let Self { fast, fast_powers, row_block, instructions, .. } = self;
         End { time, half, accelerations: fast, powers: fast_powers, row_block, instructions: *instructions }
@@ -78,7 +80,7 @@ impl Multirate {
     }
 }
 
-/// The drift and the prediction where slow forces kick before or after it.
+/// Drift and prediction with a kick of the slow forces before or after them.
 struct KickedDrift {
     dt: f64,
     before: f64,
@@ -94,7 +96,7 @@ impl Formula<2, 2> for KickedDrift {
     }
 }
 
-/// f - m (s' - s) in place of f, s' in place of s.
+/// f - m (s' - s) replaces f, and s' replaces s.
 struct Shift {
     count: f64,
 }
@@ -129,19 +131,19 @@ impl Integrator for Multirate {
 
     fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
         let at = state.at(time);
-        let parts = [
+        let groups = [
             (RateGroup::Slow, &mut self.slow, &mut self.slow_powers),
             (RateGroup::Fast, &mut self.fast, &mut self.fast_powers),
         ];
-        for (part, accelerations, powers) in parts {
-            system.select_rate_group(part);
+        for (group, accelerations, powers) in groups {
+            system.select_rate_group(group);
             begin(system, at, accelerations, powers);
         }
         self.is_started = true;
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
-        let (short, kick) = (dt / f64::from(self.count), 0.5 * dt);
+        let (substep, kick) = (dt / f64::from(self.count), 0.5 * dt);
         let mut add_work = |weight: f64, powers: &[f64]| {
             work.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
         };
@@ -149,21 +151,21 @@ impl Integrator for Multirate {
         add_work(kick, &self.slow_powers);
         for k in 1..=self.count {
             let is_last = k == self.count;
-            let now = if is_last { time + dt } else { time + f64::from(k) * short };
-            add_work(0.5 * short, &self.fast_powers);
+            let now = if is_last { time + dt } else { time + f64::from(k) * substep };
+            add_work(0.5 * substep, &self.fast_powers);
             let changed = [state.positions.as_mut_slice(), state.velocities.as_mut_slice()];
             if k == 1 || is_last {
                 let (before, after) = if is_last { (0.0, kick) } else { (kick, 0.0) };
-                let drift = KickedDrift { dt: short, before, after };
+                let drift = KickedDrift { dt: substep, before, after };
                 each(self.instructions, &drift, [self.fast.as_slice(), self.slow.as_slice()], changed);
             } else {
-                each(self.instructions, &Drift { dt: short }, [self.fast.as_slice()], changed);
+                each(self.instructions, &Drift { dt: substep }, [self.fast.as_slice()], changed);
             }
             if is_last {
                 self.evaluate_slow(system, state.at(now));
             }
-            self.evaluate_fast(system, now, 0.5 * short, state);
-            add_work(0.5 * short, &self.fast_powers);
+            self.evaluate_fast(system, now, 0.5 * substep, state);
+            add_work(0.5 * substep, &self.fast_powers);
         }
         system.select_rate_group(RateGroup::Slow);
         for range in row_blocks(0..self.slow.nrows()) {

@@ -6,15 +6,15 @@
 //!       1  |  0   0   1
 //!          | 1/6 1/3 1/3 1/6
 //!
-//! Four evaluations a step. The stages' velocities v1 = v_n, v2 = v_n + dt/2 a1, v3 = v_n + dt/2 a2, v4 = v_n + dt a3 hold
-//! their accelerations, so that none is kept:
+//! Four evaluations a step. The velocities of the stages, v1 = v_n, v2 = v_n + dt/2 a1, v3 = v_n + dt/2 a2 and
+//! v4 = v_n + dt a3, determine their accelerations, which need no storage:
 //!
 //!     x_n+1 = x_n + dt/6 (v1 + 2 v2 + 2 v3 + v4)
 //!     v_n+1 = v_n + ((v2 - v_n) + 2 (v3 - v_n) + (v4 - v_n))/3 + dt/6 a4
 //!
-//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real one. It
-//! loses energy: on an oscillator the amplitude shrinks by (omega dt)^6/144 per step.
-//! Storage: three vectors per node beside the state. Each row_block of nodes goes on to its next stage as soon as its
+//! R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24; stable to 2 sqrt(2) on the imaginary axis and to 2.785 on the negative real
+//! one. It is dissipative: the amplitude of an oscillator decreases by (omega dt)^6/144 per step.
+//! Storage: three vectors per node beside the state. Each row block proceeds to its next stage as soon as its
 //! accelerations are known.
 
 use nalgebra::Complex;
@@ -33,9 +33,9 @@ const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 /// The method and its stages.
 struct Rk4 {
     stage: State,
-    /// The second stage's velocities.
+    /// Velocities of the second stage.
     second: NodeVectors,
-    /// Accelerations of one row_block.
+    /// Accelerations of one row block.
     row_block: NodeVectors,
     powers: Vec<f64>,
     instructions: InstructionSet,
@@ -53,7 +53,7 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     })
 }
 
-/// Lays out the second stage: x2 = x0 + h v0, v2 = v0 + h a1.
+/// The second stage: x2 = x0 + h v0, v2 = v0 + h a1.
 struct Second {
     h: f64,
 }
@@ -66,7 +66,7 @@ impl Formula<3, 2> for Second {
     }
 }
 
-/// Lays out the third stage: x3 = x0 + h v2, v3 = v0 + h a2.
+/// The third stage: x3 = x0 + h v2, v3 = v0 + h a2.
 struct Third {
     h: f64,
 }
@@ -79,7 +79,7 @@ impl Formula<4, 2> for Third {
     }
 }
 
-/// Lays out the last stage: x4 = x0 + dt v3, v4 = v0 + dt a3. And moves the state on by all that is known then.
+/// The last stage: x4 = x0 + dt v3, v4 = v0 + dt a3. The state advances to the end of the step, but for a4.
 struct Fourth {
     dt: f64,
 }
@@ -88,14 +88,14 @@ impl Formula<2, 4> for Fourth {
     #[inline(always)]
     fn row<V: SimdF64>(&self, [a3, v2]: [V; 2], [_, v3, x0, v0]: [V; 4]) -> [V; 4] {
         let (dt, two) = (V::all(self.dt), V::all(2.0));
-        let gained = dt * a3;
-        let sum = (v2 - v0) + two * (v3 - v0) + gained;
-        let moved = dt * (v0 + V::all(1.0 / 6.0) * (sum + (v2 - v0)));
-        [x0 + dt * v3, v0 + gained, x0 + moved, v0 + V::all(1.0 / 3.0) * sum]
+        let change = dt * a3;
+        let sum = (v2 - v0) + two * (v3 - v0) + change;
+        let displacement = dt * (v0 + V::all(1.0 / 6.0) * (sum + (v2 - v0)));
+        [x0 + dt * v3, v0 + change, x0 + displacement, v0 + V::all(1.0 / 3.0) * sum]
     }
 }
 
-/// Ends the step: v += dt/6 a4.
+/// The end of the step: v += dt/6 a4.
 struct End {
     sixth: f64,
 }
@@ -146,7 +146,7 @@ impl Integrator for Rk4 {
     }
 }
 
-/// Where stage `k` is evaluated.
+/// The point of evaluation of stage `k`.
 fn point<'a>(stage: &'a State, second: &'a NodeVectors, k: usize, time: f64) -> PhasePoint<'a> {
     PhasePoint { time, positions: &stage.positions, velocities: if k == 1 { second } else { &stage.velocities } }
 }

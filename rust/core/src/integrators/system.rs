@@ -1,4 +1,4 @@
-//! What is integrated: x'' = a(t, x, v), as a method sees it.
+//! The system of equations that methods integrate: x'' = a(t, x, v).
 
 use std::ops::Range;
 
@@ -6,25 +6,25 @@ use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::state::{NodeVectors, PhasePoint, rows_mut};
 use crate::linear::tangent::Weights;
 
-/// Which laws a method takes that tells them apart by their pace.
+/// The laws of one evaluation, for methods with substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RateGroup {
-    /// Those that ask for short steps.
+    /// The fast laws, evaluated once a substep.
     Fast,
-    /// The others.
+    /// The slow laws, evaluated once a step.
     Slow,
 }
 
-/// What is integrated: x'' = a(t, x, v).
+/// The system x'' = a(t, x, v).
 pub trait System {
-    /// Says which laws the following evaluations take; all, where nothing is said. For methods that tell laws apart.
+    /// Selects the laws of the following evaluations, for methods with rate groups; without a selection, all laws.
     fn select_rate_group(&mut self, group: RateGroup);
-    /// Works out what nodes do to each other at this instant, as far as it concerns the rows of a tile; the first tile starts
-    /// the power of each law anew. Tiles come in order.
+    /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
+    /// each law to zero.
     fn accumulate_forces(&mut self, tile: usize, at: PhasePoint<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a stretch of the tile of the last `accumulate_forces`, and adds to the
-    /// power by which each law changes the mechanical energy \[W\]. Each row is asked for once, but
-    /// what is known of it may be changed as soon as it is done: so methods can use a stretch while it is in the cache.
+    /// Fills the accelerations \[m/s2\] of `rows`, a row block of the tile of the last `accumulate_forces`, and adds
+    /// the rates at which each law changes the mechanical energy to its power \[W\]. Each row is evaluated once. Its
+    /// position and velocity may change afterwards, so that methods can use a row block while it is in the cache.
     fn accelerations(
         &mut self,
         rows: Range<usize>,
@@ -42,18 +42,17 @@ pub trait System {
             }
         }
     }
-    /// The rate w \[1/s\] of the part w (v_y, -v_x, 0) of the accelerations: that of Coriolis, w = 2 Omega.
+    /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;
-    /// For methods that say `evaluates_elsewhere`: laws without a potential leave their power out of `accumulate_forces` and `accelerations`,
-    /// and it is added here. That of laws which act on each node by itself: after each `accelerations`, the power of these forces on
-    /// the `velocities` of these rows.
+    /// Adds deferred power of nodal laws, for methods with `predicts_velocity`: after each `accelerations`, the power
+    /// of its forces on the `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out,
+    /// for laws without potential whose forces depend on velocity.
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
-    /// That of laws between nodes: after all rows, the power of the forces of the last `accumulate_forces` on the velocities of `at`,
-    /// whose positions are the same.
+    /// Adds deferred power of laws between nodes: after all rows, the power of the forces of the last
+    /// `accumulate_forces` on the velocities of `at`, at the same positions.
     fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]);
-    /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for methods that say `is_implicit`. Whether it is positive
-    /// definite.
+    /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for implicit methods. Whether it is positive definite.
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;
-    /// Replaces accelerations r by the u that the matrix factorised last takes to M r; 0 for nodes that are held.
+    /// Replaces accelerations r by the solution u of A u = M r, with A factorised last; 0 for held nodes.
     fn solve(&mut self, accelerations: &mut NodeVectors);
 }

@@ -1,9 +1,10 @@
-//! Drag of the residual air, eq. (5), on each of a triangle's nodes against its velocity V relative to the air:
+//! Drag of the residual air, eq. (5), on each node of a triangle against its velocity V relative to the air:
 //!
-//!     D = rho_air V^2 S_n / 6   [N],    S_n = |S . V| / V the area projected along V,   so   F = -(rho_air/6) |S . V| V
+//!     D = rho_air V^2 S_n / 6   [N],    S_n = |S . V| / V the area projected along V,
+//!     F = -(rho_air/6) |S . V| V
 //!
-//! with S the triangle's vector area and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber, so that
-//! V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
+//! with S the vector area of the triangle and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber,
+//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 mod tangent;
@@ -31,7 +32,7 @@ use crate::simd::map::{Formula, each};
 /// Specific gas constant of air \[J/(kg K)\].
 const GAS_CONSTANT: f64 = 287.0;
 
-/// How the air moves.
+/// Motion of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AirMotion {
@@ -49,7 +50,7 @@ pub struct AirDragParameters {
     pub pressure: f64,
     /// Temperature \[K\].
     pub temperature: f64,
-    /// How the air moves.
+    /// Motion of the air.
     pub air: AirMotion,
 }
 
@@ -63,7 +64,7 @@ impl LawParameters for AirDragParameters {
     }
 }
 
-/// The law: all facets, eight to a batch, and room for what one evaluation needs.
+/// The law: all facets, in batches of eight, and work arrays of an evaluation.
 struct AirDrag {
     facets: FacetSet,
     /// rho_air / 12 [kg/m3]: a sixth, and a half because normals are twice the vector areas.
@@ -91,7 +92,7 @@ impl AirDrag {
         })
     }
 
-    /// How fast the frame turns against the air [rad/s].
+    /// Angular velocity of the frame relative to the air [rad/s].
     fn rate(&self, frame: Frame) -> f64 {
         match self.air {
             AirMotion::Still => frame.rate,
@@ -100,13 +101,13 @@ impl AirDrag {
     }
 }
 
-/// The velocity relative to the air, across the axis, of nodes that move with (u, v) at (x, y) in the frame.
+/// The velocity relative to the air, normal to the axis, of nodes at (x, y) with the velocity (u, v) in the frame.
 #[inline(always)]
 fn wind<V: SimdF64>([x, y]: [V; 2], [u, v]: [V; 2], rate: V) -> [V; 2] {
     [u - rate * y, v + rate * x]
 }
 
-/// Works out the wind.
+/// The velocities relative to the air.
 struct WindKernel {
     rate: f64,
 }
@@ -118,7 +119,7 @@ impl Formula<4, 2> for WindKernel {
     }
 }
 
-/// Adds the flow |S . V| through the triangles of one tile to their nodes'.
+/// Adds the volume flow |S . V| through the triangles of one tile to the sums of their nodes.
 struct FlowKernel<'a> {
     facets: &'a FacetSet,
     tile: usize,
@@ -131,7 +132,7 @@ struct FlowKernel<'a> {
 
 impl BatchKernel for FlowKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
         let presence = pass.of(&self.facets.presence);
         for batch in 0..pass.len() {
@@ -148,14 +149,14 @@ impl BatchKernel for FlowKernel<'_> {
     }
 }
 
-/// F = -(rho_air/6) (sum of flows) V on a node, and F . v; leaves no flow behind.
+/// F = -(rho_air/6) (sum of flows) V on a node, and F . v; resets the sum of flows to zero.
 struct DragKernel {
     factor: f64,
 }
 
 impl DragKernel {
     #[inline(always)]
-    fn pull<V: SimdF64>(&self, flow: V) -> V {
+    fn coefficient<V: SimdF64>(&self, flow: V) -> V {
         V::all(-self.factor) * flow
     }
 }
@@ -163,17 +164,17 @@ impl DragKernel {
 impl Formula<5, 4> for DragKernel {
     #[inline(always)]
     fn row<V: SimdF64>(&self, [wind_x, wind_y, _, _, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
-        let pull = self.pull(flow);
-        [fx + pull * wind_x, fy + pull * wind_y, fz + pull * w, V::zero()]
+        let coefficient = self.coefficient(flow);
+        [fx + coefficient * wind_x, fy + coefficient * wind_y, fz + coefficient * w, V::zero()]
     }
 
     #[inline(always)]
     fn summand<V: SimdF64>(&self, [wind_x, wind_y, u, v, w]: [V; 5], [.., flow]: [V; 4]) -> V {
-        self.pull(flow) * (wind_x * u + wind_y * v + w * w)
+        self.coefficient(flow) * (wind_x * u + wind_y * v + w * w)
     }
 }
 
-/// Adds C p: the derivative of |S . V| V by V.
+/// Adds C p, with C the derivative of |S . V| V by V.
 struct DampingKernel<'a> {
     drag: &'a AirDrag,
     tile: usize,
@@ -186,7 +187,7 @@ struct DampingKernel<'a> {
 
 impl BatchKernel for DampingKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.drag.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
         let presence = pass.of(&self.drag.facets.presence);
         for batch in 0..pass.len() {
@@ -198,8 +199,8 @@ impl BatchKernel for DampingKernel<'_> {
             for k in 0..3 {
                 let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], V::all(self.rate));
                 let wind = [wind_x, wind_y, v[k][2]];
-                let (flow, moved) = (dot(normal, wind), dot(normal, p[k]));
-                let along = scale(moved.copysign(flow * moved), wind);
+                let (flow, change) = (dot(normal, wind), dot(normal, p[k]));
+                let along = scale(change.copysign(flow * change), wind);
                 products[k] = scale(factor, sum(scale(flow.abs(), p[k]), along));
             }
             pass.add(&mut self.out, batch, products);
@@ -211,11 +212,11 @@ impl BatchKernel for DampingKernel<'_> {
 impl NodalLaw for AirDrag {
     fn prepare(&mut self, tile: usize, at: Instant<'_>) {
         let rate = self.rate(at.frame);
-        let ahead = self.facets.elements.new_rows(tile);
+        let new = self.facets.elements.new_rows(tile);
         let (wind_x, wind_y) = self.wind.split_at_mut(self.flows.len());
-        let ([x, y, _], [u, v, _]) = (rows(at.positions, ahead.clone()), rows(at.velocities, ahead.clone()));
-        let found = [&mut wind_x[ahead.clone()], &mut wind_y[ahead]];
-        each(self.instructions, &WindKernel { rate }, [x, y, u, v], found);
+        let ([x, y, _], [u, v, _]) = (rows(at.positions, new.clone()), rows(at.velocities, new.clone()));
+        let results = [&mut wind_x[new.clone()], &mut wind_y[new]];
+        each(self.instructions, &WindKernel { rate }, [x, y, u, v], results);
         let (positions, wind) = (Columns::of(at.positions), Columns::in_slice(&self.wind));
         let along = Columns::in_slice(columns(at.velocities)[2]);
         let flows = ColumnsMut::single(&mut self.flows);
@@ -232,7 +233,7 @@ impl NodalLaw for AirDrag {
 
 impl Law for AirDrag {
     fn properties(&self) -> Properties {
-        // Air at rest also drives what turns more slowly than the frame.
+        // Air at rest does positive work on nodes that turn against the frame.
         let work_class = match self.air {
             AirMotion::Still => WorkClass::External,
             AirMotion::Turning => WorkClass::Dissipative,

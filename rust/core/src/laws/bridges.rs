@@ -2,7 +2,7 @@
 //!
 //!     U = k/2 |x_j - x_i|^2   [J],      F_i = k (x_j - x_i)   [N]
 //!
-//! Linear, and without the direction that a spring of no length would lack.
+//! Linear, and without the direction vector, which a link of zero length lacks.
 
 use super::{Inspection, Instant, Kernels, Law, Linearisation, Properties, WorkClass};
 use crate::arrays::blocks::tiles;
@@ -14,7 +14,7 @@ use crate::layout::ElementSet;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
-/// The law: all links, of one stiffness, eight to a batch.
+/// The law: all links, of one stiffness, in batches of eight.
 pub(super) struct Bridges {
     elements: ElementSet<2>,
     /// k [N/m].
@@ -30,7 +30,8 @@ impl Bridges {
         Self { elements, stiffness, instructions: assembly.instructions }
     }
 
-    fn pull(&self, tile: usize, positions: &NodeVectors, out: &mut NodeVectors, sign: f64) -> f64 {
+    /// Adds sign k (x_j - x_i) for the links of a tile.
+    fn add_forces(&self, tile: usize, positions: &NodeVectors, out: &mut NodeVectors, sign: f64) -> f64 {
         let (positions, out) = (Columns::of(positions), ColumnsMut::of(out));
         self.instructions.run_batches(LinkKernel { bridges: self, tile, positions, out, sign })
     }
@@ -47,13 +48,13 @@ struct LinkKernel<'a> {
 
 impl BatchKernel for LinkKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
         let stiffness = pass.of(&self.bridges.stiffness);
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let pull = scale(V::all(self.sign) * V::load(&stiffness[batch]), sub(b, a));
-            pass.add(&mut self.out, batch, [pull, negate(pull)]);
+            let force = scale(V::all(self.sign) * V::load(&stiffness[batch]), sub(b, a));
+            pass.add(&mut self.out, batch, [force, negate(force)]);
         }
         V::zero()
     }
@@ -74,7 +75,7 @@ impl Law for Bridges {
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.pull(tile, at.positions, forces, 1.0)
+        self.add_forces(tile, at.positions, forces, 1.0)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
@@ -103,7 +104,7 @@ impl Law for Bridges {
 impl Linearisation for Bridges {
     fn add_stiffness_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
-            self.pull(tile, p, out, -1.0);
+            self.add_forces(tile, p, out, -1.0);
         }
     }
 
@@ -113,8 +114,8 @@ impl Linearisation for Bridges {
 
     fn add_jacobian(&self, _at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         for (batch, lane, nodes) in self.elements.each() {
-            let slope = Block::identity() * self.stiffness[batch].0[lane];
-            of_link(nodes, &slope, |i, j, block| jacobian.by_position(i, j, block));
+            let derivative = Block::identity() * self.stiffness[batch].0[lane];
+            of_link(nodes, &derivative, |i, j, block| jacobian.by_position(i, j, block));
         }
     }
 }

@@ -1,15 +1,15 @@
-//! How far an edge of the membrane shortens before it buckles, eq. (2): Euler's strain of a slender column,
+//! Shortening of an edge of the membrane up to buckling, eq. (2), by Euler's critical strain of a slender column:
 //!
-//!     L - l_cr = alpha pi^2 h^2 / (12 L)        [m]   with the edge's own length L, as the paper has it
+//!     L - l_cr = alpha pi^2 h^2 / (12 L)        [m]   with the length L of the edge: the form of the paper
 //!     L - l_cr = alpha pi^2 h^2 L / (12 l0^2)   [m]   with a physical length l0: one critical strain on every edge
 //!
-//! The first form belongs to one mesh: halve L, and the critical strain is four times as large. In the second it is the
-//! same on every mesh; on edges of length l0 the two agree.
+//! The first form belongs to one mesh: at half L the critical strain is four times as large. The second has one
+//! critical strain on every mesh. On edges of length l0 the two agree.
 //!
-//! A crease has its own alpha_c in place of alpha. But it is a line, and the film beside it is an area: at one critical
-//! strain the force at which an edge buckles, k (L - l_cr), falls with the film that belongs to it, and a crease's own
-//! force vanishes as the mesh gets finer. With a length l_c the crease bears a force of its own beside the film's, the
-//! same on every mesh, for k does not depend on L:
+//! A crease has its own alpha_c in place of alpha. It is a line, but the film beside it is an area. At one critical
+//! strain the buckling force of an edge, k (L - l_cr), is proportional to the width of film of the edge, so that the
+//! force of a crease tends to zero on finer meshes. With a length l_c the crease has a force of its own in addition to
+//! that of the film, equal on every mesh, since k does not depend on L:
 //!
 //!     L - l_cr = (L - l_cr of the film) + (alpha_c - alpha) pi^2 h^2 / (12 l_c)   [m]
 //!
@@ -29,9 +29,9 @@ pub(super) struct Buckling {
     pub(super) parameter: f64,
     /// alpha on edges that are creases.
     pub(super) on_creases: f64,
-    /// l0 [m]; `None`: each edge's own length.
+    /// l0 [m]; `None`: the length of each edge.
     pub(super) length: Option<f64>,
-    /// l_c [m]; `None`: a crease differs from the film in its alpha alone.
+    /// l_c [m]; `None`: a crease differs from the film by its alpha only.
     pub(super) crease_length: Option<f64>,
 }
 

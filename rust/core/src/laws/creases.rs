@@ -1,19 +1,19 @@
-//! Crease stiffness, and contact of the two facets of a crease.
+//! Crease stiffness, and contact between the two facets of a crease.
 //!
-//! Facets ABC and ABD share the crease AB. With L = |AB| and H the mean facet height of the reference mesh (or a length
-//! that the user sets), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
+//! Facets ABC and ABD share the crease AB. With L = |AB|, H the mean height of the facets in the reference mesh (or a
+//! given length), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
 //!
 //!     kappa = beta E J L / H   [N m/rad]
 //!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 min(theta, 0)^2   [J]
 //!     U     = w_C w_D u,   w = A^2 / (A^2 + (c A0)^2)
 //!
-//! and every force is -dU/dx, so that no energy is made and no rigid motion is resisted. A is a facet's current and A0
-//! its reference area: without the weights w the force on an apex, u'/height, is singular as a facet collapses, and a
-//! run gains energy there. Written with |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity at all.
+//! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
+//! A0 the reference area of a facet. Without the weights w the force on an apex, u'/height, is singular as a facet
+//! collapses, and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
-//! theta comes from atan2 of the facets' normals, sign included. Its cut lies at -pi/2 (or 3 pi/2), as far from shut
-//! as from flat. Which way a crease folds (valley +1, mountain -1) is the fold pattern's, never the geometry's.
-//! Source: Okuizumi et al. (2012), eqs. (3) and (4), whose forces these are where w = 1; the weights are ours.
+//! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
+//! and from flat. The fold pattern gives the side to which a crease folds (valley +1, mountain -1), not the geometry.
+//! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights are added here.
 
 mod tangent;
 
@@ -46,7 +46,7 @@ pub struct CreaseParameters {
     pub natural_angle: f64,
     /// H; `None`: the mean height of the two facets of each crease \[m\].
     pub length_scale: Option<f64>,
-    /// c: the share of its reference area at which a facet counts as half collapsed.
+    /// c: the area of a facet at which w = 1/2, relative to its reference area.
     pub collapse: f64,
 }
 
@@ -60,18 +60,18 @@ impl LawParameters for CreaseParameters {
     }
 }
 
-/// The law: all creases, eight to a batch. The nodes of an element are A, B, C, D.
+/// The law: all creases, in batches of eight. The nodes of an element are A, B, C, D.
 struct Creases {
     elements: ElementSet<4>,
     parameters: Vec<Parameters>,
     contact_penalty: f64,
     natural_angle: f64,
-    /// Whether c is zero, so that the force is singular as a facet collapses.
+    /// Whether c is zero; the force is then singular as a facet collapses.
     is_singular: bool,
     instructions: InstructionSet,
 }
 
-/// What the moments of a batch of eight depend on.
+/// Parameters of a batch.
 #[derive(Debug, Clone, Copy)]
 struct Parameters {
     /// +1 valley, -1 mountain.
@@ -82,19 +82,19 @@ struct Parameters {
     softening: [F64x8; 2],
 }
 
-/// What makes the forces of a batch out of its facets: factors of the normals of facet C and of facet D.
+/// Factors of the normals of facets C and D in the forces of a batch.
 #[derive(Clone, Copy)]
-struct Pulls<V> {
-    /// Across the facets.
-    turn: [V; 2],
-    /// In their planes.
-    push: [V; 2],
-    /// The share of `turn` that acts at B.
+struct Factors<V> {
+    /// Of the moment, for forces normal to the facets.
+    normal: [V; 2],
+    /// Of the weights w, for forces in the planes of the facets.
+    in_plane: [V; 2],
+    /// Shares of the normal forces that B bears.
     at_b: [V; 2],
 }
 
-impl<V: SimdF64> Pulls<V> {
-    /// For u [J] and du/dtheta [N m] of creases with these facets.
+impl<V: SimdF64> Factors<V> {
+    /// From u [J] and du/dtheta [N m] of creases with these facets.
     #[inline(always)]
     fn new(facets: &Facets<V>, parameters: &Parameters, energy: V, moment: V) -> Self {
         let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
@@ -104,14 +104,17 @@ impl<V: SimdF64> Pulls<V> {
         let both = V::all(1.0) / (root_c * root_d);
         let (share_c, share_d) = (root_d * both, root_c * both);
         let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
-        // theta = pi - sign * fold angle, so the force -M dtheta/dx is +sign M d(fold angle)/dx; and the gradient
-        // of the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
-        let turn = V::load(&parameters.sign) * moment * facets.length;
-        // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, taken around the facet).
-        let push = V::all(-2.0) * energy;
+        // theta = pi - sign * fold angle, so that the force -M dtheta/dx is sign M d(fold angle)/dx. The gradient of
+        // the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
+        let normal = V::load(&parameters.sign) * moment * facets.length;
+        // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, directed around the facet).
+        let in_plane = V::all(-2.0) * energy;
         Self {
-            turn: [turn * weight_d * share_c, turn * weight_c * share_d],
-            push: [push * weight_d * soft_c * share_c * share_c, push * weight_c * soft_d * share_d * share_d],
+            normal: [normal * weight_d * share_c, normal * weight_c * share_d],
+            in_plane: [
+                in_plane * weight_d * soft_c * share_c * share_c,
+                in_plane * weight_c * soft_d * share_d * share_d,
+            ],
             at_b: facets.shares_at_b(),
         }
     }
@@ -119,12 +122,13 @@ impl<V: SimdF64> Pulls<V> {
     /// The forces on A, B, C and D.
     #[inline(always)]
     fn forces(&self, facets: &Facets<V>) -> [Vec3<V>; 4] {
-        let (turn_c, turn_d) = (scale(self.turn[0], facets.normal_c), scale(self.turn[1], facets.normal_d));
-        let (push_c, push_d) = (scale(self.push[0], facets.normal_c), scale(self.push[1], facets.normal_d));
-        let at_c = sum(turn_c, cross(push_c, facets.e));
-        let at_d = sum(turn_d, cross(facets.e, push_d));
-        let turn_b = sum(scale(self.at_b[0], turn_c), scale(self.at_b[1], turn_d));
-        let at_b = sum(turn_b, sum(cross(facets.c, push_c), cross(push_d, facets.d)));
+        let (normal_c, normal_d) = (scale(self.normal[0], facets.normal_c), scale(self.normal[1], facets.normal_d));
+        let (in_plane_c, in_plane_d) =
+            (scale(self.in_plane[0], facets.normal_c), scale(self.in_plane[1], facets.normal_d));
+        let at_c = sum(normal_c, cross(in_plane_c, facets.e));
+        let at_d = sum(normal_d, cross(facets.e, in_plane_d));
+        let normal_b = sum(scale(self.at_b[0], normal_c), scale(self.at_b[1], normal_d));
+        let at_b = sum(normal_b, sum(cross(facets.c, in_plane_c), cross(in_plane_d, facets.d)));
         [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
     }
 }
@@ -152,11 +156,11 @@ impl Creases {
                 (mesh::dot(e, e).sqrt(), areas)
             })
             .collect();
-        let (nodes, is_turned): (Vec<[u32; 4]>, Vec<bool>) =
+        let (nodes, is_exchanged): (Vec<[u32; 4]>, Vec<bool>) =
             assembly.hinges.iter().map(|hinge| oriented(hinge.nodes, &assembly.numbering)).unzip();
         let elements = ElementSet::new(&nodes, assembly.masses.len());
         let softening = |facet: usize| {
-            elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_turned[row])]).powi(2))
+            elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_exchanged[row])]).powi(2))
         };
         let sign = elements.pack(1.0, |row| assembly.model.creases.fold_signs[row]);
         let stiffness = elements.pack(0.0, |row| {
@@ -180,7 +184,7 @@ impl Creases {
         })
     }
 
-    /// The facets of a batch and its angles [rad].
+    /// Facets and angles [rad] of a batch.
     fn facets(&self, x: Columns<'_>, batch: usize) -> (Facets, F64x8) {
         let facets = Facets::new(self.elements.read_any(x, batch));
         let angle = facets.angle(self.parameters[batch].sign);
@@ -197,9 +201,9 @@ impl Creases {
     }
 }
 
-/// Adds -dU/dx to the forces. A chunk at a time: from one batch's positions to its forces is a long chain of operations that
-/// wait for each other, and a processor sees little more than one batch ahead. What needs angles, roots and divisions first,
-/// then the vectors: two shorter chains, of several batches at once.
+/// Adds -dU/dx to the forces, in chunks of batches. The path from the positions of a batch to its forces is a long
+/// chain of dependent operations, and the instruction window of a processor holds little more than one batch. Two
+/// stages over a chunk, first angles, roots and divisions, then vectors, have shorter chains that overlap.
 struct MomentKernel<'a> {
     creases: &'a Creases,
     tile: usize,
@@ -209,21 +213,21 @@ struct MomentKernel<'a> {
 
 impl BatchKernel for MomentKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.creases.parameters);
-        let none = [V::zero(); 2];
-        let mut pulls = [Pulls { turn: none, push: none, at_b: none }; CHUNK];
+        let zeros = [V::zero(); 2];
+        let mut factors = [Factors { normal: zeros, in_plane: zeros, at_b: zeros }; CHUNK];
         for chunk in pass.chunks_of_batches() {
-            for (batch, pulls) in chunk.clone().zip(&mut pulls) {
+            for (batch, factors) in chunk.clone().zip(&mut factors) {
                 let parameters = &parameters[batch];
                 let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
                 let angle = facets.angle(V::load(&parameters.sign));
                 let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
-                *pulls = Pulls::new(&facets, parameters, energy, moment);
+                *factors = Factors::new(&facets, parameters, energy, moment);
             }
-            for (batch, pulls) in chunk.zip(&pulls) {
-                let forces = pulls.forces(&Facets::new(pass.read::<V, 3>(self.positions, batch)));
+            for (batch, factors) in chunk.zip(&factors) {
+                let forces = factors.forces(&Facets::new(pass.read::<V, 3>(self.positions, batch)));
                 pass.add(&mut self.forces, batch, forces);
             }
         }
@@ -231,7 +235,7 @@ impl BatchKernel for MomentKernel<'_> {
     }
 }
 
-/// Gives U.
+/// The sum of U.
 struct EnergyKernel<'a> {
     creases: &'a Creases,
     tile: usize,
@@ -240,7 +244,7 @@ struct EnergyKernel<'a> {
 
 impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.creases.parameters);
         let mut energy = V::zero();
@@ -291,7 +295,8 @@ impl Law for Creases {
 
     fn remedy(&self) -> &'static str {
         if self.is_singular {
-            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a smaller dt"
+            "without collapse the force grows without bound as a facet collapses: set collapse to 0.05, or use a \
+             smaller dt"
         } else {
             "use a smaller dt, a smaller crease stiffness or contact penalty"
         }
@@ -299,7 +304,8 @@ impl Law for Creases {
 }
 
 impl Linearisation for Creases {
-    /// kappa max(1, gamma) g g^T, with g the gradient of the angle, each facet's part times its weight: the stiffness in contact.
+    /// The stiffness in contact, kappa max(1, gamma) g g^T, with g the gradient of the angle; the part of each facet
+    /// has its weight.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (x, p) = (Columns::of(at.positions), Columns::of(p));
         let mut out = ColumnsMut::of(out);
@@ -312,8 +318,8 @@ impl Linearisation for Creases {
             let at_b = sum(scale(of_c, at_c), scale(of_d, at_d));
             let at_a = negate(sum(at_b, sum(at_c, at_d)));
             let [a, b, c, d] = self.elements.read_any(p, batch);
-            let turn = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
-            let moment = self.parameters[batch].stiffness * F64x8::all(self.contact_penalty.max(1.0)) * turn;
+            let rotation = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
+            let moment = self.parameters[batch].stiffness * F64x8::all(self.contact_penalty.max(1.0)) * rotation;
             let product = [scale(moment, at_a), scale(moment, at_b), scale(moment, at_c), scale(moment, at_d)];
             self.elements.add_any(&mut out, batch, product);
         }

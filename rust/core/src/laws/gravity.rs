@@ -1,7 +1,7 @@
 //! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
 //!
-//! In the frame that has turned by phi = integral of Omega, g's components turn by -phi; unless g lies along the axis, U
-//! then depends on time, and its partial derivative sum m (Omega x g) . x counts as work done on the system.
+//! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the
+//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
 
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ struct Gravity {
 
 impl Gravity {
     /// g in the turning frame [m/s2].
-    fn turned(&self, frame: Frame) -> [f64; 3] {
+    fn in_frame(&self, frame: Frame) -> [f64; 3] {
         let (sine, cosine) = frame.angle.sin_cos();
         let [x, y, z] = self.acceleration;
         [cosine * x + sine * y, cosine * y - sine * x, z]
@@ -61,7 +61,7 @@ fn moment(column: &[f64], masses: &[f64]) -> f64 {
 
 impl NodalLaw for Gravity {
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
-        let (g, masses) = (self.turned(at.frame), &self.masses[range.clone()]);
+        let (g, masses) = (self.in_frame(at.frame), &self.masses[range.clone()]);
         for (column, g) in forces.into_iter().zip(g) {
             for (force, mass) in column.iter_mut().zip(masses) {
                 *force += mass * g;
@@ -95,7 +95,7 @@ impl Law for Gravity {
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let (g, moment) = (self.turned(at.frame), self.moment(at.positions));
+        let (g, moment) = (self.in_frame(at.frame), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
     }
 

@@ -1,41 +1,41 @@
-//! What can be read off the elements of a law.
+//! Readings of the elements of a law.
 
 use super::Instant;
 
-/// A law whose elements can be read.
+/// A law with elements that have readings or bounds.
 pub trait Inspection {
-    /// The first element that is beyond the bound its user set.
+    /// The first element beyond its bound.
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
         None
     }
 
-    /// Readings of each element, in the caller's order.
+    /// Readings of each element, in external order.
     fn readings(&self, _at: Instant<'_>) -> Readings {
         Readings::None
     }
 
-    /// The law's elements of its own, and the lanes that they take up, padding included.
+    /// Number of elements of its own, and number of their lanes including padding lanes.
     fn lanes(&self) -> [usize; 2] {
         [0, 0]
     }
 
-    /// Share of the elements that kernels reach in contiguous or split batches.
+    /// Share of the elements in contiguous or split batches.
     fn contiguous_share(&self) -> f64;
 }
 
-/// An element beyond its bound: nodes in the core's numbering, and what happened.
+/// An element beyond its bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excess {
-    /// The ends of the element.
+    /// Two nodes of the element, internal numbers.
     pub nodes: [u32; 2],
-    /// In words and numbers.
+    /// The message, with value and bound.
     pub what: String,
 }
 
-/// One number (or two) per element, in the caller's order.
+/// One number or two per element, in external order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Readings {
-    /// Nothing to read.
+    /// No readings.
     None,
     /// Springs: engineering strain, and whether the spring is buckled (shorter than its critical length).
     Springs {
@@ -44,7 +44,7 @@ pub enum Readings {
         /// Shorter than the critical length.
         buckled: Vec<bool>,
     },
-    /// Triangles of film: principal strains, and what the film does.
+    /// Triangles of film: principal strains, and state of the film.
     Triangles {
         /// Principal Green strains, larger first.
         strain: Vec<[f64; 2]>,

@@ -1,9 +1,9 @@
-//! The instant at which laws are evaluated: the motion, and the frame in which it is seen.
+//! The instant of an evaluation of laws: motion and frame.
 
 use crate::arrays::state::{NodeVectors, PhasePoint};
 use crate::model::frame::{Frame, Spin};
 
-/// Motion and frame at one time.
+/// Motion and frame at a time.
 #[derive(Debug, Clone, Copy)]
 pub struct Instant<'a> {
     /// Time \[s\].
@@ -17,7 +17,7 @@ pub struct Instant<'a> {
 }
 
 impl<'a> Instant<'a> {
-    /// The instant of a point, in the frame of a hub that turns so.
+    /// The instant of a point, in the frame of a hub with this motion.
     #[inline]
     pub fn new(point: PhasePoint<'a>, spin: Spin) -> Self {
         let PhasePoint { time, positions, velocities } = point;

@@ -1,4 +1,4 @@
-//! The one list of the laws that a scene chooses from, each with its parameters.
+//! The list of laws, each with its parameters.
 
 use serde::Deserialize;
 
@@ -8,17 +8,17 @@ use crate::elements::link::SpringNetworks;
 use crate::error::{Error, Result};
 use crate::model::frame::Spin;
 
-/// What the laws of one scene have in common while they are built.
+/// Common data for the construction of the laws of a scene.
 pub struct Context<'a> {
-    /// The model in the core's numbering.
+    /// The assembled model.
     pub assembly: &'a Assembly,
-    /// The links of the scene, arranged once for all laws.
+    /// The links of the scene in batches, common to all laws.
     pub networks: SpringNetworks,
     /// All laws of the scene.
     pub specs: &'a [LawSpec],
 }
 
-/// By which elements a law models the in-plane elasticity of the film; a scene has one such law.
+/// Elements of a law for the in-plane elasticity of the film; a scene has one such law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FilmElements {
     /// Springs along the edges.
@@ -27,25 +27,25 @@ pub enum FilmElements {
     Triangles,
 }
 
-/// Parameters of a law, before it meets a mesh: plain numbers in SI units, by the names that scenes use.
+/// Parameters of a law, independent of a mesh: plain numbers in SI units, with the names of scenes.
 pub trait LawParameters {
     /// Checks the parameters, and builds the law for a scene.
     ///
     /// # Errors
-    /// `OutOfRange` for a parameter, and those of the law's own file.
+    /// `OutOfRange` for a parameter, and those in the file of the law.
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>>;
 
-    /// Parameters with which every term of the law acts, for tests of laws as such.
+    /// Parameters with which every term of the law is active, for tests.
     fn example() -> Self
     where
         Self: Sized;
 
-    /// How the hub turns, of the law that says so.
+    /// The motion of the hub, from the law that prescribes it.
     fn spin(&self) -> Option<Spin> {
         None
     }
 
-    /// By which elements the law models the film, of a law that does.
+    /// The elements of the film, from a law for its elasticity.
     fn film(&self) -> Option<FilmElements> {
         None
     }
@@ -63,12 +63,12 @@ macro_rules! laws {
         }
 
         impl LawSpec {
-            /// One of each law in the list, with parameters with which every term of it acts.
+            /// One of each law in the list, with parameters with which every term is active.
             pub fn examples() -> Vec<Self> {
                 vec![$(Self::$variant($parameters::example()),)*]
             }
 
-            /// The name that scenes use.
+            /// Name in scenes.
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $kind,)*
@@ -81,7 +81,7 @@ macro_rules! laws {
                 }
             }
 
-            /// By which elements the law models the film, of a law that does.
+            /// The elements of the film, from a law for its elasticity.
             pub fn film(&self) -> Option<FilmElements> {
                 self.parameters().film()
             }
@@ -98,11 +98,11 @@ macro_rules! laws {
 laws! {
     /// In-plane elasticity with buckling, eqs. (1) and (2).
     "springs" Springs(springs::SpringParameters),
-    /// In-plane elasticity by triangles that wrinkle, in place of springs.
+    /// In-plane elasticity by triangles with wrinkling, in place of springs.
     "triangles" Triangles(triangles::TriangleParameters),
-    /// Dashpots along all springs, or the same in triangles where there are those.
+    /// Dashpots along all springs; in triangles, damping of the strain rate.
     "spring_damping" SpringDamping(spring_damping::DampingParameters),
-    /// Crease stiffness and contact of the two facets, eqs. (3) and (4).
+    /// Crease stiffness and contact between the two facets, eqs. (3) and (4).
     "creases" Creases(creases::CreaseParameters),
     /// Drag of the residual air, eq. (5).
     "air_drag" AirDrag(air_drag::AirDragParameters),
@@ -110,20 +110,20 @@ laws! {
     "spin" Spin(rotating_frame::SpinParameters),
     /// Weight, fixed in inertial space.
     "gravity" Gravity(gravity::GravityParameters),
-    /// Uniform pressure on the film, a load that follows it.
+    /// Uniform pressure on the film, a follower load.
     "pressure" Pressure(pressure::PressureParameters),
-    /// Nodes kept outside the spool.
+    /// Contact of nodes with the spool.
     "spool_contact" SpoolContact(spool_contact::SpoolContactParameters),
     /// Damping of all motion relative to the turning frame.
     "mass_damping" MassDamping(mass_damping::MassDampingParameters),
 }
 
-/// How the hub of a scene turns: at rest without a law that says so.
+/// The motion of the hub of a scene: at rest without a law that prescribes it.
 pub fn spin_of(specs: &[LawSpec]) -> Spin {
     specs.iter().filter_map(|spec| spec.parameters().spin()).next_back().unwrap_or_default()
 }
 
-/// Builds the laws of a scene; tethers and bridges follow from the model's own parts.
+/// Builds the laws of a scene, with those of the tethers and bridges of the model.
 ///
 /// # Errors
 /// `OutOfRange` for a parameter, `LawTwice`, `DampingOnNegativeSpring`, `DegenerateTriangle`.

@@ -1,5 +1,5 @@
-//! Damping of all motion relative to the turning frame, F = -rate m v \[N\]: a numerical means to bring a stowed sail
-//! to rest, not a property of film or air.
+//! Damping of all motion relative to the turning frame, F = -rate m v \[N\]: a numerical means for relaxation, not a
+//! property of film or air.
 
 use std::ops::Range;
 

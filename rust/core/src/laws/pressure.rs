@@ -1,12 +1,12 @@
-//! Uniform pressure on the film, towards the side of each triangle's normal: a follower load.
+//! Uniform pressure on the film, in the direction of the normal of each triangle: a follower load.
 //!
 //!     F = (p/6) (x1 - x0) x (x2 - x0)   [N]   on each node of a triangle
 //!
-//! that is a third of p times the triangle's vector area as it is now. Its normal points to the side from which the nodes are
-//! seen counter-clockwise. On a closed surface the forces leave neither a force nor a torque on the whole: their sum and their
-//! moment are integrals of p n over a surface without a boundary. With an edge the load has no potential; its work is external.
+//! that is a third of p times the present vector area of the triangle. The normal points to the side from which the
+//! nodes appear counterclockwise. On a closed surface the sum of the forces and their total torque vanish, as integrals
+//! of p n over a surface without boundary. On a surface with an edge the load has no potential; its work is external.
 //!
-//! By the principle of virtual work, lumped in thirds as masses are; its derivatives are exact:
+//! The load is lumped in thirds, as the masses are. Its derivatives are exact:
 //!
 //!     dF/dx1 = -(p/6) [x2 - x0]x,      dF/dx2 = (p/6) [x1 - x0]x,      dF/dx0 = -(dF/dx1 + dF/dx2)
 
@@ -14,7 +14,7 @@ use serde::Deserialize;
 
 use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
 use crate::arrays::columns::{Columns, ColumnsMut};
-use crate::arrays::jacobian::{JacobianBlocks, at, crossing};
+use crate::arrays::jacobian::{JacobianBlocks, at, cross_matrix};
 use crate::arrays::state::NodeVectors;
 use crate::elements::facet::{FacetSet, normal};
 use crate::error::Result;
@@ -25,7 +25,7 @@ use crate::simd::lanes::{SimdF64, dot, scale, sum};
 /// Parameters of the load.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct PressureParameters {
-    /// p, what is left of the two sides' pressures; below zero it acts against the normal \[Pa\].
+    /// p, the difference of the pressures on both sides; a negative one acts against the normal \[Pa\].
     pub pressure: f64,
 }
 
@@ -41,7 +41,7 @@ impl LawParameters for PressureParameters {
     }
 }
 
-/// The law: all facets, eight to a batch.
+/// The law: all facets, in batches of eight.
 struct Pressure {
     facets: FacetSet,
     /// p/6 [Pa].
@@ -49,7 +49,7 @@ struct Pressure {
     instructions: InstructionSet,
 }
 
-/// Adds the load on the facets of one tile, and gives its power.
+/// Adds the load on the facets of one tile; the result is its power.
 struct LoadKernel<'a> {
     load: &'a Pressure,
     tile: usize,
@@ -60,7 +60,7 @@ struct LoadKernel<'a> {
 
 impl BatchKernel for LoadKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let Pressure { facets, sixth, .. } = self.load;
         let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
         let presence = pass.of(&facets.presence);
@@ -105,7 +105,7 @@ impl Law for Pressure {
     }
 }
 
-/// It stiffens nothing at rest: the limit of the step is that of the other laws.
+/// Without stiffness: the limit of the step is that of the other laws.
 impl Linearisation for Pressure {
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
         self.facets.elements.each().for_each(|(.., nodes)| visit(&nodes));
@@ -114,7 +114,7 @@ impl Linearisation for Pressure {
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         for (_, _, nodes) in self.facets.elements.each() {
             let [a, b, c] = nodes.map(|node| at(instant.positions, node));
-            let (by_b, by_c) = (crossing(&(c - a)) * -self.sixth, crossing(&(b - a)) * self.sixth);
+            let (by_b, by_c) = (cross_matrix(&(c - a)) * -self.sixth, cross_matrix(&(b - a)) * self.sixth);
             for node in nodes {
                 jacobian.by_position(node, nodes[1], &by_b);
                 jacobian.by_position(node, nodes[2], &by_c);

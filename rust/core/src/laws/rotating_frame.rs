@@ -3,9 +3,9 @@
 //!     F_x = m (Omega^2 x + 2 Omega y' + Omega' y)
 //!     F_y = m (Omega^2 y - 2 Omega x' - Omega' x)   [N]
 //!
-//! The centrifugal force has the potential U = -Omega^2/2 sum m (x^2 + y^2); the Coriolis force does no work; the Euler
-//! force and the change of U with Omega are counted as work done on the system. The same law as the cylindrical one of
-//! Okuizumi et al. (2012), section 3.5, without its singularity on the axis.
+//! The centrifugal force has the potential U = -Omega^2/2 sum m (x^2 + y^2). The force of Coriolis does no work. The
+//! force of Euler and the change of U with Omega count as work on the system. The law is that of Okuizumi et al.
+//! (2012), section 3.5, in cylindrical coordinates, without the singularity on the axis.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -22,10 +22,10 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
-/// How the hub turns: Omega(t) = 2 pi (frequency + acceleration t).
+/// Motion of the hub: Omega(t) = 2 pi (frequency + acceleration t).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct SpinParameters {
-    /// Turns per second at t = 0 \[Hz\].
+    /// Revolutions per second at t = 0 \[Hz\].
     pub frequency: f64,
     /// Its rate of change \[Hz/s\].
     pub acceleration: f64,

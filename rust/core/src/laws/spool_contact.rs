@@ -1,9 +1,9 @@
-//! Contact with the spool: nodes are pushed out of a cylinder about z.
+//! Contact of nodes with the spool, a cylinder about z, by a penalty.
 //!
 //!     U = k/2 d^2   [J],   d = R - r the depth below the surface, where r < R
 //!
-//! With a half-height Z the cylinder ends at |z| = Z and d = min(R - r, Z - |z|), so that a node may also slip off an end.
-//! A penalty, so a node sinks in by F/k; the paper states that there is contact but not its form.
+//! With a half-height Z the cylinder ends at |z| = Z and d = min(R - r, Z - |z|), so that a node may also slip off an
+//! end. A force F causes a penetration of F/k. The paper states contact, but not its form.
 
 use serde::Deserialize;
 
@@ -23,9 +23,9 @@ pub struct SpoolContactParameters {
     pub radius: f64,
     /// k \[N/m\].
     pub stiffness: f64,
-    /// Z; `None`: an endless cylinder \[m\].
+    /// Z; `None`: an infinite cylinder \[m\].
     pub half_height: Option<f64>,
-    /// Whether the membrane's nodes are kept out too.
+    /// Whether the nodes of the membrane have contact too.
     pub membrane: bool,
 }
 
@@ -53,14 +53,14 @@ impl SpoolContact {
             positive("half-height of the spool [m]", half_height)?;
         }
         let membrane = if parameters.membrane { 0..assembly.mesh.reference.len() as u32 } else { 0..0 };
-        let outside = membrane.chain(assembly.model.contacts.nodes.iter().copied());
-        let mut nodes: Vec<u32> = outside.map(|node| assembly.numbering.to_internal([node])[0]).collect();
+        let contacts = membrane.chain(assembly.model.contacts.nodes.iter().copied());
+        let mut nodes: Vec<u32> = contacts.map(|node| assembly.numbering.to_internal([node])[0]).collect();
         nodes.sort_unstable();
         nodes.dedup();
         Ok(Self { parameters, nodes })
     }
 
-    /// Depth below the nearest surface [m] and the to_external unit normal there, for a node inside.
+    /// Depth below the nearest surface [m] and its outward unit normal, for a node inside.
     #[inline(always)]
     fn depth(&self, p: [f64; 3]) -> Option<(f64, [f64; 3])> {
         let (square, radius) = (p[0] * p[0] + p[1] * p[1], self.parameters.radius);
@@ -98,7 +98,7 @@ impl Law for SpoolContact {
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let rows = rows_of(tile, at.positions.nrows());
         let [start, end] = [rows.start, rows.end].map(|row| row as u32);
-        // In most tiles there is none.
+        // Most tiles have no such node.
         if self.nodes.last().is_none_or(|&last| last < start) || self.nodes[0] >= end {
             return 0.0;
         }
@@ -129,7 +129,7 @@ impl Law for SpoolContact {
 }
 
 impl Linearisation for SpoolContact {
-    /// As if every node that can touch did: radially, or across an end.
+    /// The stiffness with every node in contact, radially or with an end.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (x, p) = (columns(at.positions), columns(p));
         let mut out = columns_mut(out);
@@ -137,16 +137,16 @@ impl Linearisation for SpoolContact {
             let [px, py, _] = point(x, node);
             let r = (px * px + py * py).sqrt().max(f64::MIN_POSITIVE);
             let normal = [px / r, py / r, 0.0];
-            let moved = point(p, node);
-            let mut product = scale(self.parameters.stiffness * dot(normal, moved), normal);
+            let direction = point(p, node);
+            let mut product = scale(self.parameters.stiffness * dot(normal, direction), normal);
             if self.parameters.half_height.is_some() {
-                product[2] += self.parameters.stiffness * moved[2];
+                product[2] += self.parameters.stiffness * direction[2];
             }
             add(&mut out, node, product);
         }
     }
 
-    /// Along the normal n -k; across it on the side k d/r, for the normal turns as the node goes round.
+    /// -k along the normal n; k d/r tangentially on the side, since the normal rotates with the azimuth.
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         let x = columns(at.positions);
         for &node in &self.nodes {

@@ -2,15 +2,15 @@
 //!
 //!     c = 2 zeta sqrt(k m)   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
 //!
-//! with e the unit vector along the spring. A rigid motion changes no length and so loses nothing. The mass m is
+//! with e the unit vector along the spring. A rigid motion changes no length and dissipates nothing. The mass m is
 //!
-//!     m = (m_i + m_j)/2     that of the spring's two nodes: the paper's form
+//!     m = (m_i + m_j)/2     that of the two nodes of the spring: the form of the paper
 //!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
 //!
-//! In the first form c falls with L as the mesh gets finer, and a film loses less and less by the same rate of strain. In
-//! the second c is the same on every mesh, and so is what the film loses: it is a film of one viscosity. Where
-//! each node has the mass of that square the two agree. A film of triangles in place of springs is damped by its rate of strain instead
-//! (see `triangle_damping`). Source: Okuizumi et al. (2012), section 3.4; the length is ours.
+//! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer
+//! meshes. In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the
+//! mass of that square. A film of triangles is damped by its rate of strain instead (see `triangle_damping`).
+//! Source: Okuizumi et al. (2012), section 3.4; the length is added here.
 
 mod tangent;
 
@@ -39,12 +39,12 @@ use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,
-    /// l0, side of the square of film whose mass stands in place of the nodes' \[m\]; `None`: the nodes'.
+    /// l0, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
     pub length: Option<f64>,
 }
 
 impl From<f64> for DampingParameters {
-    /// The paper's form, by its ratio.
+    /// The form of the paper.
     fn from(ratio: f64) -> Self {
         Self { ratio, length: None }
     }
@@ -63,11 +63,11 @@ impl LawParameters for DampingParameters {
 /// The law: a dashpot along each spring of each network, or damping of the film itself.
 struct SpringDamping {
     networks: Vec<Dashpots>,
-    /// Damping of the film where it is no net of springs.
+    /// Damping of a film of triangles.
     film: Option<TriangleDamping>,
 }
 
-/// The dashpots of the film or of the tethers, eight to a batch.
+/// The dashpots of the film or of the tethers, in batches of eight.
 struct Dashpots {
     links: Arc<Links>,
     /// c [N s/m].
@@ -75,7 +75,7 @@ struct Dashpots {
 }
 
 impl Dashpots {
-    /// `mass` is that of each dashpot; without it, half of what its two nodes have.
+    /// `mass` is m of each dashpot; without it, m is the mean mass of its two nodes.
     fn new(
         links: Arc<Links>,
         pairs: &[([u32; 2], f64)],
@@ -95,11 +95,10 @@ impl Dashpots {
     }
 }
 
-/// What dashpots pull with, over their length \[N/m\], from the speed times length at which they open and the inverse square
-/// of that length.
+/// Resistance of dashpots over their length l \[N/m\], from l times its rate, and 1/l^2.
 #[inline(always)]
-pub(crate) fn pull<V: SimdF64>(coefficient: &F64x8, opening: V, inverse_square: V) -> V {
-    V::load(coefficient) * opening * inverse_square
+pub(crate) fn resistance_per_length<V: SimdF64>(coefficient: &F64x8, length_times_rate: V, inverse_square: V) -> V {
+    V::load(coefficient) * length_times_rate * inverse_square
 }
 
 impl SpringDamping {
@@ -111,23 +110,23 @@ impl SpringDamping {
         }
         let Context { assembly, networks, specs } = context;
         let has_springs = !specs.iter().any(|spec| spec.film() == Some(FilmElements::Triangles));
-        let mut found = Vec::new();
+        let mut dashpots = Vec::new();
         if has_springs {
             let edges: Vec<_> =
                 assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied()).collect();
             let square = assembly.square_of_film(length);
-            found.push(Dashpots::new(networks.film(assembly), &edges, ratio, square, assembly)?);
+            dashpots.push(Dashpots::new(networks.film(assembly), &edges, ratio, square, assembly)?);
         }
         if !assembly.model.cords.is_empty() {
             let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness)).collect();
-            found.push(Dashpots::new(networks.cords(assembly), &cords, ratio, None, assembly)?);
+            dashpots.push(Dashpots::new(networks.cords(assembly), &cords, ratio, None, assembly)?);
         }
         let film = if has_springs { None } else { Some(TriangleDamping::new(parameters, assembly)?) };
-        Ok(Self { networks: found, film })
+        Ok(Self { networks: dashpots, film })
     }
 }
 
-/// Adds -sign C v to `out`, and gives the power of -C v on v; keeps the pulls, where there is room for them.
+/// Adds sign times the resistances of dashpots to `out`, and stores them per length in `cache`; returns their power.
 pub(crate) struct ResistanceKernel<'a> {
     pub(crate) links: &'a Links,
     pub(crate) coefficient: &'a [F64x8],
@@ -135,13 +134,13 @@ pub(crate) struct ResistanceKernel<'a> {
     pub(crate) positions: Columns<'a>,
     pub(crate) velocities: Columns<'a>,
     pub(crate) out: ColumnsMut<'a>,
-    pub(crate) pulls: Option<&'a mut [F64x8]>,
+    pub(crate) cache: Option<&'a mut [F64x8]>,
     pub(crate) sign: f64,
 }
 
 impl BatchKernel for ResistanceKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let coefficient = pass.of(self.coefficient);
         let mut power = V::zero();
@@ -149,39 +148,39 @@ impl BatchKernel for ResistanceKernel<'_> {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let [u, v] = pass.read::<V, 3>(self.velocities, batch);
             let d = sub(b, a);
-            let opening = dot(d, sub(v, u));
+            let rate = dot(d, sub(v, u));
             let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
-            let pull = pull(&coefficient[batch], opening, inverse_square);
-            power -= pull * opening;
-            if let Some(pulls) = &mut self.pulls {
-                pulls[pass.place(batch)] = pull.lanes();
+            let resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
+            power -= resistance * rate;
+            if let Some(cache) = &mut self.cache {
+                cache[pass.place(batch)] = resistance.lanes();
             }
-            let force = scale(V::all(self.sign) * pull, d);
+            let force = scale(V::all(self.sign) * resistance, d);
             pass.add(&mut self.out, batch, [force, negate(force)]);
         }
         power
     }
 }
 
-/// Gives the power of pulls that were kept on other velocities.
+/// The power of stored resistances on other velocities.
 pub(crate) struct PowerKernel<'a> {
     pub(crate) links: &'a Links,
     pub(crate) tile: usize,
-    pub(crate) pulls: &'a [F64x8],
+    pub(crate) resistances: &'a [F64x8],
     pub(crate) positions: Columns<'a>,
     pub(crate) velocities: Columns<'a>,
 }
 
 impl BatchKernel for PowerKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let pulls = pass.of(self.pulls);
+        let resistances = pass.of(self.resistances);
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            power -= V::load(&pulls[batch]) * dot(sub(b, a), sub(v, u));
+            power -= V::load(&resistances[batch]) * dot(sub(b, a), sub(v, u));
         }
         power
     }
@@ -206,7 +205,7 @@ impl Law for SpringDamping {
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.film.as_ref().map_or(0.0, |film| film.resist(tile, at.positions, at.velocities, forces, 1.0))
+        self.film.as_ref().map_or(0.0, |film| film.add_forces(tile, at.positions, at.velocities, forces, 1.0))
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -227,11 +226,11 @@ impl Linearisation for SpringDamping {
     fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
             if let Some(film) = &self.film {
-                film.resist(tile, at.positions, p, out, -1.0);
+                film.add_forces(tile, at.positions, p, out, -1.0);
             }
             for Dashpots { links, coefficient } in &self.networks {
                 let (positions, velocities, out) = (Columns::of(at.positions), Columns::of(p), ColumnsMut::of(out));
-                let (pulls, sign) = (None, -1.0);
+                let (cache, sign) = (None, -1.0);
                 links.instructions.run_batches(ResistanceKernel {
                     links,
                     coefficient,
@@ -239,7 +238,7 @@ impl Linearisation for SpringDamping {
                     positions,
                     velocities,
                     out,
-                    pulls,
+                    cache,
                     sign,
                 });
             }
@@ -248,7 +247,7 @@ impl Linearisation for SpringDamping {
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
         if let Some(film) = &self.film {
-            film.nodes(visit);
+            film.visit_couplings(visit);
         }
         for dashpots in &self.networks {
             dashpots.links.elements.each().for_each(|(.., nodes)| visit(&nodes));

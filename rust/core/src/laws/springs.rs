@@ -1,17 +1,18 @@
-//! In-plane elasticity: springs along the sides of triangles, which buckle; and tethers, which go slack.
+//! In-plane elasticity: springs along the sides of triangles, which buckle; and tethers, which become slack.
 //!
-//! Spring constants, eq. (1): the energy of a triangle's three springs equals the strain energy of the film in
+//! Spring constants, eq. (1): the energy of the three springs of a triangle equals the strain energy of the film in
 //! each of the three uniaxial stress states parallel to a side,
 //!
 //!     A_ij = [1 - (1 - delta_ij) 4 (1 + nu) S^2 / (L_i^2 L_j^2)]^2,   k_i = (E h S / L_i^2) sum_j (A^-1)_ij   [N/m]
 //!
-//! and triangles that share a side add their springs. Buckling, eq. (2): the force stays constant below a critical
-//! length, Euler's strain of a slender column,
+//! and triangles with a common side add their constants. Buckling, eq. (2): the force is constant below a critical
+//! length, by Euler's critical strain of a slender column,
 //!
 //!     l_cr = L - alpha pi^2 h^2 / (12 L)   [m],     N(l) = k (max(l, l_cr) - L)   [N], tension positive
 //!
-//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the same law with l_cr = L: it bears no compression.
-//! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1 and 3.2.
+//! or, with a physical length in place of L, at one critical strain on every mesh (see `buckling`). A tether is the
+//! same law with l_cr = L: it bears no compression.
+//! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), sections 3.1 and 3.2.
 
 mod measures;
 mod tangent;
@@ -43,15 +44,15 @@ pub struct SpringParameters {
     pub buckling: f64,
     /// alpha on edges that are creases.
     pub buckling_on_creases: f64,
-    /// Length in place of each spring's own in eq. (2) \[m\]; `None`: its own.
+    /// l0 in place of the length of each spring in eq. (2) \[m\]; `None`: the length of each spring.
     pub buckling_length: Option<f64>,
-    /// Length that gives creases a buckling force of their own \[m\]; `None`: a critical strain.
+    /// l_c of the buckling force of creases \[m\]; `None`: a critical strain.
     pub crease_length: Option<f64>,
     /// Tensile strain at which a run stops.
     pub strain_limit: f64,
 }
 
-/// One spring, before it is arranged.
+/// One spring, before the arrangement in batches.
 #[derive(Debug, Clone, Copy)]
 struct Spring {
     stiffness: f64,
@@ -60,7 +61,7 @@ struct Spring {
     strain_limit: f64,
 }
 
-/// The law: a set of springs and what they are called. One entry per batch of eight.
+/// The law: a set of springs, with one entry per batch, and its name.
 pub(crate) struct Springs {
     name: &'static str,
     links: Arc<Links>,
@@ -70,7 +71,7 @@ pub(crate) struct Springs {
     has_negative: bool,
 }
 
-/// What the pull of a batch of eight springs depends on.
+/// Parameters of a batch of springs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Parameters {
     stiffness: F64x8,
@@ -79,10 +80,10 @@ pub(crate) struct Parameters {
 }
 
 impl Parameters {
-    /// What springs of length `l` pull with, over their length \[N/m\], and the inverse of that length \[1/m\]. A spring of no
-    /// length has no direction: its force fades out over the last 1e-12 of its rest length.
+    /// Tension of springs of length `l` over that length \[N/m\], and 1/l \[1/m\]. A spring of zero length has no
+    /// direction: its force tends to zero over the last 1e-12 of its rest length.
     #[inline(always)]
-    pub(crate) fn pull<V: SimdF64>(&self, l: V) -> (V, V) {
+    pub(crate) fn tension_per_length<V: SimdF64>(&self, l: V) -> (V, V) {
         let rest_length = V::load(&self.rest_length);
         let tension = V::load(&self.stiffness) * (l.max(V::load(&self.critical_length)) - rest_length);
         let inverse = V::all(1.0) / l.max(V::all(1e-12) * rest_length);
@@ -126,7 +127,7 @@ impl Springs {
             critical_length: rest_length - shortening,
             strain_limit,
         });
-        Ok(Self::arranged("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>()))
+        Ok(Self::in_batches("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>()))
     }
 
     /// The tethers.
@@ -137,10 +138,10 @@ impl Springs {
             critical_length: cord.rest_length,
             strain_limit: cord.strain_limit,
         });
-        Self::arranged("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())
+        Self::in_batches("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())
     }
 
-    fn arranged(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
+    fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
         let stiffness = links.elements.pack(0.0, |row| springs[row].stiffness).into_iter();
         let rest_length = links.elements.pack(1.0, |row| springs[row].rest_length);
         let critical_length = links.elements.pack(1.0, |row| springs[row].critical_length);
@@ -167,14 +168,14 @@ pub(crate) struct TensionKernel<'a> {
 
 impl BatchKernel for TensionKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(self.parameters);
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let d = sub(b, a);
-            let pull = scale(parameters[batch].pull(dot(d, d).sqrt()).0, d);
-            pass.add(&mut self.forces, batch, [pull, negate(pull)]);
+            let force = scale(parameters[batch].tension_per_length(dot(d, d).sqrt()).0, d);
+            pass.add(&mut self.forces, batch, [force, negate(force)]);
         }
         V::zero()
     }
@@ -212,7 +213,7 @@ impl Law for Springs {
 
     fn remedy(&self) -> &'static str {
         if self.has_negative {
-            "negative spring constants let motions grow that no step can tame: use a mesh without angles above 90 degrees"
+            "negative spring constants cause unstable motions at any step: use a mesh without angles above 90 degrees"
         } else {
             "use a smaller dt, a start with less strain, or a higher strain limit if the stretch is meant"
         }
@@ -220,7 +221,7 @@ impl Law for Springs {
 }
 
 impl Linearisation for Springs {
-    /// k e e^T + max(N, 0)/l (1 - e e^T): along the spring its constant, across it what its tension adds.
+    /// k e e^T + max(N, 0)/l (1 - e e^T): the spring constant along e, the geometric stiffness of tension across it.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (positions, p) = (Columns::of(at.positions), Columns::of(p));
         for tile in tiles(p.rows()) {

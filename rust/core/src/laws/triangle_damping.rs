@@ -1,12 +1,12 @@
-//! Structural damping of a film of triangles: Kelvin and Voigt's, a stress that goes with the rate of strain.
+//! Structural damping of a film of triangles: the law of Kelvin and Voigt, a stress proportional to the strain rate.
 //!
 //!     S_v = eta C : dE/dt   [Pa],     eta = 2 zeta sqrt(m / k),   k = 2 E_Y h A0 / L^2   [s]
 //!
-//! with C the film's stiffness, m the mean mass of the three nodes, or that of a square of film of side l0 (rho h l0^2, which
-//! makes eta the same on every mesh), L^2 the mean square side. It is what the dashpots along
-//! springs are for springs, c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs are the
-//! film, the two have the same forces near rest. There is no dashpot that could turn negative on an obtuse triangle, and
-//! a rigid motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
+//! with C the stiffness of the film, m the mean mass of the three nodes, or that of a square of film of side l0 (rho h
+//! l0^2, with which eta is the same on every mesh), and L^2 the mean square side. It corresponds to dashpots along
+//! springs with c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs represent the film
+//! exactly, the two have the same forces near rest. The coefficient is positive on obtuse triangles too, and a rigid
+//! motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
 
 mod tangent;
 
@@ -19,7 +19,7 @@ use crate::error::Result;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, SimdF64};
 
-/// Damping of all triangles, eight to a batch.
+/// Damping of all triangles, in batches of eight.
 pub(super) struct TriangleDamping {
     flat: FlatTriangles,
     /// eta [s].
@@ -47,8 +47,8 @@ impl TriangleDamping {
         self.flat.elements.contiguous_share()
     }
 
-    /// Adds -sign C v of the triangles of a tile to `out`, and gives the power of -C v on v.
-    pub(super) fn resist(
+    /// Adds sign times the damping forces -C v of the triangles of a tile to `out`, and returns the power of -C v.
+    pub(super) fn add_forces(
         &self,
         tile: usize,
         x: &NodeVectors,
@@ -61,6 +61,7 @@ impl TriangleDamping {
     }
 }
 
+/// See `TriangleDamping::add_forces`.
 struct StrainRateKernel<'a> {
     damping: &'a TriangleDamping,
     tile: usize,
@@ -72,7 +73,7 @@ struct StrainRateKernel<'a> {
 
 impl BatchKernel for StrainRateKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let TriangleDamping { flat, time, .. } = self.damping;
         let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
         let sign = V::all(self.sign);
@@ -85,8 +86,8 @@ impl BatchKernel for StrainRateKernel<'_> {
             let stress = [eta * s[0], eta * s[1], eta * s[2]];
             let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
             power -= V::load(&flat.stiffness[batch]) * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12);
-            let pull = flat.pull(batch, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
-            pass.add(&mut self.out, place, pull);
+            let forces = flat.nodal_forces(batch, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
+            pass.add(&mut self.out, place, forces);
         }
         power
     }

@@ -1,4 +1,4 @@
-//! The order in which the core keeps nodes and elements: its own business, unseen by callers.
+//! Internal order of nodes and elements: the renumbering of nodes, and elements in batches.
 
 mod batches;
 mod element_set;

@@ -1,17 +1,17 @@
-//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950) with a fixed start;
-//! the mode is formed in a second pass, so that storage stays small.
+//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950) with a
+//! fixed start. A second pass forms the mode, so that storage remains small.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 
-/// Lanczos steps: enough for 1e-3 of the largest eigenvalue on meshes of a million nodes.
+/// Largest number of Lanczos steps: the error of the largest eigenvalue is then 1e-3 on meshes of a million nodes.
 const MOST_ITERATIONS: usize = 120;
-/// Relative change of the eigenvalue over eight iterations at which it counts as found.
+/// Relative change of the eigenvalue over eight iterations at which it has converged.
 const TOLERANCE: f64 = 1e-6;
 
-/// A product with a matrix: adds it to the second argument.
+/// A function that adds the product of a matrix and the first argument to the second.
 pub(crate) type Product<'a> = &'a dyn Fn(&NodeVectors, &mut NodeVectors);
 
 /// out = M^-1/2 A M^-1/2 q
@@ -34,17 +34,17 @@ pub(crate) fn quotient(product: Product<'_>, roots: &[f64], q: &NodeVectors) -> 
 
 /// The largest eigenvalue of M^-1/2 A M^-1/2 and its unit eigenvector.
 pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeVectors)> {
-    let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
+    let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
     let mut found: f64 = 0.0;
     let mut weights = DVector::from_element(1, 1.0);
     let mut before = f64::NAN;
-    walk(product, roots, |_, alpha, beta| {
+    recurrence(product, roots, |_, alpha, beta| {
         diagonal.push(alpha);
         let k = diagonal.len();
         if k % 8 == 0 || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
             let matrix = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
                 0 => diagonal[i],
-                1 => beside[i.min(j)],
+                1 => off_diagonal[i.min(j)],
                 _ => 0.0,
             });
             let eigen = SymmetricEigen::new(matrix);
@@ -55,7 +55,7 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
             }
             before = found;
         }
-        beside.push(beta);
+        off_diagonal.push(beta);
         beta > 1e-12 * found.abs() && k < MOST_ITERATIONS
     });
     if !found.is_finite() {
@@ -63,7 +63,7 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
     }
     let mut mode = NodeVectors::zeros(roots.len());
     let mut k = 0;
-    walk(product, roots, |q, _, _| {
+    recurrence(product, roots, |q, _, _| {
         mode += q * weights[k];
         k += 1;
         k < weights.len()
@@ -72,9 +72,10 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
     Ok((found, if norm > 0.0 { mode / norm } else { mode }))
 }
 
-/// Lanczos's three-term recurrence; `visit` gets each basis vector, its diagonal entry and the next off-diagonal one.
-pub(crate) fn walk(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool) {
-    // A fixed start with a part along every mode: the fractional parts of multiples of the golden ratio.
+/// Lanczos's three-term recurrence. `visit` receives each basis vector, its diagonal entry and the next off-diagonal
+/// one; the recurrence ends where it returns false.
+pub(crate) fn recurrence(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool) {
+    // A fixed start with a component along every mode: the fractional parts of multiples of the golden ratio.
     let mut q = NodeVectors::from_fn(roots.len(), |i, axis| {
         ((3 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5
     });
@@ -93,8 +94,8 @@ pub(crate) fn walk(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&N
         let alpha = q.dot(&next);
         next -= &q * alpha;
         beta = next.norm();
-        let go_on = visit(&q, alpha, beta);
-        if !go_on || beta.is_nan() || beta == 0.0 {
+        let continues = visit(&q, alpha, beta);
+        if !continues || beta.is_nan() || beta == 0.0 {
             return;
         }
         previous = q;

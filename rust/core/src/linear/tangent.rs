@@ -1,14 +1,14 @@
-//! The tangent of the equations of motion: a sparse matrix whose pattern is fixed when the scene is built, and its factor.
+//! The tangent of the equations of motion: a sparse matrix with a pattern fixed by the scene, and its factor.
 //!
-//!     A = a M - b dF/dv - c dF/dx        over the nodes that are free
+//!     A = a M - b dF/dv - c dF/dx        over the free nodes
 //!
-//! Its symmetric part is kept and factorised, by Cholesky's method in nodes' order of least degree (AMD; Amestoy, Davis and
-//! Duff 1996), with the symbolic factor made once. What is not symmetric (the force of Coriolis, how dashpots turn, drag)
-//! is small beside M/dt where a step makes sense, and is left to the iteration that solves with A. A factor exists only
-//! where A is positive definite: where it is not, the motion has a choice within the step, and whoever asked must know.
+//! Its symmetric part is stored and factorised by Cholesky's method, in approximate minimum degree order (AMD; Amestoy,
+//! Davis and Duff 1996), with a symbolic factor made once. The antisymmetric part (force of Coriolis, rotation of
+//! dashpots, drag) is small beside M/dt at reasonable steps; the iteration that solves with A accounts for it. A factor
+//! exists only if A is positive definite. If it is not, the end of the step need not be unique.
 //!
-//! The factorisation is the scalar one of `faer`, without vector instructions and threads: its bits are the same on every
-//! run and every machine.
+//! The factorisation is the scalar one of `faer`, without vector instructions and threads, with the same bits in every
+//! run on every machine.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
@@ -25,7 +25,7 @@ use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 
-/// How masses and jacobian are weighted.
+/// Weights of masses and Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
     /// a.
@@ -36,14 +36,14 @@ pub struct Weights {
     pub stiffness: f64,
 }
 
-/// Rank of a node that is held.
+/// Rank of a held node.
 const HELD: u32 = u32::MAX;
 
 /// The matrix and its factor. Columns hold the rows above and on the diagonal.
 pub struct Tangent {
-    /// Each node's place in the order of elimination; `HELD` where it does not move.
+    /// Place of each node in the order of elimination, or `HELD`.
     rank: Vec<u32>,
-    /// The node rows of each node column, ascending, the column itself last; and where each column's begin.
+    /// The node rows of each node column, ascending, the diagonal last; and the start of each column.
     rows: Vec<u32>,
     starts: Vec<usize>,
     pattern: SymbolicSparseColMat<usize>,
@@ -51,13 +51,13 @@ pub struct Tangent {
     symbolic: SymbolicSimplicialCholesky<usize>,
     factor: Vec<f64>,
     memory: MemBuffer,
-    side: Vec<f64>,
+    right_hand_side: Vec<f64>,
 }
 
-/// Visits the nodes of each element through which nodes act on each other.
+/// Visits the nodes of each element that couples nodes.
 pub type Couplings<'a> = &'a dyn Fn(&mut dyn FnMut(&[u32]));
 
-/// Rows of each column of the nodes' graph, on and above the diagonal, ascending.
+/// The rows of each column of the graph of nodes, on and above the diagonal, ascending.
 fn graph(couplings: Couplings<'_>, rank: &[u32], free: usize) -> Vec<Vec<u32>> {
     let mut columns: Vec<Vec<u32>> = (0..free as u32).map(|node| vec![node]).collect();
     couplings(&mut |nodes| {
@@ -81,7 +81,7 @@ fn pattern_of(size: usize, starts: Vec<usize>, rows: Vec<usize>) -> SymbolicSpar
     SymbolicSparseColMat::new_checked(size, size, starts, None, rows)
 }
 
-/// An order of elimination that keeps the factor sparse: the rank of each node of a graph.
+/// The rank of each node of a graph in an order of elimination that keeps the factor sparse.
 fn order(columns: &[Vec<u32>]) -> std::result::Result<Vec<usize>, FaerError> {
     let size = columns.len();
     let mut starts = vec![0];
@@ -98,7 +98,7 @@ fn order(columns: &[Vec<u32>]) -> std::result::Result<Vec<usize>, FaerError> {
     Ok(rank)
 }
 
-/// Where the factor of a matrix has its numbers.
+/// The symbolic factor of a matrix.
 fn symbolic_of(
     pattern: &SymbolicSparseColMat<usize>,
 ) -> std::result::Result<SymbolicSimplicialCholesky<usize>, FaerError> {
@@ -157,16 +157,17 @@ impl Tangent {
             factor: vec![0.0; symbolic.len_val()],
             symbolic,
             memory: MemBuffer::try_new(request)?,
-            side: vec![0.0; size],
+            right_hand_side: vec![0.0; size],
         })
     }
 
-    /// Numbers that the factor holds.
+    /// Number of entries of the factor.
     pub fn factor_size(&self) -> usize {
         self.factor.len()
     }
 
-    /// Fills the matrix with masses and with the blocks of dF/dx and dF/dv that `add_blocks` adds. Does not factorise.
+    /// Assembles the matrix from masses and the blocks of dF/dx and dF/dv that `add_blocks` adds, without
+    /// factorisation.
     pub fn assemble(&mut self, masses: &[f64], weights: Weights, add_blocks: impl Fn(&mut dyn JacobianBlocks)) {
         self.values.fill(0.0);
         for (node, &mass) in masses.iter().enumerate() {
@@ -175,7 +176,7 @@ impl Tangent {
         add_blocks(&mut Weighted { tangent: self, weights });
     }
 
-    /// Factorises the matrix as it is. Whether it is positive definite.
+    /// Factorises the matrix. Whether it is positive definite.
     pub fn factorise(&mut self) -> bool {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), &self.values[..]);
         let stack = MemStack::new(&mut self.memory);
@@ -186,16 +187,16 @@ impl Tangent {
     pub fn solve(&mut self, masses: &[f64], vectors: &mut NodeVectors) {
         for (node, &rank) in self.rank.iter().enumerate().filter(|(_, rank)| **rank != HELD) {
             for axis in 0..3 {
-                self.side[3 * rank as usize + axis] = masses[node] * vectors[(node, axis)];
+                self.right_hand_side[3 * rank as usize + axis] = masses[node] * vectors[(node, axis)];
             }
         }
-        let size = self.side.len();
-        let side = MatMut::from_column_major_slice_mut(&mut self.side, size, 1);
+        let size = self.right_hand_side.len();
+        let vector = MatMut::from_column_major_slice_mut(&mut self.right_hand_side, size, 1);
         let stack = MemStack::new(&mut self.memory);
-        SimplicialLltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(Conj::No, side, Par::Seq, stack);
+        SimplicialLltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(Conj::No, vector, Par::Seq, stack);
         for (node, &rank) in self.rank.iter().enumerate() {
             for axis in 0..3 {
-                let value = if rank == HELD { 0.0 } else { self.side[3 * rank as usize + axis] };
+                let value = if rank == HELD { 0.0 } else { self.right_hand_side[3 * rank as usize + axis] };
                 vectors[(node, axis)] = value;
             }
         }
@@ -209,7 +210,7 @@ impl Tangent {
         }
         let (row, column) = (i.min(j), i.max(j) as usize);
         let rows = &self.rows[self.starts[column]..self.starts[column + 1]];
-        // A coupling that was not announced has no place.
+        // A coupling outside the pattern has no entry.
         let Ok(place) = rows.binary_search(&row) else {
             debug_assert!(false, "nodes {on} and {of} are not coupled");
             return;
@@ -230,7 +231,7 @@ impl Tangent {
     }
 }
 
-/// Forces push the other way than the matrix counts.
+/// A receiver of blocks that adds them with their weights; their sign in the tangent is negative.
 struct Weighted<'a> {
     tangent: &'a mut Tangent,
     weights: Weights,

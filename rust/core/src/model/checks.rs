@@ -1,8 +1,8 @@
-//! Checks of single values, each with its words.
+//! Checks of single values, each with its message.
 
 use crate::error::{Error, Result};
 
-/// Refuses what is not finite and above zero.
+/// Refuses a value that is not finite and above zero.
 ///
 /// # Errors
 /// `OutOfRange`.
@@ -10,7 +10,7 @@ pub fn positive(what: &'static str, value: f64) -> Result<()> {
     within(what, value, value > 0.0, "it must be finite and above zero")
 }
 
-/// Refuses what is not finite or is below zero.
+/// Refuses a value that is not finite or is negative.
 ///
 /// # Errors
 /// `OutOfRange`.
@@ -18,7 +18,7 @@ pub fn non_negative(what: &'static str, value: f64) -> Result<()> {
     within(what, value, value >= 0.0, "it must be finite and not negative")
 }
 
-/// Refuses what is not finite.
+/// Refuses a value that is not finite.
 ///
 /// # Errors
 /// `OutOfRange`.
@@ -26,7 +26,7 @@ pub fn finite(what: &'static str, value: f64) -> Result<()> {
     within(what, value, true, "it must be finite")
 }
 
-/// Refuses what is not finite or not `inside` its range.
+/// Refuses a value that is not finite or not `inside` its range.
 ///
 /// # Errors
 /// `OutOfRange`.

@@ -1,6 +1,6 @@
-//! The frame that turns with the hub about z: its motion as given, and where it is at an instant.
+//! The frame that turns with the hub about z: its prescribed motion, and its state at an instant.
 
-/// How the hub turns: Omega(t) = rate + acceleration t.
+/// Prescribed rotation of the hub: Omega(t) = rate + acceleration t.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spin {
     /// Omega at t = 0 \[rad/s\].
@@ -9,10 +9,10 @@ pub struct Spin {
     pub acceleration: f64,
 }
 
-/// The frame at one instant.
+/// State of the frame at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Frame {
-    /// The angle that the hub has turned since t = 0 \[rad\].
+    /// Angle of rotation since t = 0 \[rad\].
     pub angle: f64,
     /// Omega \[rad/s\].
     pub rate: f64,

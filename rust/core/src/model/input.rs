@@ -1,10 +1,10 @@
-//! What is simulated, in the caller's numbering, by components that check themselves.
+//! The input of a simulation in external order, as components with their checks.
 
 use super::checks::{positive, within};
 use super::mesh::{check_finite, check_indices};
 use crate::error::{Error, Result};
 
-/// What the membrane is made of.
+/// Material and thickness of the membrane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Film {
     /// Young's modulus E \[Pa\].
@@ -17,34 +17,34 @@ pub struct Film {
     pub thickness: f64,
 }
 
-/// What to do with edges whose spring constants sum to less than zero.
+/// Treatment of edges with a negative sum of spring constants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NegativeSprings {
-    /// Refuse the mesh, by name.
+    /// Refuse the mesh, with the worst edge.
     #[default]
     Refuse,
     /// Set them to zero: stable, but softer than the film.
     Clip,
-    /// Keep them, to see the mesh fail.
+    /// Keep them, for tests of unstable meshes.
     Keep,
-    /// The film is no net of springs: leave all spring constants at zero.
+    /// The film has no springs: all spring constants are zero.
     Unused,
 }
 
-/// A tension-only spring between two nodes: a piece of tether.
+/// A tension-only spring between two nodes: a segment of a tether.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cord {
     /// Its ends.
     pub nodes: [u32; 2],
     /// Spring constant \[N/m\].
     pub stiffness: f64,
-    /// Length without tension \[m\].
+    /// Rest length \[m\].
     pub rest_length: f64,
     /// Strain at which a run stops.
     pub strain_limit: f64,
 }
 
-/// Lines along which the film is folded.
+/// Edges along which the film is folded.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Creases {
     /// The two nodes of each.
@@ -62,39 +62,39 @@ pub struct Bridges {
     pub stiffness: f64,
 }
 
-/// What the spool's surface keeps outside, beside the membrane, if that is asked for.
+/// Nodes in contact with the spool, beside those of the membrane.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ContactSet {
     /// The nodes.
     pub nodes: Vec<u32>,
 }
 
-/// Everything that a run starts from, in the caller's numbering: the nodes of the mesh first, then all others.
+/// The model at the start of a run, in external order: the nodes of the mesh first, then all others.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
     /// Positions at the start \[m\].
     pub positions: Vec<[f64; 3]>,
     /// Velocities at the start, relative to the turning frame \[m/s\].
     pub velocities: Vec<[f64; 3]>,
-    /// Mass of each node beside the film's \[kg\].
+    /// Mass of each node beside that of the film \[kg\].
     pub extra_masses: Vec<f64>,
-    /// Nodes held where they are.
+    /// Held nodes.
     pub fixed: Vec<u32>,
     /// Stress-free positions of the mesh's nodes \[m\].
     pub reference: Vec<[f64; 3]>,
     /// Triangles of the mesh.
     pub triangles: Vec<[u32; 3]>,
-    /// The film; needed where there are triangles.
+    /// The film; required with triangles.
     pub film: Option<Film>,
-    /// What to do with negative springs.
+    /// Treatment of negative spring constants.
     pub negative_springs: NegativeSprings,
     /// Its creases.
     pub creases: Creases,
-    /// Pieces of tether.
+    /// Segments of tethers.
     pub cords: Vec<Cord>,
     /// Node pairs held together.
     pub bridges: Bridges,
-    /// What touches the spool.
+    /// Nodes in contact with the spool.
     pub contacts: ContactSet,
 }
 
@@ -121,14 +121,14 @@ impl Model {
         self.cords.iter().try_for_each(Cord::check)
     }
 
-    /// The two nodes of each piece of tether.
+    /// The two nodes of each segment of a tether.
     pub fn cord_nodes(&self) -> Vec<[u32; 2]> {
         self.cords.iter().map(|cord| cord.nodes).collect()
     }
 }
 
 impl Creases {
-    /// Whether each has its sign; their nodes are checked against the mesh.
+    /// Checks that each has a sign; `Mesh::hinges` checks the nodes.
     fn check(&self) -> Result<()> {
         same_length("fold_signs", self.fold_signs.len(), self.nodes.len(), "crease")
     }

@@ -1,8 +1,8 @@
-//! Triangles to unique edges, crease hinges and lumped masses.
+//! Triangles, their unique edges, the hinges of creases, and lumped masses.
 
 use crate::error::{Error, Result};
 
-/// A triangulated reference shape and what follows from its connectivity.
+/// A triangulated reference shape and its connectivity.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     /// Stress-free node positions \[m\].
@@ -15,12 +15,12 @@ pub struct Mesh {
     pub triangle_edges: Vec<[u32; 3]>,
 }
 
-/// Two triangles that share an edge. Wing C lies to the left of A -> B seen from the side the normals point to.
+/// Two triangles with a common edge. Facet C lies to the left of A -> B, seen from the side of the normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hinge {
-    /// The nodes A, B of the shared edge and the apexes C, D of the facets.
+    /// The nodes A, B of the common edge and the apexes C, D of the facets.
     pub nodes: [u32; 4],
-    /// Index of the shared edge in `Mesh::edges`.
+    /// Index of the common edge in `Mesh::edges`.
     pub edge: u32,
 }
 
@@ -51,7 +51,7 @@ impl Mesh {
     /// Builds the connectivity.
     ///
     /// # Errors
-    /// `IndexOutOfRange` for a triangle that names a node that is not there; `NotFinite` for a coordinate.
+    /// `IndexOutOfRange` for a triangle with an unknown node; `NotFinite` for a coordinate.
     pub fn new(reference: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self> {
         check_indices("triangle", &triangles, reference.len())?;
         check_finite("the reference position", &reference)?;
@@ -81,7 +81,7 @@ impl Mesh {
         Ok(area)
     }
 
-    /// Mass of each node: a third of every triangle around it, rho h S / 3 \[kg\].
+    /// Mass of each node: the sum of rho h S / 3 over its triangles \[kg\].
     ///
     /// # Errors
     /// `DegenerateTriangle`.
@@ -99,13 +99,13 @@ impl Mesh {
     /// The hinges of `creases` (node pairs in any order).
     ///
     /// # Errors
-    /// `NotAHinge` where a pair is no edge, or has not exactly two triangles of the same winding.
+    /// `NotAHinge` for a pair that is no edge, or has other than two triangles of the same winding.
     pub fn hinges(&self, creases: &[[u32; 2]]) -> Result<Vec<Hinge>> {
         check_indices("crease", creases, self.reference.len())?;
         if creases.is_empty() {
             return Ok(Vec::new());
         }
-        // Apexes on the left [0] and on the right [1] of each edge, taken from its lower to its higher node.
+        // Apexes on the left [0] and on the right [1] of each edge, directed from its lower to its higher node.
         const NONE: u32 = u32::MAX;
         const TWICE: u32 = u32::MAX - 1;
         let mut apexes = vec![[NONE; 2]; self.edges.len()];
@@ -185,20 +185,20 @@ mod tests {
     }
 
     #[test]
-    fn edges_are_unique_sorted_and_known_to_their_triangles() {
+    fn edges_are_unique_and_sorted_and_triangles_list_them() {
         let mesh = square();
         assert_eq!(mesh.edges, [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]);
         assert_eq!(mesh.triangle_edges, [[3, 1, 0], [4, 2, 1]]);
     }
 
     #[test]
-    fn the_left_wing_follows_the_winding() {
+    fn the_left_facet_follows_the_winding() {
         let hinge = square().hinges(&[[2, 0]]).unwrap()[0];
         assert_eq!(hinge, Hinge { nodes: [0, 2, 3, 1], edge: 1 });
     }
 
     #[test]
-    fn what_is_no_hinge_is_refused_by_name() {
+    fn a_crease_that_is_no_hinge_is_refused_with_the_reason() {
         let mesh = square();
         for (crease, word) in [([0, 1], "boundary"), ([1, 3], "no edge")] {
             assert!(mesh.hinges(&[crease]).unwrap_err().to_string().contains(word));

@@ -1,4 +1,4 @@
-//! What is simulated, as the caller gives it, and the checks of each value.
+//! The model of a simulation in external order, and the checks of each value.
 
 pub mod checks;
 pub mod frame;

@@ -1,9 +1,9 @@
-//! Spring constants of a triangle's sides, eq. (1): the energy of its three springs equals the strain energy of the film in
-//! each of the three uniaxial stress states parallel to a side,
+//! Spring constants of the sides of a triangle, eq. (1): the energy of its three springs equals the strain energy of
+//! the film in each of the three uniaxial stress states parallel to a side,
 //!
 //!     A_ij = [1 - (1 - delta_ij) 4 (1 + nu) S^2 / (L_i^2 L_j^2)]^2,   k_i = (E h S / L_i^2) sum_j (A^-1)_ij   [N/m]
 //!
-//! and triangles that share a side add their springs.
+//! and triangles with a common side add their constants.
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), section 3.1.
 
 use nalgebra::{Matrix3, Vector3};
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn an_obtuse_corner_turns_a_spring_negative() {
+    fn an_obtuse_corner_makes_a_spring_constant_negative() {
         assert!(triangle(0.5, 0.12).spring_constants(1.0, 0.34, 1.0).unwrap().iter().any(|&k| k < 0.0));
     }
 }

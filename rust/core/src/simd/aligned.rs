@@ -1,7 +1,7 @@
-//! The system's allocator, with long arrays on the bounds of cache lines.
+//! The system's allocator, with long arrays aligned to cache lines.
 //!
-//! A register of AVX-512 is as wide as a cache line. Where a column begins in the middle of one, every access takes two;
-//! the system gives arrays of numbers that begin anywhere. Programs that want this say so:
+//! A register of AVX-512 is as wide as a cache line. In a column that begins in the middle of a line every access
+//! touches two lines. The system's allocator does not align arrays to lines; this one does. Its use in a program:
 //!
 //!     #[global_allocator]
 //!     static ALLOCATOR: membrane_core::simd::aligned::Aligned = membrane_core::simd::aligned::Aligned;
@@ -9,7 +9,7 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 
-/// Bytes in a cache line, and bytes from which an array is long.
+/// Size of a cache line, and size from which arrays are aligned to one \[bytes\].
 const LINE: usize = 64;
 const LONG: usize = 1024;
 
@@ -17,26 +17,26 @@ const LONG: usize = 1024;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Aligned;
 
-/// What is asked of the system. It depends on nothing but `layout`, so that memory goes back as it came.
-fn asked(layout: Layout) -> Layout {
+/// The layout requested from the system: a function of `layout` alone, hence the same for release.
+fn requested(layout: Layout) -> Layout {
     if layout.size() < LONG { layout } else { layout.align_to(LINE).unwrap_or(layout) }
 }
 
-// SAFETY: blocks are the system's, of the same size and of at least the alignment that was asked for; `asked` gives the same
-// for the same layout, so that `dealloc` names the layout that `alloc` did. `realloc` is the trait's own, by these two.
+// SAFETY: blocks are the system's, of the caller's size and at least the caller's alignment. `requested` gives equal
+// layouts for equal arguments, so that `dealloc` uses the layout of `alloc`. `realloc` is composed of these two.
 unsafe impl GlobalAlloc for Aligned {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promise; the size is unchanged, and so not zero.
-        unsafe { System.alloc(asked(layout)) }
+        // SAFETY: the caller's contract; the size is unchanged, therefore not zero.
+        unsafe { System.alloc(requested(layout)) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as in `alloc`.
-        unsafe { System.alloc_zeroed(asked(layout)) }
+        unsafe { System.alloc_zeroed(requested(layout)) }
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: `place` came from `alloc` with this layout, and so from the system with `asked(layout)`.
-        unsafe { System.dealloc(place, asked(layout)) }
+        // SAFETY: `place` came from `alloc` with this layout, that is from the system with `requested(layout)`.
+        unsafe { System.dealloc(place, requested(layout)) }
     }
 }

@@ -1,14 +1,14 @@
-//! Eight numbers whose operations are counted: what a kernel does, read off the kernel itself.
+//! Eight numbers with counted operations: the operation counts of a kernel, taken from the kernel itself.
 //!
-//! The numbers are those of `F64x8`, so are the results. `InstructionSet::Counted` runs kernels with this form; `count` says what they
-//! did. Work outside the trait `SimdF64` (the plain gathers and scatters of loose batches, indices) is not seen.
+//! Values and results are those of `F64x8`. `InstructionSet::Counted` runs kernels with this type, and `count` returns
+//! the counts. Work outside the trait `SimdF64` (gathers and scatters of gathered batches, indices) is not counted.
 
 use std::cell::Cell;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use super::lanes::{F64x8, HALF, LANES, SimdF64};
 
-/// How many operations on eight numbers there were.
+/// Operations on eight numbers, by kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Sums and differences.
@@ -19,11 +19,11 @@ pub struct Counts {
     pub divisions: u64,
     /// Square roots.
     pub roots: u64,
-    /// The larger or the smaller of two.
+    /// Maxima and minima of two.
     pub extremes: u64,
-    /// Comparisons, and choices by them.
+    /// Comparisons, each with the selection by its result.
     pub choices: u64,
-    /// Signs taken off, turned or set.
+    /// Absolute values, negations, copied signs.
     pub signs: u64,
     /// Reads.
     pub loads: u64,
@@ -45,20 +45,20 @@ thread_local! {
     }) };
 }
 
-/// What `work` does on this thread with `InstructionSet::Counted`.
+/// Operations of `work` on this thread with `InstructionSet::Counted`.
 pub fn count(work: impl FnOnce()) -> Counts {
     COUNTS.set(Counts::default());
     work();
     COUNTS.take()
 }
 
-fn one_more(kind: impl FnOnce(&mut Counts) -> &mut u64) {
+fn increment(kind: impl FnOnce(&mut Counts) -> &mut u64) {
     let mut counts = COUNTS.get();
     *kind(&mut counts) += 1;
     COUNTS.set(counts);
 }
 
-/// Eight numbers that are counted.
+/// Eight numbers with counted operations.
 #[derive(Clone, Copy)]
 pub(crate) struct Counted(F64x8);
 
@@ -67,7 +67,7 @@ macro_rules! operator {
         impl $trait for Counted {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
-                one_more(|counts| &mut counts.$kind);
+                increment(|counts| &mut counts.$kind);
                 Self(self.0 $op other.0)
             }
         }
@@ -81,7 +81,7 @@ operator!(Div, div, /, divisions);
 impl Neg for Counted {
     type Output = Self;
     fn neg(self) -> Self {
-        one_more(|counts| &mut counts.signs);
+        increment(|counts| &mut counts.signs);
         Self(-self.0)
     }
 }
@@ -100,20 +100,20 @@ impl SubAssign for Counted {
 
 impl SimdF64 for Counted {
     fn load_from(numbers: &[f64; LANES]) -> Self {
-        one_more(|counts| &mut counts.loads);
+        increment(|counts| &mut counts.loads);
         Self(F64x8(*numbers))
     }
 
     fn load_split(low: &[f64; HALF], high: &[f64; HALF]) -> Self {
-        one_more(|counts| &mut counts.loads);
+        increment(|counts| &mut counts.loads);
         Self(F64x8::load_split(low, high))
     }
 
-    /// Counted as one half, which stands for both.
+    /// Counted here for both halves.
     fn add_low_to(self, place: &mut [f64; HALF]) {
-        one_more(|counts| &mut counts.loads);
-        one_more(|counts| &mut counts.additions);
-        one_more(|counts| &mut counts.stores);
+        increment(|counts| &mut counts.loads);
+        increment(|counts| &mut counts.additions);
+        increment(|counts| &mut counts.stores);
         self.0.add_low_to(place);
     }
 
@@ -122,42 +122,42 @@ impl SimdF64 for Counted {
     }
 
     fn lanes(self) -> F64x8 {
-        one_more(|counts| &mut counts.stores);
+        increment(|counts| &mut counts.stores);
         self.0
     }
 
-    /// A number that a kernel holds in a register is no read.
+    /// A constant in a register is no read.
     fn all(value: f64) -> Self {
         Self(F64x8::all(value))
     }
 
     fn sqrt(self) -> Self {
-        one_more(|counts| &mut counts.roots);
+        increment(|counts| &mut counts.roots);
         Self(self.0.sqrt())
     }
 
     fn abs(self) -> Self {
-        one_more(|counts| &mut counts.signs);
+        increment(|counts| &mut counts.signs);
         Self(self.0.abs())
     }
 
     fn max(self, other: Self) -> Self {
-        one_more(|counts| &mut counts.extremes);
+        increment(|counts| &mut counts.extremes);
         Self(self.0.max(other.0))
     }
 
     fn min(self, other: Self) -> Self {
-        one_more(|counts| &mut counts.extremes);
+        increment(|counts| &mut counts.extremes);
         Self(self.0.min(other.0))
     }
 
     fn below(self, bound: Self, yes: Self, no: Self) -> Self {
-        one_more(|counts| &mut counts.choices);
+        increment(|counts| &mut counts.choices);
         Self(self.0.below(bound.0, yes.0, no.0))
     }
 
     fn copysign(self, sign: Self) -> Self {
-        one_more(|counts| &mut counts.signs);
+        increment(|counts| &mut counts.signs);
         Self(self.0.copysign(sign.0))
     }
 }

@@ -1,8 +1,8 @@
-//! The instruction set that kernels run with, chosen once per process from what the machine has.
+//! The instruction set of the kernels, chosen once per process among those of the machine.
 //!
-//! A kernel is written once, as a `Kernel` or a `BatchKernel`; `dispatch` and `run_batches` compile it for each width and call
-//! the one that was chosen. Plain loops, which the compiler turns into vectors by itself, are a `Sweep`. Results have the same
-//! bits at every width (see `lanes`).
+//! A kernel is written once, as a `Kernel` or a `BatchKernel`. `dispatch` and `run_batches` compile it for each
+//! instruction set and call the chosen version. Plain loops, vectorised by the compiler, are a `Sweep`. Results have
+//! the same bits with every instruction set (see `lanes`).
 
 #[cfg(target_arch = "x86_64")]
 use std::marker::PhantomData;
@@ -13,7 +13,7 @@ use crate::simd::lanes::SimdF64;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::x86;
 
-/// Eight numbers in what every machine of this architecture has.
+/// Eight numbers in the registers that every machine of this architecture has.
 #[cfg(target_arch = "x86_64")]
 type Baseline = crate::simd::sse2::Sse2;
 #[cfg(not(target_arch = "x86_64"))]
@@ -22,58 +22,60 @@ type Baseline = crate::simd::lanes::F64x8;
 /// A set of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InstructionSet {
-    /// What every machine of this architecture has: SSE2 on x86-64, Neon on 64-bit Arm.
+    /// Available on every machine of this architecture: SSE2 on x86-64, Neon on 64-bit Arm.
     Baseline,
     /// 256-bit vectors of x86-64.
     Avx2,
     /// 512-bit vectors of x86-64.
     Avx512,
-    /// What every machine has, slowly: every operation is counted, see `lanes::counted`.
+    /// Available on every machine, slow: counts every operation, see `counted`.
     Counted,
 }
 
-/// The kinds of batches of elements, in the order in which kernels go over them: eight contiguous, two times four, gathered.
+/// The kinds of batches of elements, in the order of the kernels: contiguous, split, gathered (see `layout`).
 pub const CONTIGUOUS: usize = 0;
 /// See `CONTIGUOUS`.
 pub const SPLIT: usize = 1;
 /// See `CONTIGUOUS`.
 pub const GATHERED: usize = 2;
 
-/// A pass over elements, to be compiled for every width. `sweep` and all that it calls must be `#[inline(always)]`.
+/// A pass over elements, compiled for every instruction set. `sweep` and everything it calls must be
+/// `#[inline(always)]`.
 pub trait Sweep {
-    /// What the pass gives back.
+    /// Result of the pass.
     type Output;
     /// The pass.
     fn sweep(self) -> Self::Output;
 }
 
-/// A sweep over batches of eight, written for any form of them. As `Sweep`; closures are not inlined into it.
+/// A sweep over batches of eight, generic over their vector type. As `Sweep`; closures are not inlined into it.
 pub trait Kernel {
-    /// What the pass gives back.
+    /// Result of the pass.
     type Output;
     /// The pass.
     fn sweep<V: SimdF64>(self) -> Self::Output;
 }
 
-/// A kernel over batches of elements: one kind of batch (see `layout`) after another, and the sum of what they give.
+/// A kernel over batches of elements: one kind of batch (see `layout`) after another; the result is the sum over all.
 pub trait BatchKernel {
-    /// Goes over the batches of one kind.
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V;
+    /// Sweeps the batches of one kind.
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V;
 }
 
-/// All kinds of batches.
-struct Kinds<G>(G);
+/// A kernel over all kinds of batches.
+struct AllKinds<K>(K);
 
-impl<G: BatchKernel> Kernel for Kinds<G> {
+impl<K: BatchKernel> Kernel for AllKinds<K> {
     type Output = f64;
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) -> f64 {
-        (self.0.part::<V, CONTIGUOUS>() + self.0.part::<V, SPLIT>() + self.0.part::<V, GATHERED>()).lanes().sum()
+        let (contiguous, split) = (self.0.sweep_kind::<V, CONTIGUOUS>(), self.0.sweep_kind::<V, SPLIT>());
+        (contiguous + split + self.0.sweep_kind::<V, GATHERED>()).lanes().sum()
     }
 }
 
-/// A kernel as a sweep with one form of eight numbers.
+/// A kernel as a sweep with one vector type.
 #[cfg(target_arch = "x86_64")]
 struct With<K, V>(K, PhantomData<V>);
 
@@ -88,10 +90,10 @@ impl<K: Kernel, V: SimdF64> Sweep for With<K, V> {
 }
 
 impl InstructionSet {
-    /// Every width that is there to be fast.
+    /// Every instruction set for production, from the narrowest to the widest.
     pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
 
-    /// The name that users and benchmarks use.
+    /// The name for users and benchmarks.
     pub fn name(self) -> &'static str {
         match self {
             Self::Baseline => "baseline",
@@ -101,7 +103,7 @@ impl InstructionSet {
         }
     }
 
-    /// Whether this machine has it.
+    /// Whether this machine supports it.
     pub fn is_available(self) -> bool {
         match self {
             Self::Baseline | Self::Counted => true,
@@ -116,7 +118,7 @@ impl InstructionSet {
         }
     }
 
-    /// The widest that this machine has.
+    /// The widest that this machine supports.
     pub fn widest() -> Self {
         static WIDEST: OnceLock<InstructionSet> = OnceLock::new();
         *WIDEST.get_or_init(|| {
@@ -124,22 +126,22 @@ impl InstructionSet {
         })
     }
 
-    /// Runs `kernel` with this width over all kinds of batches, and gives the sum over lanes and kinds.
+    /// Runs `kernel` over all kinds of batches, and returns the sum over lanes and kinds.
     #[inline]
     pub fn run_batches(self, kernel: impl BatchKernel) -> f64 {
-        self.dispatch(Kinds(kernel))
+        self.dispatch(AllKinds(kernel))
     }
 
-    /// Runs `kernel` with this width, or with the widest below it that the machine has.
+    /// Runs `kernel` with this instruction set, or with the widest below it that the machine supports.
     #[inline]
     #[allow(unsafe_code)]
     pub fn dispatch<K: Kernel>(self, kernel: K) -> K::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the machine has what `avx512` and the form of AVX-512 require, which is checked here.
+            // SAFETY: `avx512` and the vector type require AVX-512, which is checked here.
             Self::Avx512 if self.is_available() => unsafe { avx512(With(kernel, PhantomData::<x86::Avx512>)) },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the machine has what `avx2` and the form of AVX2 require, which is checked here.
+            // SAFETY: `avx2` and the vector type require AVX2, which is checked here.
             Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe {
                 avx2(With(kernel, PhantomData::<x86::Avx2>))
             },
@@ -148,16 +150,16 @@ impl InstructionSet {
         }
     }
 
-    /// Runs `sweep` with this width, or with the widest below it that the machine has.
+    /// Runs `sweep` with this instruction set, or with the widest below it that the machine supports.
     #[inline]
     #[allow(unsafe_code)]
     pub fn run<S: Sweep>(self, sweep: S) -> S::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the one requirement of `avx512` is that the machine has its features, which is checked here.
+            // SAFETY: `avx512` requires its target features, which is checked here.
             Self::Avx512 if self.is_available() => unsafe { avx512(sweep) },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the one requirement of `avx2` is that the machine has that feature, which is checked here.
+            // SAFETY: `avx2` requires its target feature, which is checked here.
             Self::Avx2 | Self::Avx512 if Self::Avx2.is_available() => unsafe { avx2(sweep) },
             _ => sweep.sweep(),
         }
@@ -176,7 +178,7 @@ fn avx512<S: Sweep>(sweep: S) -> S::Output {
     sweep.sweep()
 }
 
-/// Apart from the others, so that the compiler has no more to see to in the function that runs those.
+/// Kept out of line, so that `dispatch` stays small for the other instruction sets.
 #[cold]
 #[inline(never)]
 fn counted<K: Kernel>(kernel: K) -> K::Output {

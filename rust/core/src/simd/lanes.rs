@@ -1,15 +1,15 @@
 //! Eight numbers at a time, in portable Rust.
 //!
-//! `F64x8` are eight numbers in memory, and work everywhere: every operation is a plain loop over them that the compiler
-//! turns into vectors as it can. `sse2` and `x86` have them in the registers of SSE2, AVX2 and AVX-512. There is no fused multiply-add and no
-//! sum across lanes but `sum`, so the bits are the same in every form.
+//! `F64x8` is eight numbers in memory, portable: every operation is a plain loop that the compiler vectorises where it
+//! can. `sse2` and `x86` hold the numbers in registers of SSE2, AVX2 and AVX-512. No operation fuses a product with a
+//! sum, and `sum` alone adds across lanes. Results therefore have the same bits with every vector type.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// F64x8 per vector.
+/// Lanes of a vector.
 pub const LANES: usize = 8;
 
-/// Half of them.
+/// Half the lanes.
 pub const HALF: usize = LANES / 2;
 
 /// Eight numbers.
@@ -78,7 +78,7 @@ impl F64x8 {
     }
 }
 
-/// Eight numbers in the form that one instruction set works on. A kernel is written for any of them.
+/// Eight numbers as the operand of one instruction set. Kernels are generic over it.
 pub trait SimdF64:
     Copy
     + Add<Output = Self>
@@ -91,16 +91,16 @@ pub trait SimdF64:
 {
     /// Eight numbers from memory.
     fn load_from(numbers: &[f64; LANES]) -> Self;
-    /// The same, from where they are aligned.
+    /// The same from aligned memory.
     #[inline(always)]
     fn load(lanes: &F64x8) -> Self {
         Self::load_from(&lanes.0)
     }
-    /// Four numbers from one place and four from another.
+    /// Four numbers from one array and four from another.
     fn load_split(low: &[f64; HALF], high: &[f64; HALF]) -> Self;
-    /// Adds the first four numbers to a place.
+    /// Adds the first four numbers to an array.
     fn add_low_to(self, place: &mut [f64; HALF]);
-    /// Adds the last four numbers to a place.
+    /// Adds the last four numbers to an array.
     fn add_high_to(self, place: &mut [f64; HALF]);
     /// The eight numbers.
     fn lanes(self) -> F64x8;
@@ -126,8 +126,8 @@ pub trait SimdF64:
 
     /// The angle of the point (x, y) in -pi .. pi, with an error below 5e-16 rad (two units in the last place).
     ///
-    /// The smaller over the larger coordinate is reduced to |t| <= tan(pi/8) and goes through the rational approximation
-    /// of Cephes (Moshier 1984, atan.c). The angle of (0, 0) is that of (1, 0).
+    /// The smaller over the larger coordinate is reduced to |t| <= tan(pi/8) for the rational approximation of Cephes
+    /// (Moshier 1984, atan.c). The angle of (0, 0) is that of (1, 0).
     #[inline(always)]
     fn atan2(y: Self, x: Self) -> Self {
         use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -301,7 +301,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn atan2_agrees_with_the_standard_library_all_around() {
+    fn atan2_agrees_with_the_standard_library_at_every_angle() {
         let mut worst = 0.0_f64;
         for k in 0..20_000 {
             let angle = (k as f64 / 20_000.0 - 0.5) * std::f64::consts::TAU;
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn atan2_knows_the_axes_and_the_origin() {
+    fn atan2_holds_on_the_axes_and_at_the_origin() {
         for (y, x) in [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), (1e-300, -1e-300)] {
             let ours = F64x8::atan2(F64x8::all(y), F64x8::all(x)).0[0];
             assert!((ours - f64::atan2(y, x)).abs() < 5e-16, "atan2({y}, {x}) = {ours}");

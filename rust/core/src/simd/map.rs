@@ -1,37 +1,37 @@
-//! One formula on the numbers of each row, taken from several arrays and written to several, eight rows at a time.
+//! One formula applied to each row of several arrays, eight rows at a time.
 //!
-//! The compiler gives up vectors where a plain loop has more than some arrays of which any might overlap.
+//! The compiler does not vectorise a plain loop over more than a few arrays that might overlap.
 
 use crate::simd::dispatch::{InstructionSet, Kernel};
 use crate::simd::lanes::{LANES, SimdF64};
 
-/// A formula that takes `R` numbers of a row and changes `W` others.
+/// A formula that reads `R` numbers of a row and updates `W` others.
 pub(crate) trait Formula<const R: usize, const W: usize> {
-    /// The numbers that were to be changed, changed.
+    /// The updated numbers.
     fn row<V: SimdF64>(&self, read: [V; R], changed: [V; W]) -> [V; W];
 
-    /// A number of the row, from what it was, that is summed over all rows.
+    /// Contribution of a row, from the numbers before the update, to a sum over all rows.
     #[inline(always)]
     fn summand<V: SimdF64>(&self, _read: [V; R], _changed: [V; W]) -> V {
         V::zero()
     }
 }
 
-/// A formula with its arrays.
+/// A formula and its arrays.
 struct Each<'a, F, const R: usize, const W: usize> {
     formula: &'a F,
     read: [&'a [f64]; R],
     changed: [&'a mut [f64]; W],
 }
 
-/// A formula with three columns for each of its numbers.
+/// A formula and three columns for each of its numbers.
 struct Axes<'a, F, const R: usize, const W: usize> {
     formula: &'a F,
     read: [[&'a [f64]; 3]; R],
     changed: [[&'a mut [f64]; 3]; W],
 }
 
-/// Works a formula out on all rows, and gives the sum of its summands, in a fixed order.
+/// Applies a formula to all rows, and returns the sum of its summands, added in a fixed order.
 ///
 /// # Panics
 /// Where arrays differ in length.
@@ -44,7 +44,7 @@ pub(crate) fn each<F: Formula<R, W>, const R: usize, const W: usize>(
     instructions.dispatch(Each { formula, read, changed })
 }
 
-/// Works a formula out on all rows of three columns, one axis after the other.
+/// Applies a formula to all rows of three columns, one axis after the other.
 ///
 /// # Panics
 /// Where columns differ in length.
@@ -85,7 +85,7 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
             assert!(changed[k].len() == rows);
         }
         let count = rows / LANES;
-        // Equal lengths, said once, so that the loop needs no check.
+        // Slices of equal length, so that the loop needs no bounds checks.
         let read = read.map(|array| {
             let (blocks, rest) = array.as_chunks::<LANES>();
             (&blocks[..count], rest)
@@ -113,10 +113,10 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
         if rest > 0 {
             let (mut numbers, mut old) = ([V::zero(); R], [V::zero(); W]);
             for k in 0..R {
-                numbers[k] = filled_up(&read[k].1[..rest]);
+                numbers[k] = padded(&read[k].1[..rest]);
             }
             for k in 0..W {
-                old[k] = filled_up(&changed[k].1[..rest]);
+                old[k] = padded(&changed[k].1[..rest]);
             }
             let new = formula.row(numbers, old);
             sum += formula.summand(numbers, old);
@@ -128,9 +128,9 @@ impl<F: Formula<R, W>, const R: usize, const W: usize> Kernel for Each<'_, F, R,
     }
 }
 
-/// Fewer than eight numbers, and zeros.
+/// Fewer than eight numbers, padded with zeros.
 #[inline(always)]
-fn filled_up<V: SimdF64>(rest: &[f64]) -> V {
+fn padded<V: SimdF64>(rest: &[f64]) -> V {
     let mut numbers = [0.0; LANES];
     numbers[..rest.len()].copy_from_slice(rest);
     V::load_from(&numbers)

@@ -1,4 +1,4 @@
-//! Eight numbers at a time, in the vector instructions that the machine has.
+//! Eight numbers at a time, in the vector instructions of the machine.
 
 pub mod aligned;
 pub mod counted;

@@ -10,7 +10,7 @@ use super::lanes::{F64x8, HALF, LANES, SimdF64};
 #[derive(Clone, Copy)]
 pub(crate) struct Sse2(__m128d, __m128d, __m128d, __m128d);
 
-/// The same operation on the four registers of one, two or three numbers of eight.
+/// One operation on the four registers of one or two operands.
 macro_rules! on_each {
     ($operation:ident, $a:expr) => {{
         let a = $a;
@@ -65,7 +65,7 @@ impl SubAssign for Sse2 {
     }
 }
 
-/// Two numbers from where they lie.
+/// Loads two numbers.
 #[inline(always)]
 fn two(numbers: &[f64], at: usize) -> __m128d {
     let numbers = &numbers[at..at + 2];
@@ -73,7 +73,7 @@ fn two(numbers: &[f64], at: usize) -> __m128d {
     unsafe { _mm_loadu_pd(numbers.as_ptr()) }
 }
 
-/// Two numbers to where they shall lie.
+/// Stores two numbers.
 #[inline(always)]
 fn put(place: &mut [f64], at: usize, numbers: __m128d) {
     let place = &mut place[at..at + 2];
@@ -81,7 +81,7 @@ fn put(place: &mut [f64], at: usize, numbers: __m128d) {
     unsafe { _mm_storeu_pd(place.as_mut_ptr(), numbers) }
 }
 
-/// Adds four numbers to a place.
+/// Adds four numbers to an array.
 #[inline(always)]
 fn add_to(place: &mut [f64; HALF], low: __m128d, high: __m128d) {
     // SAFETY: every x86-64 has SSE2.

@@ -1,7 +1,7 @@
 //! Eight numbers in vector registers of x86-64.
 //!
-//! These types need instructions that not every machine has. Only `width` names them, in functions that run where the
-//! machine has those instructions; kernels know the trait `SimdF64` alone. That is what every `unsafe` below relies on.
+//! These types need instructions that not every machine has. Only `dispatch` names them, in functions that it calls
+//! where the machine has those instructions; kernels are generic over the trait `SimdF64`. All `unsafe` relies on this.
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::*;
@@ -89,7 +89,7 @@ impl Avx512 {
     }
 }
 
-/// Adds four numbers to a place.
+/// Adds four numbers to an array.
 #[inline(always)]
 fn add_to(place: &mut [f64; HALF], numbers: __m256d) {
     // SAFETY: four numbers lie behind the pointer; the machine has AVX2, or AVX-512, which includes it, see above.

@@ -1,23 +1,24 @@
-//! Steps chosen by their error, for methods that know it.
+//! Steps chosen by their error, for methods with an error estimate.
 //!
-//! The run steps ahead of the instant that is shown, and shows what the method knows between the ends of its last step. So
-//! no instant at which someone looks cuts a step, and results do not depend on who looks when.
+//! The run steps ahead of the output time, and interpolates within its last step. Output times therefore cut no step,
+//! and results do not depend on them.
 
 use super::{AdaptiveProgress, Simulation};
 use crate::arrays::state::State;
 use crate::error::{Error, Result};
-use crate::integrators::{Controller, Embedded, Start};
+use crate::integrators::{Controller, Embedded, Endpoint};
 use crate::model::checks::positive;
 
-/// The first step where nothing is stiff \[s\]; it grows fivefold per step from there.
+/// First step of a scene without a stability limit \[s\]; later steps grow up to fivefold each.
 const FIRST_STEP: f64 = 1e-6;
 
+/// State of the step control.
 pub(super) struct Adaptive {
     /// The end of the last step \[s\].
     front: f64,
-    /// The instant that is shown \[s\].
+    /// The output time \[s\].
     pub(super) shown: f64,
-    /// State and work at the front, while an earlier instant is shown.
+    /// State and work at the front while those of an earlier output time are in place.
     ahead: Option<(State, Vec<f64>)>,
     pub(super) controller: Controller,
     first_dt: f64,
@@ -29,11 +30,12 @@ impl Simulation {
         self.adaptive.is_some()
     }
 
-    /// Tries that were rejected because of their error.
+    /// Number of rejected steps.
     pub fn rejected_count(&self) -> u64 {
         self.adaptive.as_ref().map_or(0, |adaptive| adaptive.controller.rejected_count)
     }
 
+    /// Sets up the step control.
     pub(super) fn adapt(&mut self, limit: f64) -> Result<()> {
         let tolerance = self.settings.tolerance;
         positive("tolerance", tolerance.relative)?;
@@ -45,7 +47,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Steps until `time` is passed, at most `most` times, then shows that instant. Whether it came so far.
+    /// Steps until `time` is passed, at most `most` times, then interpolates at `time`. Whether `time` was reached.
     ///
     /// # Errors
     /// As `step`.
@@ -56,11 +58,11 @@ impl Simulation {
                 _ => break,
             }
         }
-        let is_there = self.adaptive.as_ref().is_some_and(|adaptive| adaptive.front >= time);
-        if is_there {
+        let is_reached = self.adaptive.as_ref().is_some_and(|adaptive| adaptive.front >= time);
+        if is_reached {
             self.show(time);
         }
-        Ok(is_there)
+        Ok(is_reached)
     }
 
     /// One accepted step from the front.
@@ -74,9 +76,9 @@ impl Simulation {
                 break;
             }
             let Some(method) = self.integrator.embedded() else { return Ok(()) };
-            let from = Start { time, state: &self.state, work: &self.ledger.work };
+            let from = Endpoint { time, state: &self.state, work: &self.ledger.work };
             let error = method.attempt(&mut self.mechanics, from, dt, &self.settings.tolerance);
-            if adaptive.controller.judge(error) {
+            if adaptive.controller.accepts(error) {
                 method.accept(&mut self.state, &mut self.ledger.work);
                 adaptive.front = time + dt;
                 adaptive.shown = adaptive.front;
@@ -86,13 +88,13 @@ impl Simulation {
         }
         let what = format!("no step is small enough for the tolerance of {:e}", self.settings.tolerance.relative);
         let now = self.energy_terms();
-        let place = "the last step tried was below rounding".to_owned();
+        let place = "the last attempted step was below rounding".to_owned();
         let mut fault = self.described(what, place, self.most_changed(&now), &now);
         fault.remedy += "; or allow a larger error per step";
-        Err(self.set_back(fault))
+        Err(self.roll_back(fault))
     }
 
-    /// Goes back to the front, from where steps are taken.
+    /// Puts the state at the front in place, for the next step.
     fn show_front(&mut self) {
         if let Some(adaptive) = &mut self.adaptive
             && let Some((state, work)) = adaptive.ahead.take()
@@ -101,14 +103,15 @@ impl Simulation {
         }
     }
 
+    /// Interpolates the state at `time`, at most the front.
     fn show(&mut self, time: f64) {
         self.show_front();
         let Some(adaptive) = &mut self.adaptive else { return };
         if time < adaptive.front
             && let Some(method) = self.integrator.embedded()
         {
-            let end = Start { time: adaptive.front, state: &self.state, work: &self.ledger.work };
-            let (state, work) = Embedded::between(method, end, time);
+            let end = Endpoint { time: adaptive.front, state: &self.state, work: &self.ledger.work };
+            let (state, work) = Embedded::interpolate(method, end, time);
             adaptive.ahead =
                 Some((std::mem::replace(&mut self.state, state), std::mem::replace(&mut self.ledger.work, work)));
             adaptive.shown = time;
@@ -121,14 +124,15 @@ impl Simulation {
         ahead.map_or((&self.state, &self.ledger.work), |(state, work)| (state, work))
     }
 
-    /// The shown instant becomes the front.
+    /// The output time becomes the front.
     pub(super) fn restart_adaptive(&mut self) {
         if let Some(adaptive) = &mut self.adaptive {
             (adaptive.front, adaptive.ahead) = (adaptive.shown, None);
         }
     }
 
-    pub(super) fn set_back_adaptive(&mut self, time: f64) {
+    /// Restarts the step control at an earlier time; the count of rejected steps is kept.
+    pub(super) fn roll_back_adaptive(&mut self, time: f64) {
         if let Some(adaptive) = &mut self.adaptive {
             (adaptive.front, adaptive.shown, adaptive.ahead) = (time, time, None);
             adaptive.controller =

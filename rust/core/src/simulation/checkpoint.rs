@@ -1,4 +1,4 @@
-//! What is saved of a run, and how it goes on from there.
+//! Checkpoints: the saved data of a run, and its continuation from them.
 
 use super::Simulation;
 use crate::arrays::history::History;
@@ -6,45 +6,45 @@ use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
 use crate::integrators::Controller;
 
-/// Everything that changes while a simulation runs: saving and restoring it continues with the same bits.
+/// All data that change during a run: from them a run continues with the same bits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Steps taken since `origin`.
     pub step_count: u64,
     /// Evaluations of the forces.
     pub evaluation_count: u64,
-    /// The time from which steps are counted \[s\]: t = origin + step_count dt, never a running sum.
+    /// The time of step 0 \[s\]: t = origin + step_count dt, not a running sum.
     pub origin: f64,
-    /// Positions and velocities, in the caller's numbering.
+    /// Positions and velocities, in external order.
     pub positions: Vec<[f64; 3]>,
     /// See `positions`.
     pub velocities: Vec<[f64; 3]>,
     /// The ledger.
     pub ledger: Ledger,
-    /// What the method keeps from step to step: vectors per node, and numbers.
+    /// The history of the method.
     pub history: SavedHistory,
-    /// What each law keeps, in their order.
+    /// The history of each law, in their order.
     pub law_histories: Vec<SavedHistory>,
-    /// Where steps are chosen by their error; positions, velocities and work are then those at the end of the last step.
+    /// The step control of an adaptive run; positions, velocities and work are then those at the end of the last step.
     pub adaptive: Option<AdaptiveProgress>,
 }
 
-/// A history with its vectors in the caller's numbering.
+/// A history with its vectors in external order.
 pub type SavedHistory = (Vec<Vec<[f64; 3]>>, Vec<f64>);
 
-/// What an adaptive run has beside.
+/// Saved data of the step control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveProgress {
     /// The end of the last step \[s\].
     pub front: f64,
-    /// The instant that is shown, within that step \[s\].
+    /// The output time, within that step \[s\].
     pub shown: f64,
-    /// The step to come.
+    /// The next step.
     pub controller: Controller,
 }
 
 impl Simulation {
-    /// The progress, to be saved.
+    /// The data of a checkpoint.
     pub fn progress(&self) -> Progress {
         let saved = |History { vectors, numbers }: History| {
             (vectors.iter().map(|vectors| self.numbering.external_vectors(vectors)).collect(), numbers)
@@ -63,21 +63,21 @@ impl Simulation {
         }
     }
 
-    /// Continues from a saved progress of the same model, laws, method and step.
+    /// Continues from a checkpoint of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` where it is of another model, law or method, `NotFinite`; then motion, ledger and method go on as they
-    /// were.
+    /// `LengthMismatch` for a checkpoint of another model, laws or method, `NotFinite`; motion, ledger and method are
+    /// then unchanged.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
-        let resumed = self.take_up(progress);
+        let resumed = self.load(progress);
         if resumed.is_err() {
-            self.take_up(&before)?;
+            self.load(&before)?;
         }
         resumed
     }
 
-    fn take_up(&mut self, progress: &Progress) -> Result<()> {
+    fn load(&mut self, progress: &Progress) -> Result<()> {
         let nodes = self.mechanics.masses.len();
         let length = |what, found: usize, expected: usize, per| {
             if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
@@ -108,7 +108,7 @@ impl Simulation {
             return misfit(OF_LAWS, of_laws.len(), self.laws().len());
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
-        self.keep(self.energy_terms());
+        self.record_good(self.energy_terms());
         self.show_saved(progress.adaptive.as_ref());
         Ok(())
     }

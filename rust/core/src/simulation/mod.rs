@@ -1,4 +1,4 @@
-//! The step loop; owns laws, method, state, ledger and monitor.
+//! The step loop, with laws, method, state, ledger and monitor.
 
 mod adaptive;
 mod checkpoint;
@@ -6,6 +6,7 @@ mod diagnosis;
 mod implicit;
 mod monitor;
 mod rate_groups;
+mod settings;
 
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
@@ -13,61 +14,25 @@ use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
-use crate::integrators::{self, Integrator, Method, Options, Properties, Tolerance};
+use crate::integrators::{self, Integrator, Options, Properties};
 use crate::laws::Instant;
 use crate::laws::{self, Law, LawSpec, Readings};
 use crate::layout::Renumbering;
 use crate::linear::tangent::Tangent;
 use crate::model::checks::{non_negative, positive, within};
-use crate::model::frame::Spin;
 use crate::model::input::Model;
 use crate::model::mesh::check_finite;
 use crate::simd::dispatch::InstructionSet;
 use crate::stability::Limit;
 
 pub use checkpoint::{AdaptiveProgress, Progress, SavedHistory};
+pub use settings::{Settings, Setup};
 
-/// How a run is monitored, and how its step is chosen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Share of the stability limit that is taken where no step is given.
-    pub margin: f64,
-    /// Steps between two checks.
-    pub check_interval: u64,
-    /// Spurious gain, as a share of the reference energy, at which a run stops.
-    pub energy_tolerance: f64,
-    /// Energy that the method may lose by itself, as a share of the reference energy, before a run stops.
-    pub loss_tolerance: f64,
-    /// Error of a step where no step is given and the method knows its error.
-    pub tolerance: Tolerance,
-    /// By what factor an implicit method shrinks, per step, what it cannot resolve; from 0 to 1.
-    pub spectral_radius: f64,
-    /// Substeps in a step of leapfrog, between which slow laws rest.
-    pub substeps: u32,
-    /// The instructions that kernels run with; the bits of the results do not depend on it.
-    pub instructions: InstructionSet,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            margin: 0.4,
-            check_interval: 32,
-            energy_tolerance: 1e-2,
-            loss_tolerance: 0.05,
-            tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
-            spectral_radius: integrators::SPECTRAL_RADIUS,
-            substeps: 1,
-            instructions: InstructionSet::widest(),
-        }
-    }
-}
-
-/// A step that is this many times the limit is refused at once.
+/// A step is refused at once above this multiple of the limit.
 const HOPELESS: f64 = 100.0;
 
-/// The state at a check that found nothing.
-struct Good {
+/// The state at the last check without fault.
+struct GoodState {
     time: f64,
     step_count: u64,
     state: State,
@@ -75,22 +40,6 @@ struct Good {
     energy_terms: EnergyTerms,
     history: History,
     law_histories: Vec<History>,
-}
-
-/// What a simulation is made of.
-pub struct Setup {
-    /// The model in the core's numbering.
-    pub assembly: Assembly,
-    /// Its laws, in the order of the energy terms.
-    pub laws: Vec<Box<dyn Law>>,
-    /// How the hub turns.
-    pub spin: Spin,
-    /// The method.
-    pub method: Method,
-    /// The step \[s\]; see `Simulation::new`.
-    pub dt: Option<f64>,
-    /// The limit of the step at the start, where it is known: to look for it takes as long as some hundred steps.
-    pub limit: Option<Limit>,
 }
 
 /// A scene that can be stepped.
@@ -104,8 +53,8 @@ pub struct Simulation {
     step_count: u64,
     state: State,
     ledger: Ledger,
-    good: Good,
-    /// The state before the step that is looked at for a fault.
+    good: GoodState,
+    /// The state before the step that is searched for a fault.
     suspect: Option<State>,
     adaptive: Option<adaptive::Adaptive>,
     /// The limit of the step at the start.
@@ -113,12 +62,12 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Assembles a model and its laws. `dt` of `None` lets a method that knows its error choose each step by the
-    /// tolerance; others take the stability limit times the margin.
+    /// Assembles a model and its laws. Without `dt`, a method with an error estimate chooses each step by the
+    /// tolerance, and the others take the stability limit times the margin.
     ///
     /// # Errors
-    /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` without `dt` where no step
-    /// follows; `HopelessStep`; `OutOfRange` for `dt`.
+    /// Those of `Assembly::new` and of the laws; `UnknownName` for the integrator; `NoStiffness` for a scene without
+    /// stability limit and without `dt`; `HopelessStep`; `OutOfRange` for `dt`.
     pub fn new(model: Model, laws: &[LawSpec], integrator: &str, dt: Option<f64>, settings: Settings) -> Result<Self> {
         let method = integrators::by_name(integrator)?;
         let assembly = Assembly::new(model, settings.instructions)?;
@@ -126,7 +75,7 @@ impl Simulation {
         Self::with(Setup { assembly, laws, spin, method, dt, limit: None }, settings)
     }
 
-    /// As `new`, of a scene that is assembled already, with any laws and any method.
+    /// As `new`, for an assembled model, with any laws and any method.
     ///
     /// # Errors
     /// As `new`.
@@ -158,7 +107,7 @@ impl Simulation {
         let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method, instructions);
         let energy_terms = mechanics.energy_terms(0.0, &state);
         let ledger = Ledger::open(energy_terms.clone());
-        let good = Good {
+        let good = GoodState {
             time: 0.0,
             step_count: 0,
             state: state.clone(),
@@ -188,7 +137,7 @@ impl Simulation {
         simulation.start_limit = limit.clone();
         simulation.dt = match dt {
             Some(dt) if dt > HOPELESS * limit.dt => {
-                let part = simulation.part(&limit);
+                let part = simulation.limiting_part(&limit);
                 return Err(Error::HopelessStep { dt, limit: limit.dt, integrator: simulation.name(), part });
             }
             Some(dt) => dt,
@@ -208,12 +157,12 @@ impl Simulation {
         self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.shown)
     }
 
-    /// The step \[s\]; of an adaptive run the one to be tried next.
+    /// The step \[s\]; in an adaptive run the next one to attempt.
     pub fn dt(&self) -> f64 {
         self.adaptive.as_ref().map_or(self.dt, |adaptive| adaptive.controller.dt)
     }
 
-    /// Changes the step; steps are counted anew from now, in the same ledger. An adaptive run tries it next.
+    /// Changes the step. The count of steps restarts; the ledger continues. An adaptive run attempts it next.
     ///
     /// # Errors
     /// `OutOfRange`.
@@ -225,7 +174,7 @@ impl Simulation {
         }
         (self.origin, self.step_count, self.good.step_count) = (self.time(), 0, 0);
         if self.integrator.is_started() {
-            // What the method conserves changes with the step.
+            // The modified energy depends on the step.
             self.ledger.start_shift += self.energy_shift(dt) - self.energy_shift(self.dt);
         }
         self.dt = dt;
@@ -236,7 +185,7 @@ impl Simulation {
         self.integrator.energy_shift(&self.mechanics.masses, dt)
     }
 
-    /// Steps taken since the time from which they are counted.
+    /// Number of steps since the time of step 0.
     pub fn step_count(&self) -> u64 {
         self.step_count
     }
@@ -246,7 +195,7 @@ impl Simulation {
         self.integrator.as_ref()
     }
 
-    /// What is known of the method.
+    /// The properties of the method.
     fn properties(&self) -> Properties {
         self.integrator.properties()
     }
@@ -255,12 +204,12 @@ impl Simulation {
         self.properties().name
     }
 
-    /// The angle that the hub has turned since t = 0 \[rad\].
+    /// The angle of rotation of the hub since t = 0 \[rad\].
     pub fn hub_angle(&self) -> f64 {
         self.instant().frame.angle
     }
 
-    /// The vector instructions that the kernels run with.
+    /// The instruction set of the kernels.
     pub fn instructions(&self) -> InstructionSet {
         self.settings.instructions
     }
@@ -270,22 +219,22 @@ impl Simulation {
         &self.mechanics.laws
     }
 
-    /// Node masses, in the caller's numbering \[kg\].
+    /// Node masses, in external order \[kg\].
     pub fn masses(&self) -> Vec<f64> {
         self.numbering.external_values(&self.mechanics.masses)
     }
 
-    /// Positions, in the caller's numbering \[m\].
+    /// Positions, in external order \[m\].
     pub fn positions(&self) -> Vec<[f64; 3]> {
         self.numbering.external_vectors(&self.state.positions)
     }
 
-    /// Velocities relative to the turning frame, in the caller's numbering \[m/s\].
+    /// Velocities relative to the turning frame, in external order \[m/s\].
     pub fn velocities(&self) -> Vec<[f64; 3]> {
         self.numbering.external_vectors(&self.state.velocities)
     }
 
-    /// Sets positions and velocities, in the caller's numbering, and opens the ledger anew. Held nodes stay at rest.
+    /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest.
     ///
     /// # Errors
     /// `LengthMismatch`, `NotFinite`.
@@ -307,24 +256,24 @@ impl Simulation {
         self.mechanics.restore_histories(&[]);
         self.restart_adaptive();
         self.ledger = Ledger::open(self.energy_terms());
-        self.keep(self.ledger.start.clone());
+        self.record_good(self.ledger.start.clone());
         Ok(())
     }
 
-    /// The ledger so far.
+    /// The ledger since the start.
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
     }
 
-    /// The energy terms now.
+    /// The energy terms at present.
     pub fn energy_terms(&self) -> EnergyTerms {
         self.mechanics.energy_terms(self.time(), &self.state)
     }
 
-    /// Forces of one law, or of all, in the caller's numbering \[N\].
+    /// Forces of one law, or of all, in external order \[N\].
     ///
     /// # Errors
-    /// `UnknownName`, with the laws there are.
+    /// `UnknownName`, with the laws of the scene.
     pub fn forces(&mut self, name: Option<&str>) -> Result<Vec<[f64; 3]>> {
         let laws = &self.mechanics.laws;
         if let Some(name) = name
@@ -343,7 +292,7 @@ impl Simulation {
         Ok(self.numbering.external_vectors(&forces))
     }
 
-    /// What there is to read off the elements of each law.
+    /// Readings of the elements of each law.
     pub fn readings(&self) -> impl Iterator<Item = (&'static str, Readings)> {
         let inspected = self.mechanics.laws.iter().filter_map(|law| Some((law.name(), law.inspection()?)));
         inspected.map(|(name, law)| (name, law.readings(self.instant())))
@@ -357,20 +306,20 @@ impl Simulation {
         self.limit_at(self.instant())
     }
 
-    /// The caller's number of the core's node `inside`.
-    pub fn to_external(&self, inside: usize) -> usize {
-        self.numbering.to_external(inside)
+    /// External number of a node.
+    pub fn to_external(&self, internal: usize) -> usize {
+        self.numbering.to_external(internal)
     }
 
-    /// The limiting part in words.
-    pub fn part(&self, limit: &Limit) -> String {
+    /// The law and the node of a limit, in words.
+    pub fn limiting_part(&self, limit: &Limit) -> String {
         format!("{} near node {}", limit.law, self.numbering.to_external(limit.node))
     }
 
-    /// Takes `count` steps, checking as it goes.
+    /// Takes `count` steps, with regular checks.
     ///
     /// # Errors
-    /// `Unstable` where the watch stops the run; the state is then that of the last good check.
+    /// `Unstable` where the monitor stops the run; the state is then that of the last good check.
     pub fn step(&mut self, count: u64) -> Result<()> {
         for _ in 0..count {
             self.start_if_needed();
@@ -401,13 +350,13 @@ impl Simulation {
         self.mechanics.instant(self.state.at(self.time()))
     }
 
-    /// Evaluations of the forces while stepping.
+    /// Number of evaluations of the forces by steps.
     pub fn evaluation_count(&self) -> u64 {
         self.mechanics.evaluation_count
     }
 }
 
-/// Held nodes do not move.
+/// Sets the velocities of held nodes to zero.
 fn hold(inverse_masses: &[f64], velocities: &mut NodeVectors) {
     for (i, &inverse) in inverse_masses.iter().enumerate() {
         if inverse == 0.0 {

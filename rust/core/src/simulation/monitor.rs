@@ -1,5 +1,5 @@
-//! The monitor: when it checks, how it finds the first fault, and the way back to the last good state. What is wrong and
-//! why is said in `diagnosis`.
+//! The monitor: regular checks, the search for the first fault, and the return to the last good state. `diagnosis`
+//! decides on faults and describes them.
 
 use std::ops::Range;
 
@@ -10,8 +10,7 @@ use crate::error::{Error, Result};
 use crate::evaluation::ledger::EnergyTerms;
 
 impl Simulation {
-    /// Looks for values that are not finite, elements beyond their bound, and spurious gain, between two regular
-    /// checks: it leaves no trace in the ledger, so that looking on changes nothing.
+    /// Checks for a fault, between two regular checks: without effect on the ledger, hence on results.
     ///
     /// # Errors
     /// `Unstable`; the state is then that of the last good regular check.
@@ -20,11 +19,12 @@ impl Simulation {
         self.refuse_fault(&now)
     }
 
+    /// Checks for a fault, and records the largest changes and the good state.
     pub(super) fn regular_check(&mut self) -> Result<()> {
         let now = self.energy_terms();
         self.refuse_fault(&now)?;
-        self.ledger.swing = self.ledger.reference_energy(&now);
-        self.keep(now);
+        self.ledger.largest_change = self.ledger.reference_energy(&now);
+        self.record_good(now);
         Ok(())
     }
 
@@ -32,15 +32,15 @@ impl Simulation {
         let Some(mut fault) = self.fault(now) else {
             return Ok(());
         };
-        // An energy balance that does not close has no first instant; what is wrong for certain has.
+        // A certain fault has a first instant; a residual of the energy balance has none.
         if self.adaptive.is_none() && fault.is_certain {
             fault = self.first_fault().unwrap_or(fault);
         }
-        Err(self.set_back(fault))
+        Err(self.roll_back(fault))
     }
 
-    /// Takes the steps since the last good check once more, with a check after each, and stops at the first fault. By the
-    /// regular check what went wrong has often spread; here it is still where it began.
+    /// Repeats the steps since the last good check, with a check after each, and stops at the first fault: by the
+    /// regular check a fault has often spread from its origin.
     fn first_fault(&mut self) -> Option<Fault> {
         let last = self.step_count;
         self.rewind();
@@ -69,7 +69,7 @@ impl Simulation {
         None
     }
 
-    /// The law with the largest finite force on any of `nodes` at a point, the node it acts on, and the force [N].
+    /// The law with the largest finite force on any of `nodes`, the node, and the force [N].
     pub(super) fn largest_force(&mut self, point: PhasePoint<'_>, nodes: Range<usize>) -> Option<(usize, usize, f64)> {
         let mut largest: Option<(usize, usize, f64)> = None;
         let at = self.mechanics.instant(point);
@@ -78,7 +78,7 @@ impl Simulation {
             self.mechanics.add_forces_of(k, at, &mut forces);
             for node in nodes.clone() {
                 let size = forces.row(node).norm();
-                if size.is_finite() && largest.is_none_or(|(.., most)| size > most) {
+                if size.is_finite() && largest.is_none_or(|(.., largest)| size > largest) {
                     largest = Some((k, node, size));
                 }
             }
@@ -86,7 +86,7 @@ impl Simulation {
         largest
     }
 
-    /// Back to the last good check, with a method of fixed steps.
+    /// Restores the state of the last good check, for a method of constant step.
     fn rewind(&mut self) {
         let good = &self.good;
         (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
@@ -94,18 +94,19 @@ impl Simulation {
         self.mechanics.restore_histories(&good.law_histories);
     }
 
-    /// Sets the state back to that of the last good check, and says why.
-    pub(super) fn set_back(&mut self, fault: Fault) -> Error {
+    /// Restores the state of the last good check, and returns the error that describes the fault.
+    pub(super) fn roll_back(&mut self, fault: Fault) -> Error {
         let Fault { what, place, law, remedy, .. } = fault;
         let (time, step) = (self.time(), self.step_count);
         self.rewind();
         self.suspect = None;
         let good_time = self.good.time;
-        self.set_back_adaptive(good_time);
+        self.roll_back_adaptive(good_time);
         Error::Unstable { time, step, good_time, what, place, law, remedy }
     }
 
-    pub(super) fn keep(&mut self, energy_terms: EnergyTerms) {
+    /// Records the present state as the last good one.
+    pub(super) fn record_good(&mut self, energy_terms: EnergyTerms) {
         (self.good.time, self.good.step_count) = (self.time(), self.step_count);
         self.good.state.positions.copy_from(&self.state.positions);
         self.good.state.velocities.copy_from(&self.state.velocities);

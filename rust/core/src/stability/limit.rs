@@ -1,11 +1,11 @@
-//! The largest frequency of a scene, the stable step that follows from it, and the part that sets it.
+//! The largest frequency of a scene, its largest stable step, and the law and node that set it.
 //!
-//! The stiffness matrix K is the sum of what every law can show at its stiffest at the current positions: all springs
-//! taut, all creases in contact, all contacts closed. The largest eigenvalues of M^-1/2 K M^-1/2 and M^-1/2 C M^-1/2 come
-//! from Lanczos's method.
+//! The stiffness matrix K is the sum of the stiffest linearisations of all laws at the current positions: all springs
+//! taut, all creases in contact, all contacts closed. Lanczos's method gives the largest eigenvalues of M^-1/2 K M^-1/2
+//! and M^-1/2 C M^-1/2.
 
 use super::oscillator::{Mode, largest_step};
-use super::quadratic_eigenproblem::{self, Linear};
+use super::quadratic_eigenproblem::{self, LinearSystem};
 use crate::arrays::state::NodeVectors;
 use crate::error::Result;
 use crate::integrators::Integrator;
@@ -13,26 +13,26 @@ use crate::laws::Instant;
 use crate::laws::Law;
 use crate::linear::lanczos::{largest, quotient};
 
-/// What limits the step.
+/// The limit of the step, and its cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
-    /// The largest stable step of the integrator that was asked for \[s\]; infinite where nothing is stiff.
+    /// The largest stable step of the integrator \[s\]; infinite for a scene without stiffness.
     pub dt: f64,
     /// Largest frequency \[rad/s\].
     pub largest_frequency: f64,
-    /// The law that is stiffest in the limiting mode.
+    /// The law with the largest share of the limiting mode.
     pub law: &'static str,
-    /// The node that moves most in it, in the core's numbering.
+    /// The node with the largest amplitude in this mode, internal number.
     pub node: usize,
 }
 
 /// The limit of `integrator` for these laws at this instant.
 ///
-/// Without damping the mode of the largest frequency sets it. With damping it may be a mode that is neither the
+/// Without damping the mode of the largest frequency sets the limit. With damping it may be a mode that is neither the
 /// stiffest nor the most damped one; see `quadratic_eigenproblem`.
 ///
 /// # Errors
-/// `NotFinite` where an eigenvalue is not, which takes coordinates that are not.
+/// `NotFinite` for an eigenvalue that is not finite, as with coordinates that are not.
 pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, inverse_masses: &[f64]) -> Result<Limit> {
     let linearised = || laws.iter().filter_map(|law| law.linearisation());
     let stiffness =
@@ -42,29 +42,29 @@ pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, in
     let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
     let (square, stiffest) = largest(&stiffness, &roots)?;
     let (rate, most_damped) = largest(&damping, &roots)?;
-    // Coriolis acts with 2 Omega; what turns against the frame turns faster by Omega.
+    // Omega from the rate 2 Omega of Coriolis: a motion that turns against the frame has a frequency larger by Omega.
     let turning_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
     let turning = laws.iter().map(|law| turning_of(*law)).fold(0.0, f64::max);
     let omega = square.max(0.0).sqrt();
-    let system = Linear { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
+    let system = LinearSystem { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
     let properties = integrator.properties();
-    let (dt, mode, pace) = if properties.is_implicit {
+    let (dt, mode, root) = if properties.is_implicit {
         (f64::INFINITY, stiffest, omega)
     } else if rate > 0.0 {
         let start = [stiffest, most_damped];
         match properties.damping_weight {
-            Some(weight) => quadratic_eigenproblem::worst_of_sum(integrator, &system, start, weight)?,
-            None => quadratic_eigenproblem::worst(integrator, &system, start, omega.max(rate))?,
+            Some(weight) => quadratic_eigenproblem::limit_by_quotients(integrator, &system, start, weight)?,
+            None => quadratic_eigenproblem::limit_by_roots(integrator, &system, start, omega.max(rate))?,
         }
     } else {
         (largest_step(integrator, Mode { omega: omega + turning, damping: 0.0 }), stiffest, omega)
     };
-    // The law with the largest share of the mode's stiffness and damping; the frame's, where its turning is faster.
+    // The law with the largest share of the stiffness and damping of the mode, or of the frequency of the frame.
     let share = |law: &dyn Law| {
         let Some(own) = law.linearisation() else { return 0.0 };
         let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &roots, &mode);
         let viscous = quotient(&|p, out| own.add_damping_product(at, p, out), &roots, &mode);
-        elastic + pace * viscous + turning_of(law).powi(2)
+        elastic + root * viscous + turning_of(law).powi(2)
     };
     let law = laws.iter().max_by(|a, b| share(**a).total_cmp(&share(**b))).map_or("nothing", |law| law.name());
     let node = (0..mode.nrows())

@@ -1,28 +1,28 @@
-//! The largest step up to which a method lets no oscillation grow.
+//! The largest step at which a method amplifies no solution of an oscillator.
 
 use crate::integrators::Integrator;
 
-/// An oscillator's numbers: x'' = -omega^2 x - c x'.
+/// The oscillator x'' = -omega^2 x - damping x'.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mode {
     pub(super) omega: f64,
     pub(super) damping: f64,
 }
 
-/// The largest step up to which `integrator` lets no solution of the oscillator grow \[s\].
+/// The largest step up to which `integrator` amplifies no solution of the oscillator \[s\].
 pub(super) fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
     if integrator.properties().is_implicit {
         return f64::INFINITY;
     }
     let Mode { omega, damping } = mode;
-    // The larger of the roots of lambda^2 + damping lambda + omega^2.
+    // Modulus of the larger root of lambda^2 + damping lambda + omega^2.
     let half = 0.5 * damping;
-    let size = if half > omega { half + (half * half - omega * omega).sqrt() } else { omega };
-    if size == 0.0 {
+    let modulus = if half > omega { half + (half * half - omega * omega).sqrt() } else { omega };
+    if modulus == 0.0 {
         return f64::INFINITY;
     }
-    let stable = |z: f64| integrator.amplification(omega, damping, z / size) <= 1.0 + 1e-12;
-    // Out from zero to the first unstable point, then bisect: beyond it may lie stable islands that no one should use.
+    let stable = |z: f64| integrator.amplification(omega, damping, z / modulus) <= 1.0 + 1e-12;
+    // A search from zero for the first unstable point, then bisection: further stable intervals may lie beyond.
     let mut high = 0.01;
     while stable(high) && high < 1e3 {
         high += 0.01;
@@ -32,7 +32,7 @@ pub(super) fn largest_step(integrator: &dyn Integrator, mode: Mode) -> f64 {
         let middle = 0.5 * (low + high);
         if stable(middle) { low = middle } else { high = middle }
     }
-    low / size
+    low / modulus
 }
 
 /// The limits of `integrator` on the imaginary axis, in omega dt, and on the negative real one, in damping dt.

@@ -1,11 +1,11 @@
 //! The limit of a damped scene: the quadratic eigenvalue problem (lambda^2 + lambda C + K) u = 0.
 //!
-//! K and C share no modes where masses or spring constants vary, and the root that limits the step may belong to a mode
-//! that is neither the stiffest nor the most damped: on random meshes near critical damping, taking just those two
-//! overestimates the step by up to a third. And where damping lengthens the step, as it does near the imaginary axis, a
-//! stiff mode that no dashpot reaches may limit it. So the problem is projected on a small subspace that starts with
-//! those two modes and with stiff modes that avoid damping, the largest of K - w C for some rates w, and grows by the
-//! residual of the roots that limit the step (Davidson 1975).
+//! K and C have different modes where masses or spring constants vary. The root that limits the step may belong to a
+//! mode that is neither the stiffest nor the most damped: on random meshes near critical damping, the limit by these
+//! two alone is too large by up to a third. Where damping increases the limit, as near the imaginary axis, a stiff
+//! undamped mode may set it. The problem is therefore projected on a small subspace. It begins with the stiffest and
+//! the most damped mode and with stiff, little damped modes, the largest of K - w C for some rates w. The residuals of
+//! the roots that limit the step extend it (Davidson 1975).
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
@@ -15,41 +15,41 @@ use crate::error::{Error, Result};
 use crate::integrators::Integrator;
 use crate::linear::lanczos::{Product, apply, largest, quotient};
 
-/// Largest size of the subspace, and the storage that it may take on a large mesh \[vectors x nodes\].
+/// Largest size of the subspace, and its largest storage on a large mesh \[vectors x nodes\].
 const MOST_VECTORS: usize = 60;
 const STORAGE: usize = 24_000_000;
-/// Roots whose residuals the subspace grows by at a time.
-const FOLLOWED: usize = 2;
+/// Number of roots whose residuals extend the subspace in each iteration.
+const EXTENDED: usize = 2;
 /// Most steps of the QR iteration for each vector.
 const QR_STEPS: usize = 60;
-/// The rates w of the modes that avoid damping, over the largest frequency.
-const AVOIDANCES: [f64; 3] = [1.0, 10.0, 100.0];
-/// Most rounds of `worst_of_sum`.
-const MOST_SUMS: usize = 20;
-/// Relative change of the step over `CALM` rounds at which it counts as found.
+/// The rates w of K - w C, relative to the largest frequency.
+const RELATIVE_RATES: [f64; 3] = [1.0, 10.0, 100.0];
+/// Largest number of iterations of `limit_by_quotients`.
+const MOST_ITERATIONS: usize = 20;
+/// Relative change of the limit over `UNCHANGED` iterations at which it has converged.
 const TOLERANCE: f64 = 1e-4;
-const CALM: usize = 4;
+const UNCHANGED: usize = 4;
 
 /// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
-pub(super) struct Linear<'a> {
+pub(super) struct LinearSystem<'a> {
     pub(super) stiffness: Product<'a>,
     pub(super) damping: Product<'a>,
-    /// The roots of the inverse masses.
+    /// The square roots of the inverse masses.
     pub(super) roots: &'a [f64],
-    /// By how much the frame's turning can shift a frequency \[rad/s\].
+    /// Largest shift of a frequency by the turning frame \[rad/s\].
     pub(super) turning: f64,
 }
 
 /// The projection of K and C on orthonormal vectors.
 struct Subspace<'a> {
-    system: &'a Linear<'a>,
+    system: &'a LinearSystem<'a>,
     basis: Vec<NodeVectors>,
     stiffness: DMatrix<f64>,
     damping: DMatrix<f64>,
 }
 
 impl Subspace<'_> {
-    /// Adds the part of `v` that the subspace lacks; false where there is none.
+    /// Adds the part of `v` orthogonal to the subspace; false where it vanishes.
     fn add(&mut self, mut v: NodeVectors) -> bool {
         let before = v.norm();
         for _ in 0..2 {
@@ -78,8 +78,8 @@ impl Subspace<'_> {
         true
     }
 
-    /// Eigenvalues of the projected problem, those with a negative imaginary part left out \[1/s\].
-    fn eigenvalues(&self, scale: f64) -> Vec<Complex<f64>> {
+    /// Eigenvalues of the projected problem with imaginary part >= 0 \[1/s\].
+    fn ritz_values(&self, scale: f64) -> Vec<Complex<f64>> {
         let k = self.basis.len();
         let mut companion = DMatrix::zeros(2 * k, 2 * k);
         companion.view_mut((0, k), (k, k)).fill_diagonal(1.0);
@@ -87,20 +87,20 @@ impl Subspace<'_> {
         companion.view_mut((k, k), (k, k)).copy_from(&(&self.damping / -scale));
         let all: Vec<Complex<f64>> = match Schur::try_new(companion, f64::EPSILON, QR_STEPS * k) {
             Some(schur) => schur.complex_eigenvalues().iter().copied().collect(),
-            // The iteration stalled, as it may where damping dwarfs all stiffness: each vector for itself.
+            // No convergence, as may happen with damping far above all stiffness: the roots of each vector alone.
             None => (0..k).flat_map(|i| self.roots_of(i, scale)).collect(),
         };
         all.iter().filter(|value| value.im >= 0.0).map(|value| value * scale).collect()
     }
 
-    /// The two roots of one vector alone, over `scale`.
+    /// The two roots of one vector alone, divided by `scale`.
     fn roots_of(&self, i: usize, scale: f64) -> [Complex<f64>; 2] {
         let (square, half) = (self.stiffness[(i, i)] / (scale * scale), 0.5 * self.damping[(i, i)] / scale);
         let root = Complex::new(half * half - square, 0.0).sqrt();
         [root - half, -root - half]
     }
 
-    /// The projected eigenvector of a root, by inverse iteration.
+    /// The eigenvector of a root in the subspace, by inverse iteration.
     fn eigenvector(&self, root: Complex<f64>) -> DVector<Complex<f64>> {
         let k = self.basis.len();
         let shifted = root * Complex::new(1.0 + 1e-10, 1e-10);
@@ -122,8 +122,8 @@ impl Subspace<'_> {
         y
     }
 
-    /// Real and imaginary part of a projected vector, in full.
-    fn lift(&self, y: &DVector<Complex<f64>>) -> [NodeVectors; 2] {
+    /// Real and imaginary part on all nodes of a vector in the subspace.
+    fn ritz_vector(&self, y: &DVector<Complex<f64>>) -> [NodeVectors; 2] {
         let part = |take: fn(&Complex<f64>) -> f64| {
             let mut sum = NodeVectors::zeros(self.basis[0].nrows());
             self.basis.iter().zip(y.iter()).for_each(|(q, weight)| sum += q * take(weight));
@@ -132,7 +132,7 @@ impl Subspace<'_> {
         [part(|weight| weight.re), part(|weight| weight.im)]
     }
 
-    /// (root^2 + root C + K) u, real and imaginary part.
+    /// Real and imaginary part of (root^2 + root C + K) u.
     fn residual(&self, root: Complex<f64>, [re, im]: &[NodeVectors; 2]) -> [NodeVectors; 2] {
         let square = root * root;
         let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.roots, part));
@@ -144,7 +144,7 @@ impl Subspace<'_> {
     }
 }
 
-/// The oscillator that has this root, and with it its conjugate, or nothing that grows.
+/// An oscillator with this root: its conjugate, or for a real one a root that is not amplified, is the other.
 fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
     let decay = -root.re.min(0.0);
     if root.im == 0.0 {
@@ -154,15 +154,16 @@ fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
     }
 }
 
-/// As `worst`, for a method whose limit is dt^2 k + w dt c = 4 with the k and c of any vector, not only of a solution:
-/// the largest eigenvalue of K + w/dt C sets it. Its vector gives the next dt, from above.
-pub(super) fn worst_of_sum(
+/// As `limit_by_roots`, for a method whose limit is dt^2 k + w dt c = 4 with the Rayleigh quotients k and c of any
+/// vector, not of solutions alone. The largest eigenvalue of K + w/dt C sets it. Its eigenvector gives the next dt; the
+/// iteration converges from above.
+pub(super) fn limit_by_quotients(
     integrator: &dyn Integrator,
-    system: &Linear<'_>,
+    system: &LinearSystem<'_>,
     start: [NodeVectors; 2],
     weight: f64,
 ) -> Result<(f64, NodeVectors, f64)> {
-    let Linear { stiffness, damping, roots, turning } = *system;
+    let LinearSystem { stiffness, damping, roots, turning } = *system;
     let limit_of = |shape: &NodeVectors| {
         let (k, c) = (quotient(stiffness, roots, shape), quotient(damping, roots, shape));
         largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + turning, damping: c.max(0.0) })
@@ -173,12 +174,12 @@ pub(super) fn worst_of_sum(
     if other_dt < dt {
         (dt, mode) = (other_dt, other);
     }
-    for _ in 0..MOST_SUMS {
+    for _ in 0..MOST_ITERATIONS {
         let sum = |p: &NodeVectors, out: &mut NodeVectors| {
-            let mut resistance = NodeVectors::zeros(p.nrows());
-            damping(p, &mut resistance);
+            let mut damped = NodeVectors::zeros(p.nrows());
+            damping(p, &mut damped);
             stiffness(p, out);
-            *out += resistance * (weight / dt);
+            *out += damped * (weight / dt);
         };
         let (_, shape) = largest(&sum, roots)?;
         let next = limit_of(&shape);
@@ -190,10 +191,10 @@ pub(super) fn worst_of_sum(
     Ok((dt, mode, weight / dt))
 }
 
-/// The largest stable step \[s\], the mode that sets it, and the size of its root \[1/s\].
-pub(super) fn worst(
+/// The largest stable step \[s\], the mode that sets it, and the modulus of its root \[1/s\].
+pub(super) fn limit_by_roots(
     integrator: &dyn Integrator,
-    system: &Linear<'_>,
+    system: &LinearSystem<'_>,
     start: [NodeVectors; 2],
     scale: f64,
 ) -> Result<(f64, NodeVectors, f64)> {
@@ -204,42 +205,45 @@ pub(super) fn worst(
         space.add(v);
     }
     let largest_frequency = quotient(system.stiffness, system.roots, &space.basis[0]).max(0.0).sqrt();
-    for avoidance in AVOIDANCES {
-        let rest = |p: &NodeVectors, out: &mut NodeVectors| {
-            let mut resistance = NodeVectors::zeros(p.nrows());
-            (system.damping)(p, &mut resistance);
+    for relative_rate in RELATIVE_RATES {
+        let difference = |p: &NodeVectors, out: &mut NodeVectors| {
+            let mut damped = NodeVectors::zeros(p.nrows());
+            (system.damping)(p, &mut damped);
             (system.stiffness)(p, out);
-            *out -= resistance * (avoidance * largest_frequency);
+            *out -= damped * (relative_rate * largest_frequency);
         };
-        space.add(largest(&rest, system.roots)?.1);
+        space.add(largest(&difference, system.roots)?.1);
     }
-    let mut history: Vec<f64> = Vec::new();
+    let mut limits: Vec<f64> = Vec::new();
     loop {
         if !space.stiffness.iter().chain(space.damping.iter()).all(|value| value.is_finite()) {
             return Err(Error::NotFinite { what: "the stiffness", node: 0, value: f64::NAN });
         }
         let mut steps: Vec<(f64, Complex<f64>)> = space
-            .eigenvalues(scale)
+            .ritz_values(scale)
             .into_iter()
             .map(|root| (largest_step(integrator, mode_of(root, system.turning)), root))
             .collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (dt, root) = steps[0];
-        let followed: Vec<_> =
-            steps.iter().take(FOLLOWED).map(|(_, root)| (*root, space.lift(&space.eigenvector(*root)))).collect();
-        let is_calm =
-            history.len() >= CALM && history[history.len() - CALM..].iter().all(|h| (h / dt - 1.0).abs() < TOLERANCE);
-        history.push(dt);
+        let ritz_pairs: Vec<_> = steps
+            .iter()
+            .take(EXTENDED)
+            .map(|(_, root)| (*root, space.ritz_vector(&space.eigenvector(*root))))
+            .collect();
+        let has_converged = limits.len() >= UNCHANGED
+            && limits[limits.len() - UNCHANGED..].iter().all(|last| (last / dt - 1.0).abs() < TOLERANCE);
+        limits.push(dt);
         let mut has_grown = false;
-        if !is_calm {
-            for (root, shape) in &followed {
+        if !has_converged {
+            for (root, shape) in &ritz_pairs {
                 for part in space.residual(*root, shape) {
                     has_grown |= space.basis.len() < most && space.add(part);
                 }
             }
         }
         if !has_grown {
-            let [re, im] = &followed[0].1;
+            let [re, im] = &ritz_pairs[0].1;
             let mode = if re.norm() >= im.norm() { re } else { im };
             let norm = mode.norm();
             return Ok((dt, mode / norm.max(f64::MIN_POSITIVE), root.norm()));

@@ -1,4 +1,4 @@
-//! Models that the tests share.
+//! Models common to the tests.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
 pub mod sail;
@@ -16,7 +16,7 @@ use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Mode
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Setup, Simulation};
 
-/// A small deterministic generator of numbers in -1 .. 1.
+/// A deterministic generator of random numbers in -1 .. 1.
 pub struct Dice(pub u64);
 
 impl Dice {
@@ -32,7 +32,7 @@ impl Dice {
 
 pub const FILM: Film = Film { youngs_modulus: 3.2e9, poisson_ratio: 0.34, density: 1420.0, thickness: 7.5e-6 };
 
-/// `columns` x `rows` squares of side `size`, alternating diagonals, all rows of inner edges creases; a tether, a bridge.
+/// `columns` x `rows` squares of side `size` with alternating diagonals, creases on all inner rows, tether, bridge.
 pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
     let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
     let mut reference = Vec::new();
@@ -71,17 +71,17 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
     }
 }
 
-/// One of every law in the list; the film is a net of springs.
+/// One of every law in the list, with a film of springs.
 pub fn every_law() -> Vec<LawSpec> {
     every_law_with(film(FilmElements::Links))
 }
 
-/// The laws in the list that model the film.
+/// The laws in the list for the elasticity of the film.
 pub fn films() -> impl Iterator<Item = LawSpec> {
     LawSpec::examples().into_iter().filter(|law| law.film().is_some())
 }
 
-/// The film of these elements.
+/// The law of a film of these elements.
 pub fn film(elements: FilmElements) -> LawSpec {
     films().find(|law| law.film() == Some(elements)).unwrap()
 }
@@ -106,7 +106,7 @@ pub fn creases(natural_angle: f64) -> LawSpec {
         .unwrap()
 }
 
-/// A hub that turns at `rate` \[rad/s\] and speeds up.
+/// A hub with an angular velocity `rate` \[rad/s\] and an angular acceleration \[rad/s2\].
 pub fn spin(rate: f64, acceleration: f64) -> LawSpec {
     use std::f64::consts::TAU;
     SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU }.into()
@@ -116,12 +116,12 @@ pub fn gravity(acceleration: [f64; 3]) -> LawSpec {
     GravityParameters { acceleration }.into()
 }
 
-/// The methods in the list, and one that stands in none.
+/// The methods in the list, and one outside it.
 pub fn methods() -> impl Iterator<Item = Method> {
     METHODS.iter().copied().chain([toys::SEMI_IMPLICIT_EULER])
 }
 
-/// A scene with these laws, by a method from the list or beside it, with more laws or none.
+/// A scene with these laws and `more` laws outside the list, by any method.
 pub fn simulation_of(
     model: Model,
     specs: &[LawSpec],
@@ -136,7 +136,7 @@ pub fn simulation_of(
     Simulation::with(Setup { assembly, laws, spin: laws::spin_of(specs), method, dt, limit: None }, settings).unwrap()
 }
 
-/// A model with its laws built, moved to some state: laws as such, one by one.
+/// A model with its laws in a given state, for tests of single laws.
 pub struct Bench {
     pub assembly: Assembly,
     pub laws: Vec<Box<dyn Law>>,
@@ -148,7 +148,7 @@ pub struct Bench {
 impl Bench {
     pub fn new(model: Model, specs: &[LawSpec]) -> Self {
         let assembly = Assembly::new(model, InstructionSet::widest()).unwrap();
-        // A law that stands in no list goes wherever those in the list go.
+        // A law outside the list works wherever those in the list do.
         let mut laws = laws::build(specs, &assembly).unwrap();
         laws.push(Box::new(toys::WearingFriction::new(&assembly)));
         let internal = |rows: &[[f64; 3]]| assembly.numbering.internal_vectors(rows);
@@ -157,7 +157,7 @@ impl Bench {
         Self { laws, spin: laws::spin_of(specs), time: 0.3, state, assembly }
     }
 
-    /// A sheet of 4 x 3 squares of 1 cm, crumpled by `size` and in motion, with these laws.
+    /// A sheet of 4 x 3 squares of 1 cm with random displacements of `size`, in motion, with these laws.
     pub fn crumpled(specs: &[LawSpec], seed: u64, size: f64) -> Self {
         let mut dice = Dice(seed);
         let mut model = sheet(4, 3, 0.01);
@@ -173,7 +173,7 @@ impl Bench {
         let (mut forces, mut powers) = (NodeVectors::zeros(state.positions.nrows()), vec![0.0; self.laws.len()]);
         let at = Instant::new(state.at(time), self.spin);
         let plan = Plan::new(&mut self.laws);
-        plan.add_taken(&mut self.laws, |other| other == row, at, &mut forces, &mut powers);
+        plan.add_selected(&mut self.laws, |other| other == row, at, &mut forces, &mut powers);
         (forces, powers[row])
     }
 

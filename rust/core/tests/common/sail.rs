@@ -1,5 +1,5 @@
-//! The square sail of model 1 as the core sees it, at any fineness: what `membrane_rs.folding.SquareSail` makes in its
-//! layout "ruled", node for node, but leaning a little in place of stowed; tethers and laws as in the built-in scene.
+//! The square sail of model 1 at any fineness: the mesh of `membrane_rs.folding.SquareSail` in its layout "ruled", node
+//! for node, slightly folded in place of stowed; tethers and laws as in the built-in scene.
 
 use super::{Dice, FILM};
 use membrane_core::assembly::Assembly;
@@ -19,29 +19,30 @@ const OUTER: f64 = 0.2275;
 const STRIPS: usize = 8;
 const ROWS: usize = 2;
 const COLUMNS: usize = 11;
-/// How far a strip leans out of the plane [rad].
-const LEAN: f64 = 0.2;
-/// Pieces of each tether, and the radius of the spool [m].
+/// Inclination of the strips to the plane [rad].
+const INCLINATION: f64 = 0.2;
+/// Segments of each tether, and radius of the spool [m].
 const SEGMENTS: usize = 19;
 const SPOOL: f64 = 0.025;
-/// Tension of a unit strain [N], and mass of a metre [kg/m].
+/// Axial stiffness EA [N], and mass per length [kg/m].
 const TETHER: (f64, f64) = (17.0, 1.004e-4);
 const TIP_MASS: f64 = 0.36e-3;
 
-/// Nodes of the tethers.
+/// Number of nodes of the tethers.
 pub const TETHER_NODES: usize = 4 * SEGMENTS;
 
-/// Nodes of the sail's mesh at a fineness.
+/// Number of nodes of the mesh at a fineness.
 pub fn node_count(fineness: usize) -> usize {
     let rows = STRIPS * ROWS * fineness;
     4 * (rows + 1) * (COLUMNS * fineness + rows)
 }
 
-/// The sail with cells `fineness` times as fine as those of model 1, crumpled by a hundredth of a cell, and in motion.
+/// The sail with cells `fineness` times as fine as those of model 1, with random displacements of a hundredth of a
+/// cell, in motion.
 pub fn sail(fineness: usize) -> Model {
     let (rows, columns) = (STRIPS * ROWS * fineness, COLUMNS * fineness);
     let distance = |row: usize| INNER + (OUTER - INNER) * row as f64 / rows as f64;
-    // The first node of each row lies on the diagonal and belongs to the petal before.
+    // The first node of each row lies on the diagonal and belongs to the previous petal.
     let size = node_count(fineness) / 4;
     let before = |row: usize| row * columns + row * row.saturating_sub(1);
     let node = |petal: usize, row: usize, column: usize| {
@@ -56,8 +57,8 @@ pub fn sail(fineness: usize) -> Model {
         for row in 0..=rows {
             let x = distance(row);
             let strip = rows / STRIPS;
-            let height = strip.abs_diff((row + strip) % (2 * strip)) as f64 * cell * LEAN.sin();
-            let closer = (INNER + (x - INNER) * LEAN.cos()) / x;
+            let height = strip.abs_diff((row + strip) % (2 * strip)) as f64 * cell * INCLINATION.sin();
+            let closer = (INNER + (x - INNER) * INCLINATION.cos()) / x;
             for column in 1..=columns + 2 * row {
                 let y = if column <= row {
                     -distance(row - column)
@@ -76,7 +77,7 @@ pub fn sail(fineness: usize) -> Model {
             let (low, high) = (|c| node(petal, row, c), |c| node(petal, row + 1, c));
             for c in 0..count {
                 let [a, b, d, e] = [low(c), low(c + 1), high(c + 1), high(c + 2)];
-                // Diagonals alternate, counted from the nearer slanted side.
+                // Diagonals alternate, from the nearer slanted side on.
                 let is_flipped = if c < count.div_ceil(2) { c % 2 == 1 } else { (count + 1 - c).is_multiple_of(2) };
                 model.triangles.extend(if is_flipped { [[a, d, b], [b, d, e]] } else { [[a, d, e], [a, e, b]] });
             }
@@ -121,7 +122,7 @@ fn add_tethers(model: &mut Model, corners: [u32; 4]) {
     }
 }
 
-/// The laws of model 1, with no bound on the strain of springs.
+/// The laws of model 1, without a strain limit of the springs.
 pub fn laws() -> Vec<LawSpec> {
     vec![
         SpringParameters {
@@ -147,7 +148,7 @@ pub fn laws() -> Vec<LawSpec> {
     ]
 }
 
-/// The sail with these laws, where the limit of the step is known or not.
+/// The sail with these laws, with a known limit of the step or without.
 pub fn simulation(model: Model, method: &str, dt: Option<f64>, settings: Settings, limit: Option<Limit>) -> Simulation {
     let assembly = Assembly::new(model, settings.instructions).unwrap();
     let (specs, method) = (laws(), by_name(method).unwrap());

@@ -1,5 +1,5 @@
-//! A law and a method that stand in no list: what a contributor writes, so that the recipes of CONTRIBUTING.md are carried out
-//! whenever the tests walk the lists.
+//! A law and a method outside the lists, as a contributor would write them: every test over a list also tests the
+//! recipes of CONTRIBUTING.md.
 
 use std::ops::Range;
 
@@ -10,14 +10,14 @@ use membrane_core::assembly::Assembly;
 use membrane_core::integrators::{Integrator, Method, Options, Properties as MethodProperties, System};
 use membrane_core::laws::{Instant, Kernels, Law, Linearisation, NodalLaw, Properties, WorkClass};
 
-/// Friction that wears off with the distance that nodes have gone, F = -c v / (1 + wear): a law with a state.
+/// Friction that decreases with the distance covered by the nodes, F = -c v / (1 + wear): a law with state.
 pub struct WearingFriction {
     /// c of each node \[N s/m\].
     coefficients: Vec<f64>,
-    /// When the wear was last added to \[s\], and the wear.
+    /// Time of the last change of the wear \[s\], and the wear.
     last: f64,
     wear: f64,
-    /// What the power is multiplied by: 1, but for the test that finds another.
+    /// Factor of the power: 1, except in the test of a faulty law.
     pub fault: f64,
 }
 
@@ -26,7 +26,7 @@ impl WearingFriction {
         Self { coefficients: assembly.masses.iter().map(|mass| 5.0 * mass).collect(), last: 0.0, wear: 0.0, fault: 1.0 }
     }
 
-    fn fading(&self) -> f64 {
+    fn factor(&self) -> f64 {
         1.0 / (1.0 + self.wear)
     }
 }
@@ -43,8 +43,8 @@ impl NodalLaw for WearingFriction {
         let mut power = 0.0;
         for (force, velocity) in forces.into_iter().zip(rows(at.velocities, range.clone())) {
             for ((f, v), c) in force.iter_mut().zip(velocity).zip(&self.coefficients[range.clone()]) {
-                *f -= c * self.fading() * v;
-                power -= self.fault * c * self.fading() * v * v;
+                *f -= c * self.factor() * v;
+                power -= self.fault * c * self.factor() * v * v;
             }
         }
         power
@@ -90,13 +90,13 @@ impl Law for WearingFriction {
 impl Linearisation for WearingFriction {
     fn add_damping_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for (node, c) in self.coefficients.iter().enumerate() {
-            (0..3).for_each(|axis| out[(node, axis)] += c * self.fading() * p[(node, axis)]);
+            (0..3).for_each(|axis| out[(node, axis)] += c * self.factor() * p[(node, axis)]);
         }
     }
 
     fn add_jacobian(&self, _at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         for (node, c) in self.coefficients.iter().enumerate() {
-            jacobian.by_velocity(node as u32, node as u32, &(Block::identity() * (-c * self.fading())));
+            jacobian.by_velocity(node as u32, node as u32, &(Block::identity() * (-c * self.factor())));
         }
     }
 }
@@ -131,7 +131,8 @@ impl Integrator for SemiImplicitEuler {
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
         let (z, c) = ((omega * dt).powi(2), damping * dt);
-        // The eigenvalues of one step of (x, dt v), of half trace and determinant: complex, or two real ones.
+        // The eigenvalues of the amplification matrix of (x, dt v), from half its trace and its determinant: a complex
+        // pair, or two real ones.
         let (half_trace, determinant) = (1.0 - 0.5 * (z + c), 1.0 - c);
         let discriminant = half_trace * half_trace - determinant;
         if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }

@@ -1,4 +1,4 @@
-//! Creases whose facets meet.
+//! Creases, with contact between their facets.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -54,7 +54,7 @@ pub fn all(parameters: &CreaseParameters, assembly: &Assembly) -> Vec<Crease> {
 
 impl Oracle {
     /// -dU/dx of U = w_C w_D u(theta), w = q/(q + s), q the square of a facet's normal.
-    pub(super) fn fold(&self, motion: &mut Motion) -> f64 {
+    pub(super) fn add_creases(&self, motion: &mut Motion) -> f64 {
         let Motion { positions, forces, .. } = motion;
         let Parameters { contact_penalty, natural_angle } = self.crease_parameters;
         for crease in &self.creases {
@@ -81,20 +81,21 @@ impl Oracle {
             let shares = [0, 1].map(|facet| 1.0 / (squares[facet] + crease.softening[facet]));
             let weights = [0, 1].map(|facet| squares[facet] * shares[facet]);
             for (facet, apex, opposite) in [(0, c, e), (1, d, e)] {
-                // The moment turns the facet about the crease; the ends of the crease take what balances it.
-                let turn = crease.sign * moment * length * weights[1 - facet] * shares[facet];
-                let at_apex = scale(turn, normals[facet]);
+                // The moment acts on the apex; the ends of the crease bear the balancing forces.
+                let normal = crease.sign * moment * length * weights[1 - facet] * shares[facet];
+                let at_apex = scale(normal, normals[facet]);
                 let along = dot(apex, e) / length_square;
                 add(&mut forces[nodes[2 + facet]], 1.0, at_apex);
                 add(&mut forces[nodes[0]], along - 1.0, at_apex);
                 add(&mut forces[nodes[1]], -along, at_apex);
-                // The weight changes with the facet's area, whose gradient by a corner is normal x opposite side.
+                // The weight depends on the area of the facet; its gradient by a corner is normal x opposite side.
                 let side = if facet == 0 { 1.0 } else { -1.0 };
-                let fade = -2.0 * side * energy * weights[1 - facet] * crease.softening[facet] * shares[facet].powi(2);
-                let push = scale(fade, normals[facet]);
-                add(&mut forces[nodes[2 + facet]], 1.0, cross(push, opposite));
-                add(&mut forces[nodes[1]], 1.0, cross(apex, push));
-                add(&mut forces[nodes[0]], 1.0, cross(push, sub(apex, opposite)));
+                let factor =
+                    -2.0 * side * energy * weights[1 - facet] * crease.softening[facet] * shares[facet].powi(2);
+                let in_plane = scale(factor, normals[facet]);
+                add(&mut forces[nodes[2 + facet]], 1.0, cross(in_plane, opposite));
+                add(&mut forces[nodes[1]], 1.0, cross(apex, in_plane));
+                add(&mut forces[nodes[0]], 1.0, cross(in_plane, sub(apex, opposite)));
             }
         }
         0.0

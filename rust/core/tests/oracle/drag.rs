@@ -4,7 +4,7 @@ use super::{Motion, Oracle, Vec3, add, cross, dot, sub};
 
 impl Oracle {
     /// Drag on each node of each triangle, and its power.
-    pub(super) fn resist(&self, motion: &mut Motion) -> f64 {
+    pub(super) fn add_drag(&self, motion: &mut Motion) -> f64 {
         let Motion { positions, velocities, forces } = motion;
         let (factor, turning) = self.drag;
         let mut power = 0.0;

@@ -1,8 +1,8 @@
-//! The forces of model 1 by plain loops over index pairs, in the caller's numbering: what the kernels must agree with, and
-//! what their times are compared to.
+//! The oracle: the forces of model 1 by plain loops over elements, in external order, as reference for the results of
+//! the kernels and for their times.
 //!
-//! Scalar code as one writes it first, with some care: vectors of three side by side, the parameters of an element
-//! together, a spring and its dashpot in one pass, nothing worked out twice. It shares no arithmetic with the kernels.
+//! Careful scalar code: vectors of three contiguous numbers, the parameters of an element together, a spring and its
+//! dashpot in one pass, nothing computed twice. It shares no arithmetic with the kernels.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
 mod creases;
@@ -42,7 +42,7 @@ pub fn add(to: &mut Vec3, s: f64, a: Vec3) {
     }
 }
 
-/// Where nodes are, how they move, and what acts on them.
+/// Positions, velocities and forces of all nodes.
 pub struct Motion {
     pub positions: Vec<Vec3>,
     pub velocities: Vec<Vec3>,
@@ -50,7 +50,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// That of a scene at its start.
+    /// The motion at the start of a scene.
     pub fn of(assembly: &Assembly) -> Self {
         let (positions, velocities) = (assembly.model.positions.clone(), assembly.model.velocities.clone());
         let forces = vec![[0.0; 3]; positions.len()];
@@ -65,28 +65,28 @@ pub struct Oracle {
     pub crease_parameters: creases::Parameters,
     pub triangles: Vec<[u32; 3]>,
     pub masses: Vec<f64>,
-    /// rho_air / 12, and how fast the frame turns against the air.
+    /// rho_air / 12, and angular velocity of the frame relative to the air.
     pub drag: (f64, f64),
     /// Omega and Omega'.
     pub spin: (f64, f64),
-    /// Radius, stiffness, and the nodes.
+    /// Radius and stiffness, and the nodes in contact.
     pub spool: (f64, f64),
     pub contact_nodes: Vec<u32>,
 }
 
-/// The parts of an evaluation, by the names of the laws that each stands for.
+/// A part of an evaluation: label, names of its laws, and function.
 pub type Part = (&'static str, &'static [&'static str], fn(&Oracle, &mut Motion) -> f64);
 
 impl Oracle {
     pub const PARTS: [Part; 5] = [
-        ("springs, tethers and dashpots", &["springs", "tethers", "spring_damping"], Self::pull),
-        ("creases", &["creases"], Self::fold),
-        ("drag", &["air_drag"], Self::resist),
-        ("frame", &["spin"], Self::turn),
-        ("spool", &["spool_contact"], Self::push),
+        ("springs, tethers and dashpots", &["springs", "tethers", "spring_damping"], Self::add_springs),
+        ("creases", &["creases"], Self::add_creases),
+        ("drag", &["air_drag"], Self::add_drag),
+        ("frame", &["spin"], Self::add_frame),
+        ("spool", &["spool_contact"], Self::add_spool),
     ];
 
-    /// The same scene as the kernels'; its air is at rest.
+    /// The scene of the kernels, with air at rest.
     pub fn new(laws: &[LawSpec], assembly: &Assembly) -> Self {
         let model = &assembly.model;
         let masses = assembly.numbering.external_values(&assembly.masses);
@@ -118,7 +118,7 @@ impl Oracle {
                 }
                 LawSpec::Spin(_) => {}
                 LawSpec::SpoolContact(parameters) => oracle.spool = (parameters.radius, parameters.stiffness),
-                other => unreachable!("the oracle knows the laws of model 1, not {other:?}"),
+                other => unreachable!("the oracle has the laws of model 1, not {other:?}"),
             }
         }
         oracle.springs.extend(model.cords.iter().map(|cord| springs::Spring {
@@ -138,11 +138,15 @@ impl Oracle {
     /// All forces, and the power of dashpots and drag.
     pub fn evaluate(&self, motion: &mut Motion) -> f64 {
         motion.forces.fill([0.0; 3]);
-        self.pull(motion) + self.fold(motion) + self.resist(motion) + self.turn(motion) + self.push(motion)
+        self.add_springs(motion)
+            + self.add_creases(motion)
+            + self.add_drag(motion)
+            + self.add_frame(motion)
+            + self.add_spool(motion)
     }
 
-    /// The frame that turns, its acceleration's power left out.
-    fn turn(&self, motion: &mut Motion) -> f64 {
+    /// The turning frame, without the power of its acceleration.
+    fn add_frame(&self, motion: &mut Motion) -> f64 {
         let (rate, acceleration) = self.spin;
         let moving = motion.positions.iter().zip(&motion.velocities).zip(&self.masses);
         for ((([x, y, _], [u, v, _]), mass), force) in moving.zip(&mut motion.forces) {
@@ -152,8 +156,8 @@ impl Oracle {
         0.0
     }
 
-    /// An endless spool.
-    fn push(&self, motion: &mut Motion) -> f64 {
+    /// An infinite spool.
+    fn add_spool(&self, motion: &mut Motion) -> f64 {
         let (radius, stiffness) = self.spool;
         for &node in &self.contact_nodes {
             let [x, y, _] = motion.positions[node as usize];

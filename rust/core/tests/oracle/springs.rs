@@ -1,4 +1,4 @@
-//! Springs that buckle, and their dashpots.
+//! Springs with buckling, and their dashpots.
 
 use std::f64::consts::PI;
 
@@ -33,8 +33,8 @@ pub fn film(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
 }
 
 impl Oracle {
-    /// Springs, tethers and dashpots, and the dashpots' power.
-    pub(super) fn pull(&self, motion: &mut Motion) -> f64 {
+    /// Springs, tethers and dashpots, and the power of the dashpots.
+    pub(super) fn add_springs(&self, motion: &mut Motion) -> f64 {
         let Motion { positions, velocities, forces } = motion;
         let mut power = 0.0;
         for spring in &self.springs {
@@ -43,11 +43,11 @@ impl Oracle {
             let length = dot(span, span).sqrt();
             let rate = dot(span, sub(velocities[j], velocities[i])) / length;
             let tension = spring.stiffness * (length.max(spring.critical_length) - spring.rest_length);
-            let drag = spring.damping * rate;
-            power -= drag * rate;
-            let pull = (tension + drag) / length;
-            add(&mut forces[i], pull, span);
-            add(&mut forces[j], -pull, span);
+            let resistance = spring.damping * rate;
+            power -= resistance * rate;
+            let per_length = (tension + resistance) / length;
+            add(&mut forces[i], per_length, span);
+            add(&mut forces[j], -per_length, span);
         }
         power
     }

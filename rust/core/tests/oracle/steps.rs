@@ -1,22 +1,22 @@
 //! Steps by plain loops with the scalar forces: the classical Runge-Kutta method, and leapfrog as in
-//! `integrators/leapfrog.rs`, its force of Coriolis taken at the new velocity.
+//! `integrators/leapfrog.rs`, with the force of Coriolis at the new velocity.
 
 use membrane_core::assembly::Assembly;
 
 use super::{Motion, Oracle, Vec3, add, scale, sub};
 
-/// The names of the methods, as users have them.
+/// The names of the methods.
 pub const METHODS: [&str; 2] = ["rk4", "leapfrog"];
 
-/// A scene in motion, and what a step needs beside.
+/// A scene in motion, and the data of a step.
 pub struct Stepper {
     oracle: Oracle,
     inverse_masses: Vec<f64>,
     pub motion: Motion,
-    /// What a step began with, and the sums of its stages.
+    /// State at the start of a step, and sums over its stages.
     start: [Vec<Vec3>; 2],
     sums: [Vec<Vec3>; 2],
-    /// Leapfrog's accelerations at the end of the last step.
+    /// Accelerations of leapfrog at the end of the last step.
     accelerations: Option<Vec<Vec3>>,
     /// Work of dashpots and drag [J].
     pub work: f64,
@@ -36,7 +36,7 @@ impl Stepper {
         }
     }
 
-    /// Goes back to a start.
+    /// Restores the state of a start.
     pub fn resume(&mut self, start: &Motion) {
         self.motion.positions.copy_from_slice(&start.positions);
         self.motion.velocities.copy_from_slice(&start.velocities);
@@ -46,11 +46,11 @@ impl Stepper {
     /// Takes `count` steps by a method.
     pub fn step(&mut self, method: &str, dt: f64, count: u64) {
         for _ in 0..count {
-            if method == "rk4" { self.runge_kutta(dt) } else { self.leap(dt) }
+            if method == "rk4" { self.runge_kutta(dt) } else { self.leapfrog(dt) }
         }
     }
 
-    /// Fills the forces with accelerations, and gives the power.
+    /// Fills the forces with accelerations, and returns the power.
     fn accelerate(&mut self) -> f64 {
         let power = self.oracle.evaluate(&mut self.motion);
         for (force, &inverse) in self.motion.forces.iter_mut().zip(&self.inverse_masses) {
@@ -81,13 +81,13 @@ impl Stepper {
         }
     }
 
-    fn leap(&mut self, dt: f64) {
+    fn leapfrog(&mut self, dt: f64) {
         let half = 0.5 * dt;
         let before = self.accelerations.take().unwrap_or_else(|| {
             self.accelerate();
             self.motion.forces.clone()
         });
-        // The velocity after half a kick, and in the motion the one to evaluate with.
+        // The velocity after half a kick; the motion has the predicted velocity.
         let kicked = &mut self.start[1];
         let Motion { positions, velocities, .. } = &mut self.motion;
         for node in 0..before.len() {
@@ -97,21 +97,21 @@ impl Stepper {
             add(&mut velocities[node], dt, before[node]);
         }
         self.work += dt * self.accelerate();
-        // Twice the rate of the frame: in a frame of constant rate the force of Coriolis is m w J v.
+        // Twice the rate of the frame: the force of Coriolis is m w J v.
         let rate = 2.0 * self.oracle.spin.0;
         let h = rate * half;
         let mut after = before;
         let Motion { velocities, forces, .. } = &mut self.motion;
         for node in 0..after.len() {
-            // A node that is held has no acceleration, whatever its velocity.
+            // A held node has no acceleration at any velocity.
             let (rate, h) = if self.inverse_masses[node] == 0.0 { (0.0, 0.0) } else { (rate, h) };
             let mut ahead = self.start[1][node];
             add(&mut ahead, half, forces[node]);
             let [rx, ry, rz] = sub(ahead, velocities[node]);
-            let late = [(rx + h * ry) / (1.0 + h * h), (ry - h * rx) / (1.0 + h * h), rz];
-            add(&mut velocities[node], 1.0, late);
+            let correction = [(rx + h * ry) / (1.0 + h * h), (ry - h * rx) / (1.0 + h * h), rz];
+            add(&mut velocities[node], 1.0, correction);
             after[node] = forces[node];
-            add(&mut after[node], rate, [late[1], -late[0], 0.0]);
+            add(&mut after[node], rate, [correction[1], -correction[0], 0.0]);
         }
         self.accelerations = Some(after);
     }

@@ -1,8 +1,9 @@
-//! The jacobian of the drag F = -f |n . V| V on each node of a triangle, with n = (b - a) x (c - a) and V = v + Omega x r:
+//! The Jacobian of the drag F = -f |n . V| V on each node of a triangle, with n = (b - a) x (c - a),
+//! V = v + Omega x r:
 //!
 //!     dF/dV = -f (|n . V| + sign(n . V) V n^T),     dF/dn = -f sign(n . V) V V^T
 //!
-//! and V . dn = db . ((c - a) x V) + dc . (V x (b - a)), less both for da.
+//! and V . dn = db . ((c - a) x V) + dc . (V x (b - a)); the derivative by a is minus the sum of those by b and c.
 
 use nalgebra::Matrix3;
 

@@ -1,27 +1,28 @@
 //! The Hessian of a crease's energy U = w_C w_D u(theta), in the differences e = B - A, c = C - A, d = D - A.
 //!
-//! The fold angle is phi = f(e, c) - f(e, d) with, for each facet, n = e x p, q = n^2, L = |e|, m = n x e, t = p . e / L^2,
+//! The fold angle is phi = f(e, c) - f(e, d). For each facet, with n = e x p, q = n^2, L = |e|, m = n x e and
+//! t = p . e / L^2,
 //!
 //!     f_p  = L n/q,      f_e  = -t f_p
 //!     f_pp = -L (n m^T + m n^T)/q^2
 //!     f_pe = n e^T/(L q) - L [p]x/q - 2 L n (p x n)^T/q^2
 //!     f_ee = -f_p (p/L^2 - 2 (p . e) e/L^4)^T - t f_pe
 //!
-//! and theta = pi - sign phi. The weights w = q/(q + s) are functions of q = L^2 p^2 - (e . p)^2. Where a facet
-//! collapses f is singular, but w f_pp stays bounded. Tamstorf and Grinspun, Graphical Models 75 (2013), give the same
-//! Hessian by the triangle's angles.
+//! and theta = pi - sign phi. The weights w = q/(q + s) are functions of q = L^2 p^2 - (e . p)^2. As a facet collapses
+//! f is singular, but w f_pp remains bounded. Tamstorf and Grinspun, Graphical Models 75 (2013), give the same Hessian
+//! in terms of the angles of the triangles.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::{Creases, Parameters};
-use crate::arrays::jacobian::{JacobianBlocks, at, crossing, of_differences};
+use crate::arrays::jacobian::{JacobianBlocks, at, cross_matrix, of_differences};
 use crate::laws::Instant;
 use crate::simd::lanes::F64x8;
 
 type Square = SMatrix<f64, 9, 9>;
 type Column = SVector<f64, 9>;
 
-/// Below this squared area [m4] a facet has no direction; its weight is then 0 as well.
+/// Lower bound of squared lengths and areas: a smaller facet has no direction, and a weight of 0.
 const LEAST: f64 = 1e-60;
 
 /// A function of e and p with its first and second derivatives.
@@ -43,10 +44,10 @@ impl Jet {
         let by_p = normal * (length / q);
         let by_pp = (normal * m.transpose() + m * normal.transpose()) * (-length / (q * q));
         let by_pe = normal * e.transpose() / (length * q)
-            - crossing(p) * (length / q)
+            - cross_matrix(p) * (length / q)
             - normal * p.cross(&normal).transpose() * (2.0 * length / (q * q));
-        let of_t = p / square_length - e * (2.0 * p.dot(e) / (square_length * square_length));
-        let by_ee = -by_p * of_t.transpose() - by_pe * t;
+        let t_e = p / square_length - e * (2.0 * p.dot(e) / (square_length * square_length));
+        let by_ee = -by_p * t_e.transpose() - by_pe * t;
         Self { by_e: by_p * -t, by_p, by_ee: 0.5 * (by_ee + by_ee.transpose()), by_pe, by_pp }
     }
 
@@ -100,7 +101,7 @@ impl Creases {
         let facets = [c - a, d - a];
         // theta = pi - sign (f_C - f_D).
         let [of_c, of_d] = [0, 1].map(|facet| Jet::angle(&e, &facets[facet]).lift(facet));
-        let (turn, bend) = ((of_d.0 - of_c.0) * sign, (of_d.1 - of_c.1) * sign);
+        let (gradient, hessian) = ((of_d.0 - of_c.0) * sign, (of_d.1 - of_c.1) * sign);
         let [weight_c, weight_d] = [0, 1].map(|facet| {
             let (gradient, hessian) = Jet::square(&e, &facets[facet]).lift(facet);
             let (q, s) = (e.cross(&facets[facet]).norm_squared(), softening[facet].0[lane]);
@@ -109,12 +110,12 @@ impl Creases {
             (q * share, gradient * first, gradient * gradient.transpose() * second + hessian * first)
         });
         let weight = weight_c.0 * weight_d.0;
-        let slope = weight_c.1 * weight_d.0 + weight_d.1 * weight_c.0;
+        let weight_gradient = weight_c.1 * weight_d.0 + weight_d.1 * weight_c.0;
         let across = weight_c.1 * weight_d.1.transpose();
-        let of_weight = weight_c.2 * weight_d.0 + weight_d.2 * weight_c.0 + across + across.transpose();
-        let mixed = turn * slope.transpose();
-        of_weight * energy
-            + (mixed + mixed.transpose() + bend * weight) * moment
-            + turn * turn.transpose() * (weight * curvature)
+        let weight_hessian = weight_c.2 * weight_d.0 + weight_d.2 * weight_c.0 + across + across.transpose();
+        let mixed = gradient * weight_gradient.transpose();
+        weight_hessian * energy
+            + (mixed + mixed.transpose() + hessian * weight) * moment
+            + gradient * gradient.transpose() * (weight * curvature)
     }
 }

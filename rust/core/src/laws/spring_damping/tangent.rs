@@ -1,4 +1,4 @@
-//! The jacobian of a dashpot's pull c (d . w) d / d^2, with d from end to end and w the difference of velocities:
+//! The Jacobian of the force of a dashpot, c (d . w) d / d^2, with d from end to end and w its rate:
 //!
 //!     dF/dw = c d d^T / d^2
 //!     dF/dd = c [d w^T + (d . w) (1 - 2 d d^T / d^2)] / d^2
@@ -12,17 +12,18 @@ impl SpringDamping {
         if let Some(film) = &self.film {
             film.jacobian(instant, jacobian);
         }
-        let dashpots = self.networks.iter().flat_map(|net| net.links.elements.each().map(move |place| (net, place)));
-        for (net, (batch, lane, nodes)) in dashpots {
+        let dashpots =
+            self.networks.iter().flat_map(|own| own.links.elements.each().map(move |element| (own, element)));
+        for (own, (batch, lane, nodes)) in dashpots {
             let [i, j] = nodes;
             let d = at(instant.positions, j) - at(instant.positions, i);
             let w = at(instant.velocities, j) - at(instant.velocities, i);
             let square = d.norm_squared().max(f64::MIN_POSITIVE);
-            let factor = net.coefficient[batch].0[lane] / square;
-            let (outer, closing) = (d * d.transpose(), d.dot(&w));
+            let factor = own.coefficient[batch].0[lane] / square;
+            let (outer, rate) = (d * d.transpose(), d.dot(&w));
             of_link(nodes, &(outer * factor), |i, j, block| jacobian.by_velocity(i, j, block));
-            let turned = Block::identity() * closing - outer * (2.0 * closing / square);
-            of_link(nodes, &((d * w.transpose() + turned) * factor), |i, j, block| jacobian.by_position(i, j, block));
+            let rotation = Block::identity() * rate - outer * (2.0 * rate / square);
+            of_link(nodes, &((d * w.transpose() + rotation) * factor), |i, j, block| jacobian.by_position(i, j, block));
         }
     }
 }

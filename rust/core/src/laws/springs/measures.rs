@@ -1,11 +1,11 @@
-//! What is worked out of springs beside their forces: energy, bounds, and the stiffest linearisation.
+//! Kernels of springs beside their forces: energy, bounds, and the stiffest linearisation.
 
 use super::Springs;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{SimdF64, dot, negate, scale, sub, sum};
 
-/// Gives the energy stored in springs.
+/// The energy stored in springs.
 pub(super) struct EnergyKernel<'a> {
     pub(super) springs: &'a Springs,
     pub(super) tile: usize,
@@ -14,7 +14,7 @@ pub(super) struct EnergyKernel<'a> {
 
 impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.springs.parameters);
         let mut energy = V::zero();
@@ -22,9 +22,9 @@ impl BatchKernel for EnergyKernel<'_> {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let (d, parameters) = (sub(b, a), &parameters[batch]);
             let l = dot(d, d).sqrt();
-            let held = l.max(V::load(&parameters.critical_length));
-            let stretch = held - V::load(&parameters.rest_length);
-            energy += V::load(&parameters.stiffness) * stretch * (V::all(0.5) * stretch + (l - held));
+            let effective = l.max(V::load(&parameters.critical_length));
+            let elongation = effective - V::load(&parameters.rest_length);
+            energy += V::load(&parameters.stiffness) * elongation * (V::all(0.5) * elongation + (l - effective));
         }
         energy
     }
@@ -39,7 +39,7 @@ pub(super) struct ExcessKernel<'a> {
 
 impl BatchKernel for ExcessKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
         let mut count = V::zero();
@@ -53,7 +53,7 @@ impl BatchKernel for ExcessKernel<'_> {
     }
 }
 
-/// Adds K p, with K of every spring taut.
+/// Adds K p, with every spring taut.
 pub(super) struct StiffnessKernel<'a> {
     pub(super) springs: &'a Springs,
     pub(super) tile: usize,
@@ -64,21 +64,21 @@ pub(super) struct StiffnessKernel<'a> {
 
 impl BatchKernel for StiffnessKernel<'_> {
     #[inline(always)]
-    fn part<V: SimdF64, const KIND: usize>(&mut self) -> V {
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(&self.springs.parameters);
         let least = V::all(f64::MIN_POSITIVE);
         for batch in 0..pass.len() {
             let [a, b] = pass.read::<V, 3>(self.positions, batch);
             let [u, v] = pass.read::<V, 3>(self.p, batch);
-            let (d, moved) = (sub(b, a), sub(v, u));
+            let (d, difference) = (sub(b, a), sub(v, u));
             let l = dot(d, d).sqrt();
             let k = V::load(&parameters[batch].stiffness);
-            let stretch = dot(d, moved) / (l * l).max(least);
-            let stretched = (l - V::load(&parameters[batch].rest_length)).max(V::zero()) / l.max(least);
-            let across = k * stretched;
-            let pull = sum(scale((k - across) * stretch, d), scale(across, moved));
-            pass.add(&mut self.out, batch, [negate(pull), pull]);
+            let strain = dot(d, difference) / (l * l).max(least);
+            let elongation = (l - V::load(&parameters[batch].rest_length)).max(V::zero()) / l.max(least);
+            let across = k * elongation;
+            let product = sum(scale((k - across) * strain, d), scale(across, difference));
+            pass.add(&mut self.out, batch, [negate(product), product]);
         }
         V::zero()
     }

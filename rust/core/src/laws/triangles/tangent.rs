@@ -1,8 +1,9 @@
-//! The jacobian of a film's pull, taut, wrinkled or slack: those of the stress by the strain, and the geometric part.
+//! The Jacobian of the forces of a film, taut, wrinkled or slack: a material part, by the derivative of the stress by
+//! the strain, and a geometric part.
 //!
-//! What wrinkles take off the stress is an isotropic function of T = S + P. With its mean m, half difference
-//! (x, y) = ((T11 - T22)/2, T12) and spread r = |(x, y)|, it is h 1 + g/r (x, y; y, -x), where h and g are half of the sum
-//! and of the difference of (c - 1) d1 and (c - 1) d2, which depend on m and r alone.
+//! The change of the stress by wrinkles is an isotropic function of T = S + P. With the mean m of T, its half
+//! difference (x, y) = ((T11 - T22)/2, T12) and spread r = |(x, y)|, it is h 1 + g/r (x, y; y, -x), where h and g are
+//! half the sum and half the difference of (c - 1) d1 and (c - 1) d2, which are functions of m and r.
 
 use nalgebra::Matrix3;
 
@@ -14,18 +15,18 @@ use crate::simd::lanes::{F64x8, SimdF64};
 impl Triangles {
     pub(super) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         for (batch, lane, nodes) in self.flat.elements.each() {
-            let one = self.flat.one(batch, lane, nodes.map(|node| at(instant.positions, node)));
-            let [f1, f2] = one.gradient;
+            let single = self.flat.single(batch, lane, nodes.map(|node| at(instant.positions, node)));
+            let [f1, f2] = single.gradient;
             let strain = [0.5 * (f1.dot(&f1) - 1.0), 0.5 * (f2.dot(&f2) - 1.0), 0.5 * f1.dot(&f2)].map(F64x8::all);
             let stress = self.stress(batch, strain).map(|lanes| lanes.0[lane]);
-            let slope = self.stress_slope(batch, lane, strain) * one.strain_slope();
-            let square = one.by_stress(&slope) + one.geometric(stress);
-            of_differences(nodes, &one.by_sides(&square), |i, j, block| jacobian.by_position(i, j, block));
+            let by_gradient = self.material_tangent(batch, lane, strain) * single.strain_derivative();
+            let square = single.material(&by_gradient) + single.geometric(stress);
+            of_differences(nodes, &single.by_sides(&square), |i, j, block| jacobian.by_position(i, j, block));
         }
     }
 
     /// dS/dE over E_Y; rows and columns 11, 22, 12.
-    fn stress_slope(&self, batch: usize, lane: usize, strain: [F64x8; 3]) -> Matrix3<f64> {
+    fn material_tangent(&self, batch: usize, lane: usize, strain: [F64x8; 3]) -> Matrix3<f64> {
         let taut = self.flat.taut();
         let Wrinkles { second, first, stress, spread } = self.wrinkles(batch, self.flat.stress(strain));
         let [second, first, spread] = [second, first, spread].map(|lanes| lanes.0[lane]);
@@ -34,24 +35,24 @@ impl Triangles {
         }
         let (nu, share) = (self.flat.nu, 0.5 * (self.compression - 1.0));
         let r = spread.max(f64::MIN_POSITIVE);
-        // JacobianBlocks by (m, r) of second and first.
+        // Derivatives of second and first by (m, r).
         let of_second = [1.0, -1.0];
         let of_first = if first < 0.0 { [1.0 - nu, 1.0 + nu] } else { [0.0; 2] };
-        let turn = share * (nu * second + first - second) / r;
+        let ratio = share * (nu * second + first - second) / r;
         let h = [0, 1].map(|k| share * (nu * of_second[k] + of_first[k] + of_second[k]));
         let g = [0, 1].map(|k| share * (nu * of_second[k] + of_first[k] - of_second[k]));
         let [t11, t22, t12] = stress.map(|lanes| lanes.0[lane]);
         let (x, y) = (0.5 * (t11 - t22) / r, t12 / r);
-        // Rows: the change of m, of x r and y r, with T11, T22, T12; then of r.
+        // Derivatives of m, of x r and of y r by T11, T22, T12; then that of r.
         let (of_m, of_x, of_y) = ([0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.0, 1.0]);
-        let taken = Matrix3::from_fn(|row, column| {
+        let by_stress = Matrix3::from_fn(|row, column| {
             let (dm, dx, dy) = (of_m[column], of_x[column], of_y[column]);
             let dr = x * dx + y * dy;
             let (dh, dg) = (h[0] * dm + h[1] * dr, g[0] * dm + g[1] * dr);
-            let along_x = turn * dx + x * (dg - turn * dr);
-            let along_y = turn * dy + y * (dg - turn * dr);
+            let along_x = ratio * dx + x * (dg - ratio * dr);
+            let along_y = ratio * dy + y * (dg - ratio * dr);
             [dh + along_x, dh - along_x, along_y][row]
         });
-        taut + taken * taut
+        taut + by_stress * taut
     }
 }
