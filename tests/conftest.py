@@ -1,10 +1,16 @@
-"""What all tests share."""
+"""What all tests rely on."""
 
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
+
+import pytest
 
 
-def pytest_configure() -> None:
-    """Take Ctrl-C for what it is: in the background of a shell it is ignored, and tests of it would hang."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+@pytest.fixture(scope="session", autouse=True)
+def interruptible() -> Iterator[None]:
+    """Ctrl-C interrupts, here and in child processes, also where a shell's background has it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
