@@ -63,7 +63,7 @@ pub struct Properties {
 /// The kernels of a law, from which the evaluation plan is composed.
 #[derive(Default)]
 pub struct Kernels {
-    /// Whether `Law::add_to_tile` adds forces on elements of the law's own.
+    /// Whether `Law::add_to_tile` adds forces of elements of its own.
     pub elements: bool,
     /// Forces along links, evaluated by the plan, in one pass with those of another law on the same links.
     pub links: Vec<LinkForce>,
