@@ -22,20 +22,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from membrane_rs import Mesh, Scene, Simulation, _core, scenes
+from membrane_rs import Mesh, Scene, Simulation, _core, integrators, scenes
 
 FILE = Path(__file__).with_name("golden.json")
 WIDTHS = ("baseline", "avx2", "avx512")
 STEPS = {"generalized_alpha": 12}
 """Implicit steps are long and dear; other methods take `MOST`."""
 MOST = 300
-METHODS: dict[str, dict[str, Any]] = {
-    "rk4": {},
-    "leapfrog": {},
-    "leapfrog-4": {"substeps": 4},
-    "dopri5": {},
-    "generalized_alpha": {},
-}
+METHODS: dict[str, dict[str, Any]] = {name: {} for name in integrators()} | {"leapfrog-4": {"substeps": 4}}
 """Name here, and what it changes in the settings of the run."""
 GRAIN = 2.0**-36
 """Positions are rounded to multiples of this [m]."""
