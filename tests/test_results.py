@@ -193,6 +193,16 @@ def test_how_a_run_ended(
     assert (tmp_path / "run" / "snapshots" / "turning.png").exists() == has_pictures
 
 
+def test_an_interrupted_run_whose_state_cannot_be_written_says_so(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "run", pictures=False)
+    sim: Any = FakeSimulation()
+    folder.start(sim)
+    folder.sample(sim)
+    (tmp_path / "run" / "state.npz").mkdir()
+    with pytest.raises(OutputError, match=r"cannot write .*state\.npz: Is a directory"):
+        folder.finish(sim, KeyboardInterrupt())
+
+
 def test_state_that_steps_back_is_passed_over(tmp_path: Path) -> None:
     run(RunFolder(tmp_path / "run", pictures=False), [0.0, 0.1, 0.05], UnstableError("gone"))
     assert read_history(tmp_path / "run")["time"].tolist() == [0.0, 0.1]
