@@ -197,8 +197,9 @@ class Motion:
         """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
         edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
-        for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
-            readings = self._core.spring_readings(law)
+        of_film = [(law.kind, slice(None, edges)) for law in self.scene.laws if law.is_film]
+        for name, rows in (*of_film, ("tethers", slice(edges, None))):
+            readings = self._core.spring_readings(name)
             if readings is not None:
                 found[rows] = readings.buckled
         films = self._core.triangle_readings()

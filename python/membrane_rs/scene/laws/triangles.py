@@ -40,6 +40,7 @@ class Triangles(Law):
     """
 
     kind: ClassVar[str] = "triangles"
+    is_film: ClassVar[bool] = True
     length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
     buckling: NonNegative = 100.0
