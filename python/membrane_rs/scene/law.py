@@ -19,7 +19,7 @@ StiffThrough: TypeAlias = Literal["law", "film"] | None
 
 
 class Surroundings(Protocol):
-    """What a law may ask of the scene that holds it."""
+    """The properties of a scene that its laws use."""
 
     @property
     def mesh(self) -> Mesh | None:
