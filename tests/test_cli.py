@@ -73,7 +73,7 @@ def test_check_and_run_take_substeps_by_both_names(option: str, warnings: int, t
     words = ["--integrator", "leapfrog", option, 3]
     code, shown = call("check", path, *words)
     assert (code, "once a step  gravity; the others in 3 substeps" in shown) == (0, True)
-    assert shown.count("Warning: --short-steps is deprecated and goes with version 0.4; use --substeps") == warnings
+    assert shown.count("Warning: --short-steps is deprecated and is removed in version 0.4; use --substeps") == warnings
     code, shown = call("run", path, *words, *SHORT, "--out", tmp_path / "results")
     assert (code, shown.count("deprecated")) == (0, warnings)
     assert Scene.from_toml(tmp_path / "results" / "scene.toml").run.substeps == 3
@@ -83,7 +83,10 @@ def test_chart_is_the_old_name_of_work_precision(tmp_path: Path) -> None:
     words = ["--until", "0.001", "--steps", "1", "--repeats", "1", "--integrators", "leapfrog"]
     code, shown = call("chart", "spinning-tether", *words, "--out", tmp_path / "chart")
     assert (code, (tmp_path / "chart" / "chart.png").is_file()) == (0, True)
-    assert "Warning: membrane-rs chart is deprecated and goes with version 0.4; use membrane-rs work-precision" in shown
+    assert (
+        "Warning: membrane-rs chart is deprecated and is removed in version 0.4; use membrane-rs work-precision"
+        in shown
+    )
 
 
 def test_run_takes_a_file_and_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

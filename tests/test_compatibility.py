@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import pkgutil
+import re
 from collections.abc import Callable
 from dataclasses import fields
+from importlib import import_module
 from pathlib import Path
 
+import membrane_rs
 import numpy as np
 import pytest
 from membrane_rs import InputError, RunSettings, Scene, SceneError, Simulation, SpringDamping, scenes
@@ -36,6 +40,23 @@ def saved(folder: Path, change: Callable[[Entries], object]) -> Path:
     change(entries)
     np.savez(folder / "state.npz", **entries)  # type: ignore[arg-type]
     return folder / "state.npz"
+
+
+def test_public_names_are_those_of_the_packages_that_the_page_lists() -> None:
+    page = (Path(__file__).parent.parent / "docs" / "compatibility.md").read_text(encoding="utf-8")
+    first = page.split("Public are:")[1].split(";")[0]
+    listed = sorted(
+        name if name == "membrane_rs" else f"membrane_rs.{name}" for name in re.findall("`([a-z_.]+)`", first)
+    )
+    listed.remove("membrane_rs.__all__")
+    found = ["membrane_rs"]
+    for info in pkgutil.walk_packages(membrane_rs.__path__, "membrane_rs."):
+        if info.ispkg and info.name != "membrane_rs.cli" and hasattr(import_module(info.name), "__all__"):
+            found.append(info.name)
+    assert listed == sorted(found)
+    for place in found:
+        module = import_module(place)
+        assert all(hasattr(module, name) for name in module.__all__)
 
 
 def test_an_older_scene_takes_defaults_for_keys_that_came_later(tmp_path: Path) -> None:

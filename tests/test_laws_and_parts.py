@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,12 @@ import pytest
 from example_of import example_of, needed
 from hypothesis import example, given
 from hypothesis import strategies as st
+from membrane_rs import _core, scenes
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.cords import cord_positions
 from membrane_rs.scene.laws import LAWS, Creases, Gravity, Springs
 from membrane_rs.scene.parts import PARTS, Tether, Tethers
+from membrane_rs.simulation.core_input import model_of, settings_of
 
 KINDS: dict[str, Any] = {**LAWS, **PARTS}
 
@@ -21,6 +24,15 @@ KINDS: dict[str, Any] = {**LAWS, **PARTS}
 def test_lists_hold_each_kind_once() -> None:
     assert not LAWS.keys() & PARTS.keys()
     assert all(cls.kind == kind for kind, cls in KINDS.items())
+
+
+def test_python_and_the_core_hold_the_same_laws() -> None:
+    scene = scenes.load("spinning-tether")
+    unknown: list[tuple[str, dict[str, Any]]] = [("no law", {})]
+    with pytest.raises(InputError, match="unknown variant `no law`") as caught:
+        _core.Simulation(model_of(scene, scene.assemble()), unknown, "rk4", None, settings_of(scene))
+    names = re.findall("`([^`]+)`", str(caught.value).split("expected one of")[1])
+    assert sorted(names) == sorted(LAWS)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -69,6 +69,21 @@ def test_a_saved_state_with_old_names_is_read(tmp_path: Path) -> None:
     assert (again.positions == sim.positions).all()
 
 
+def test_a_saved_state_with_the_old_name_of_a_methods_history_goes_on_with_the_same_bits(tmp_path: Path) -> None:
+    whole, first = (Simulation(scenes.load("spinning-tether"), "leapfrog") for _ in range(2))
+    whole.step(50)
+    first.step(20)
+    first.save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as file:
+        entries = {name.replace("history_", "memory_"): file[name] for name in file.files}
+    assert {"memory_count", "memory_vectors", "memory_numbers"} < entries.keys()
+    np.savez(tmp_path / "old.npz", **entries)
+    again = Simulation.restore(tmp_path / "old.npz")
+    again.step(30)
+    assert (again.positions == whole.positions).all()
+    assert (again.velocities == whole.velocities).all()
+
+
 def test_an_old_attribute_of_findings() -> None:
     finding = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.01, 0]]), [[0, 1, 2]]).audit().findings[0]
     with pytest.warns(DeprecationWarning, match=r"Finding\.cure is deprecated .*; use remedy"):

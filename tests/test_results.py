@@ -158,7 +158,14 @@ def test_history_of_version_0_1_is_read_by_its_new_names(tmp_path: Path) -> None
     file = tmp_path / "run" / "history.csv"
     new = read_history(file)
     file.write_text(file.read_text().replace("reference_energy", "energy_turned_over"))
-    assert read_history(file).keys() == new.keys()
+    old = read_history(file)
+    assert old.keys() == new.keys()
+    for table in (new, old):
+        with pytest.warns(
+            DeprecationWarning, match=r"read_history\(\)\['energy_turned_over'\] is deprecated"
+        ) as warned:
+            assert_array_equal(table["energy_turned_over"], table["reference_energy"])
+        assert [warning.filename for warning in warned] == [__file__]
 
 
 def test_summary_tells_the_run(tmp_path: Path) -> None:
@@ -191,6 +198,16 @@ def test_how_a_run_ended(
     assert (tmp_path / "run" / "state.npz").exists() == has_state
     assert (tmp_path / "run" / "deployment.png").exists() == has_pictures
     assert (tmp_path / "run" / "snapshots" / "turning.png").exists() == has_pictures
+
+
+def test_an_interrupted_run_whose_state_cannot_be_written_says_so(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "run", pictures=False)
+    sim: Any = FakeSimulation()
+    folder.start(sim)
+    folder.sample(sim)
+    (tmp_path / "run" / "state.npz").mkdir()
+    with pytest.raises(OutputError, match=r"cannot write .*state\.npz: Is a directory"):
+        folder.finish(sim, KeyboardInterrupt())
 
 
 def test_state_that_steps_back_is_passed_over(tmp_path: Path) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from fake_simulation import FakeSimulation, run, small_sail, summary
 from membrane_rs import OutputError, Scene
+from membrane_rs.results.history import History
 from membrane_rs.runs import RunFolder
 
 
@@ -62,6 +64,24 @@ def test_a_run_stopped_at_any_moment_can_be_overwritten(tmp_path: Path, monkeypa
     assert (path / "summary.json").exists()
     run(RunFolder(path, overwrite=True, pictures=False), [0.0, 0.1])
     assert summary(path)["outcome"] == "finished"
+
+
+def test_a_run_killed_while_its_outputs_start_can_be_overwritten(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left, start = tmp_path / "left", History.start
+
+    def killed(self: History, sim: Any, record: Any) -> None:
+        """What a process leaves that is killed here: nothing clears up behind it."""
+        shutil.copytree(record.path, left)
+        start(self, sim, record)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(History, "start", killed)
+        RunFolder(tmp_path / "run", pictures=False).start(cast(Any, FakeSimulation()))
+    assert (left / "scene.toml").exists()
+    run(RunFolder(left, overwrite=True, pictures=False), [0.0, 0.1])
+    assert summary(left)["outcome"] == "finished"
 
 
 def test_folder_that_cannot_be_written(tmp_path: Path) -> None:

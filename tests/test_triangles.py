@@ -206,7 +206,9 @@ def test_a_mesh_that_springs_refuse() -> None:
     kinds = {finding.kind for finding in mesh.audit(FILM, springs=False).findings}
     assert "negative_springs" not in kinds
     assert "negative_springs" in {finding.kind for finding in mesh.audit(FILM).findings}
-    refused(lambda: Scene(mesh, FILM, [Springs(), Triangles()]), SceneError, "in place of laws.springs")
+    refused(
+        lambda: Scene(mesh, FILM, [Springs(), Triangles()]), SceneError, "laws.springs and laws.triangles: each is the"
+    )
 
 
 def test_edges_across_the_wrinkles_count_as_buckled() -> None:

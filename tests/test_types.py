@@ -1,4 +1,4 @@
-"""Nothing asks whether a law, a part or a pattern is of one class: the classes answer for themselves."""
+"""Nothing asks for the class of a law, a part or a pattern, or for the name of a law: the classes have the answers."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.parts import PARTS
 
 SOURCE = Path(membrane_rs.__file__).parent
+FILES = sorted(SOURCE.rglob("*.py"))
 CLASSES = {kind.__name__ for kinds in (LAWS, PARTS, PATTERNS) for kind in kinds.values()} | {"Law", "Part"}
 
 
@@ -39,6 +40,28 @@ def sites(text: str) -> Iterator[tuple[int, str]]:
             yield from ((one.lineno, name) for name in sorted(names(one, imported)))
 
 
+def named(text: str) -> Iterator[tuple[int, str]]:
+    """(line, law) for each law that is looked up or compared by a name in quotes."""
+    for node in ast.walk(ast.parse(text)):
+        asked: list[ast.expr] = []
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(".law"):
+            asked = node.args
+        elif isinstance(node, ast.Compare):
+            asked = [node.left, *node.comparators]
+        for one in asked:
+            if isinstance(one, ast.Constant) and one.value in LAWS:
+                yield one.lineno, str(one.value)
+
+
+def test_names_are_found() -> None:
+    text = """
+scene.law("triangles") is None
+"springs" in kinds or kind == "spin"
+readings("springs"), scene.law(Springs), "film" in kinds
+"""
+    assert sorted(named(text)) == [(2, "triangles"), (3, "spin"), (3, "springs")]
+
+
 def test_questions_are_found() -> None:
     text = """
 from membrane_rs.scene import laws, parts
@@ -53,7 +76,11 @@ isinstance(x, str)
 
 
 def test_no_caller_asks_for_the_class_of_a_law_a_part_or_a_pattern() -> None:
-    files = sorted(SOURCE.rglob("*.py"))
-    found = [f"{file.relative_to(SOURCE)}:{line}: {name}" for file in files for line, name in sites(file.read_text())]
+    found = [f"{file.relative_to(SOURCE)}:{line}: {name}" for file in FILES for line, name in sites(file.read_text())]
     assert found == []
-    assert len(files) > len(CLASSES)
+    assert len(FILES) > len(CLASSES)
+
+
+def test_no_caller_asks_for_the_name_of_a_law() -> None:
+    found = [f"{file.relative_to(SOURCE)}:{line}: {name}" for file in FILES for line, name in named(file.read_text())]
+    assert found == []

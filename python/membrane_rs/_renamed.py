@@ -11,12 +11,12 @@ from collections.abc import Mapping
 from typing import Any
 
 REMOVAL = "0.4"
-"""The version in which what is deprecated now goes."""
+"""The version in which deprecated names are removed."""
 
 
 def deprecated(old: str, remedy: str, depth: int = 1) -> None:
     """Give a DeprecationWarning at the place that called so many functions above the caller of this one."""
-    text = f"{old} is deprecated and goes with version {REMOVAL}; {remedy}"
+    text = f"{old} is deprecated and is removed in version {REMOVAL}; {remedy}"
     warnings.warn(text, DeprecationWarning, stacklevel=2 + depth)
 
 

@@ -47,7 +47,7 @@ def _wrong_type(wanted: str) -> PydanticCustomError:
 
 
 MOST = 10**9
-"""A larger count or node index is a slip of the pen."""
+"""A larger count or node index is taken as an input error."""
 
 
 def _number(value: object) -> float:

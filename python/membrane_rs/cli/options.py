@@ -86,4 +86,4 @@ def substeps_of(substeps: int | None, short_steps: int | None) -> int | None:
 
 def warn_renamed(old: str, new: str) -> None:
     """Say that a command or an option has a new name."""
-    typer.secho(f"Warning: {old} is deprecated and goes with version {REMOVAL}; use {new}", fg="yellow", err=True)
+    typer.secho(f"Warning: {old} is deprecated and is removed in version {REMOVAL}; use {new}", fg="yellow", err=True)

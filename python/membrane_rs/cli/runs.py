@@ -119,7 +119,7 @@ def check(
             typer.echo(f"  {name:<10} {count:>9,}")
         sound = True
         if chosen.mesh is not None:
-            audit = chosen.mesh.audit(chosen.material, springs=chosen.law("triangles") is None)
+            audit = chosen.mesh.audit(chosen.material, springs=chosen.negative_springs != "unused")
             sound = audit.ok
             typer.echo(f"\nMesh\n{_indented(str(audit))}")
         idle = idle_laws(chosen)

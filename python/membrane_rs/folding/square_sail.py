@@ -52,8 +52,8 @@ class SquareSail(Pattern):
     diagonal_gap : float
         Distance of the innermost layer from the diagonal plane [m]. Default: half the layers' distance.
     layout : "ruled", "fan" or "even"
-        How nodes lie in the flat petal, see `_flat_petal`. Only "ruled" is sound: the two others have the
-        same counts as each other, but springs with negative constants, and are kept to show what comes of it.
+        How nodes lie in the flat petal, see `_flat_petal`. Only "ruled" gives positive spring constants; the others,
+        whose counts are equal, are kept for comparison.
     join : "merge" or "bridge"
         Petals share the nodes on the diagonals, or have their own, joined by stiff bridges.
 

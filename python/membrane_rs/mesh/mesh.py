@@ -109,7 +109,7 @@ class Mesh(Triangulation):
         positions : (n, 3) float64, optional
             Where the strain is measured. Default: the stowed positions.
         springs : bool
-            Whether edges are to be springs; False for a film of `Triangles`, which asks less of a mesh.
+            Whether edges are to be springs; False for a film of `Triangles`, which may have obtuse angles.
         """
         return audit(self, material, self.strain(positions), springs=springs)
 

@@ -53,7 +53,7 @@ class Subject:
         assembly, scene = sim.assembly, sim.scene
         points = np.concatenate([assembly.reference, *shapes])
         centre = np.zeros(3)
-        if scene.law("spin") is None:
+        if not any(law.turns_hub for law in scene.laws):
             centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
         reach = float(np.linalg.norm(points - centre, axis=1).max())
         return cls(

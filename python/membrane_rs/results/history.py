@@ -4,11 +4,11 @@ time                   [s]
 deployment_rate        mean radius of the corners over that of the flat sail
 phase_difference_deg   [deg] mean angle of the corners relative to the spool
 kinetic_energy         [J] in the turning frame
-stored_energy          [J] springs, creases, contacts, centrifugal potential, gravity
+stored_energy          [J] potential energy of all laws
 energy_error           (energy now - energy at the start - work done) / reference energy
 hub_angle              [rad] turned by the hub so far
-reference_energy       [J] the largest single exchange so far
-energy_<law>           [J] one per law that stores energy
+reference_energy       [J] the largest change of a single term of the energy balance so far
+energy_<law>           [J] one per law with a potential: its potential energy
 work_<law>             [J] one per law of the scene: work done on the system, negative where it takes energy
 """
 
@@ -21,6 +21,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import output_errors
+from membrane_rs._renamed import RenamedKeys
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.results.record import Record
@@ -40,7 +41,7 @@ FIRST_COLUMNS = (
 )
 
 RENAMED = {"energy_turned_over": "reference_energy"}
-"""Columns by the names that they had in version 0.1; the reader takes both."""
+"""New names of columns by those of version 0.1; files and tables have both."""
 
 
 class History(Writer):
@@ -110,8 +111,8 @@ class History(Writer):
 def read_history(path: Path | str) -> dict[str, Floats]:
     """Read a history.csv, or that of a run's folder: one (samples,) array per column.
 
-    A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. Raises
-    MissingFileError and OutputError.
+    A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. The old
+    name of a column is still a key, with a DeprecationWarning. Raises MissingFileError and OutputError.
     """
     path = Path(path)
     if path.is_dir():
@@ -127,4 +128,4 @@ def read_history(path: Path | str) -> dict[str, Floats]:
         values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(columns))
     except ValueError as error:
         raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
-    return {name: values[:, k] for k, name in enumerate(columns)}
+    return RenamedKeys("read_history()", {name: values[:, k] for k, name in enumerate(columns)}, RENAMED)

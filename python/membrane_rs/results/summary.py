@@ -1,4 +1,33 @@
-"""summary.json: what was run, how it went and what the curves say."""
+"""summary.json: what was run, how it went and what the curves show.
+
+At the start:
+
+scene                 name of the scene
+outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ..."
+counts                size of the scene, as `Scene.counts` gives it
+integrator            name of the method
+dt                    [s] step; the first one where the method chooses its steps
+stable_dt             [s] stability limit at the start; null where it is infinite
+limiting_part         the law and node that set it
+start_time            [s] simulated time
+versions              of membrane_rs, python and numpy; and the platform
+
+At the end, too:
+
+time                  [s] simulated time
+steps                 steps taken
+rejected_steps        steps rejected because of their error
+evaluations           evaluations of the forces
+newton_iterations, factorisations, fallbacks    of an implicit method, as in `Motion.statistics`
+wall_time             [s]
+frames, samples       how many were written
+energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
+                      fraction of the reference energy
+curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
+                      first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
+                      phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
+pictures              what drew them: "pyvista", "matplotlib" or "none"
+"""
 
 from __future__ import annotations
 

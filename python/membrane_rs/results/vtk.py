@@ -6,8 +6,9 @@ Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN 
 
     spring_strain         lines      l / L - 1
     triangle_strain       triangles  (2,) principal Green-Lagrange strains, larger first
-    crease_angle          lines      [rad] pi flat, 0 shut, negative where the wings have passed each other
-    buckled               lines      1 at or below the critical length, 0 above
+    crease_angle          lines      [rad] pi flat, 0 shut, negative where the facets interpenetrate
+    buckled               lines      1 below the critical length, else 0; with `Triangles` see
+                                     `Motion.buckled`
     petal                 triangles  number of the petal, where the scene names petals
 """
 

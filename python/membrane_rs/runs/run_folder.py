@@ -160,7 +160,7 @@ class RunFolder:
                     made.append(folder)
 
     def _own_files(self) -> list[Path]:
-        """What is there of the files that a run writes, whole or half-written."""
+        """The files in the folder that a run writes, complete or partial."""
         names = (name for pattern in own_files() for name in (pattern, pattern + PART))
         return [file for name in names for file in self.path.glob(name)]
 

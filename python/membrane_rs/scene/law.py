@@ -1,4 +1,4 @@
-"""What every law of force has, with neutral answers to what is asked of some."""
+"""The interface of laws, with default implementations."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.spool import Spool
 
 StiffThrough: TypeAlias = Literal["law", "film"] | None
-"""What scales a stiffness or damping that may limit the step: the law's own values, or the film's Young's modulus."""
+"""What scales the stiffness or damping of a law: its own values, or Young's modulus of the film."""
 
 
 class Surroundings(Protocol):
-    """What a law may ask of the scene that holds it."""
+    """The properties of a scene that its laws use."""
 
     @property
     def mesh(self) -> Mesh | None:
@@ -35,12 +35,16 @@ class Surroundings(Protocol):
 
 @validated
 class Law:
-    """A law of force as checked values. A law overrides what is not neutral in it; no caller asks for its class."""
+    """A law of force as checked values. A law overrides the defaults that do not hold for it."""
 
     kind: ClassVar[str]
     """Its name in scene files and in the core."""
     stiff_through: ClassVar[StiffThrough] = None
-    """None: it limits no step."""
+    """What `check` changes to measure how far the law limits the step; None: it does not vary the law."""
+    is_film: ClassVar[bool] = False
+    """Whether it is the law of the film's in-plane elasticity, of which a scene has one at most."""
+    turns_hub: ClassVar[bool] = False
+    """Whether it turns the hub, and the frame of the scene with it."""
     acts_while_relaxing: ClassVar[bool] = True
     """Whether it acts while a scene is damped to rest before its start."""
     length_fields: ClassVar[Mapping[str, str]] = {}

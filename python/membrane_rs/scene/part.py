@@ -1,4 +1,4 @@
-"""What every part of a scene has, with neutral answers to what is asked of some."""
+"""The interface of parts, with default implementations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from membrane_rs.scene.spool import Spool
 
 @validated
 class Part:
-    """A part as checked values. A part overrides what is not neutral in it; no caller asks for its class."""
+    """A part as checked values. A part overrides the defaults that do not hold for it."""
 
     kind: ClassVar[str]
     """Its name in scene files."""

@@ -1,4 +1,4 @@
-"""How near to the axis nodes can come that hang on held ones."""
+"""Lower bounds of the radius of nodes that cords and edges connect to fixed nodes."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from membrane_rs.scene.assembly import Assembly
 
 
 def nearest_radii(assembly: Assembly, mesh: Mesh | None, edge_strain_limit: float | None) -> Floats:
-    """(k,) least distance from the axis that each of the scene's contact nodes can come to [m].
+    """(k,) lower bound of the radius of each contact node [m].
 
-    A node is no farther from a held one than the cords and edges between them are long where each is stretched to its
-    limit of strain; below 0: the axis itself is in reach. Edges have a limit where `edge_strain_limit` is given.
+    The radius of a fixed node minus the shortest path to it along cords and edges at their strain limits; the largest
+    such bound is taken. Below 0 the node may reach the axis. Edges have a limit where `edge_strain_limit` is given.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import dijkstra

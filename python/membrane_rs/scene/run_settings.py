@@ -52,8 +52,9 @@ class RunSettings:
     watch : int
         Steps between two checks of energy, strain and finite values; from 1 to 10^9.
     energy_loss : float
-        A run stops when it has lost more than this share of its reference energy [-], above 0: near the stability
-        limit a method damps the fastest vibrations by itself. A spurious gain stops a run from 1 % on.
+        A run stops when the residual of the energy balance, of either sign, exceeds this fraction of the reference
+        energy [-]; above 0. Near the stability limit a method damps the fastest vibrations by itself. A spurious gain
+        stops a run from 1 % on; with "generalized_alpha", from the larger of 1 % and this fraction on.
 
     `short_steps`, `settle` and `settle_rate` are the old names of `substeps`, `relax` and `relax_rate`.
     """

@@ -49,7 +49,7 @@ class Scene:
     Raises
     ------
     SceneError
-        Two laws of a kind, springs and triangles at once, a mesh without material, nothing at all, a node set
+        Two laws of a kind, two laws of the film, a mesh without material, nothing at all, a node set
         that is not there, a name that is none for a folder.
     InputTypeError
         Something that is no mesh, material, law or part.
@@ -75,8 +75,9 @@ class Scene:
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
             raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
-        if "springs" in kinds and "triangles" in kinds:
-            raise SceneError("laws.triangles: stands in place of laws.springs; leave one of them out")
+        films = [f"laws.{law.kind}" for law in self.laws if law.is_film]
+        if len(films) > 1:
+            raise SceneError(f"{' and '.join(films)}: each is the law of the film; leave all but one out")
         if self.mesh is not None and self.material is None:
             raise SceneError("material: is missing; a mesh needs one")
         if self._assembly.node_count == 0:
@@ -131,6 +132,12 @@ class Scene:
         """The scene's law of a kind ("springs", ... or `Springs`, ...), or None."""
         name = kind if isinstance(kind, str) else kind.kind
         return next((law for law in self.laws if law.kind == name), None)
+
+    @property
+    def negative_springs(self) -> str | None:
+        """What is done with negative spring constants, by the law that has a rule; None without one."""
+        rules = (law.negative_springs for law in self.laws)
+        return next((rule for rule in rules if rule is not None), None)
 
     def assemble(self) -> Assembly:
         """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords."""

@@ -8,6 +8,8 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
 
+__all__ = ["describe", "load", "names"]
+
 
 def names() -> list[str]:
     """The names of the built-in scenes, in alphabetical order."""

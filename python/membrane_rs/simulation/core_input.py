@@ -76,13 +76,12 @@ def _film_of(scene: Scene) -> Film | None:
     material = scene.material
     if material is None:
         return None
-    rules = [law.negative_springs for law in scene.laws]
     return Film(
         youngs_modulus=material.youngs_modulus,
         poisson_ratio=material.poisson_ratio,
         density=material.density,
         thickness=material.thickness,
-        negative_springs=next((rule for rule in rules if rule is not None), "keep"),
+        negative_springs=scene.negative_springs or "keep",
     )
 
 

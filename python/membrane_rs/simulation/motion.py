@@ -57,7 +57,9 @@ class Motion:
 
     @property
     def is_adaptive(self) -> bool:
-        """Whether the method chooses each step by its error; instants between two steps are then shown as they are."""
+        """Whether the method chooses each step by its error. States between two steps are then interpolated by the
+        method's continuous extension.
+        """
         return self._core.is_adaptive
 
     @property
@@ -108,7 +110,7 @@ class Motion:
 
     @property
     def velocities(self) -> Floats:
-        """(N, 3) a copy of the velocities relative to the turning frame [m/s]. Held nodes stay at rest."""
+        """(N, 3) a copy of the velocities relative to the turning frame [m/s]. Fixed nodes stay at rest."""
         return self._core.velocities()
 
     @velocities.setter
@@ -163,10 +165,10 @@ class Motion:
         Returns
         -------
         dict
-            "kinetic", "stored", "work" (done on the system, below zero where damping takes energy out),
-            "reference_energy" (largest single exchange so far: the largest change of any one term of the balance), all
-            [J]; "error", the residual of the balance as a share of the reference energy, negative where the method
-            loses energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
+            "kinetic", "stored" (potential energy of all laws), "work" (done on the system, below zero where damping
+            takes energy out), "reference_energy" (the largest change of a single term of the balance so far), all [J];
+            "error", the residual of the balance as a share of the reference energy, negative where the method loses
+            energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}.
             "turned_over" is the old name of "reference_energy".
         """
         balance = self._core.ledger()
@@ -197,8 +199,9 @@ class Motion:
         """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
         edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
-        for law, rows in (("springs", slice(None, edges)), ("tethers", slice(edges, None))):
-            readings = self._core.spring_readings(law)
+        of_film = [(law.kind, slice(None, edges)) for law in self.scene.laws if law.is_film]
+        for name, rows in (*of_film, ("tethers", slice(edges, None))):
+            readings = self._core.spring_readings(name)
             if readings is not None:
                 found[rows] = readings.buckled
         films = self._core.triangle_readings()

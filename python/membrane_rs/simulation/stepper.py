@@ -1,4 +1,4 @@
-"""Steps of a scene in motion: single ones, a march from mark to mark with observers, saved states."""
+"""Steps of a scene in motion: single ones, a run with outputs for observers, saved states."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 
 MOST_STEPS = 10**15
-"""More steps than this are a slip of the pen: they would take centuries."""
-PROGRESS_LOOKS = 500
+"""More steps than this are taken as an input error: they would take centuries."""
+PROGRESS_CALLS = 500
 """Calls of `progress` in a run, beside those at its samples."""
 
 
@@ -65,18 +65,18 @@ class Stepper(Motion):
         observers : sequence of observers
             All finish, in their order, whatever one of them raises.
         progress : callable, optional
-            Called with this stepper now and then.
+            Called with this stepper at each output, and at 500 times spread evenly.
 
         Raises
         ------
         UnstableError
             The motion became unstable; observers have seen the last state without a fault.
         """
-        frame_marks = self._marks_of(frames, end, "frames")
-        shots = [time for time in self.scene.run.snapshots if time <= end]
-        marks = frame_marks | self._marks_of(shots, end, "snapshots")
-        marks |= self._marks_of(samples, end, "samples")
-        looks = np.linspace(min(marks), max(marks), PROGRESS_LOOKS if progress else 0)
+        frame_times = self._targets_of(frames, end, "frames")
+        snapshot_times = [time for time in self.scene.run.snapshots if time <= end]
+        output_times = frame_times | self._targets_of(snapshot_times, end, "snapshots")
+        output_times |= self._targets_of(samples, end, "samples")
+        progress_times = np.linspace(min(output_times), max(output_times), PROGRESS_CALLS if progress else 0)
         whole = float if self.is_adaptive else int
         started: list[Observer[Self]] = []
         error: BaseException | None = None
@@ -84,11 +84,11 @@ class Stepper(Motion):
             for observer in observers:
                 observer.start(self)
                 started.append(observer)
-            for mark in sorted(marks.union(map(whole, looks))):
-                self.reach(mark)
-                if mark in marks:
+            for target in sorted(output_times.union(map(whole, progress_times))):
+                self.reach(target)
+                if target in output_times:
                     self._core.check()
-                    self._show(observers, is_frame=mark in frame_marks)
+                    self._show(observers, is_frame=target in frame_times)
                 if progress is not None:
                     progress(self)
         except BaseException as caught:
@@ -108,16 +108,17 @@ class Stepper(Motion):
             if is_frame:
                 observer.frame(self)
 
-    def reach(self, mark: float) -> None:
-        """Go to a time [s] where steps are chosen, and else to a step count."""
+    def reach(self, target: float) -> None:
+        """Go to a time [s] if `is_adaptive`, else to a step count."""
         if self.is_adaptive:
-            self._core.reach(mark)
+            self._core.reach(target)
         else:
-            self._core.step(int(mark) - self.step_count)
+            self._core.step(int(target) - self.step_count)
 
-    def _marks_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[float]:
-        """Marks for `reach`: the wanted instants that are not past, or the step counts nearest to them; now and the
-        end are among them.
+    def _targets_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[float]:
+        """Targets of `reach`: the wanted times not in the past if `is_adaptive`, else the nearest step counts.
+
+        Now and the end are among them.
         """
         ahead = (end - self.time) / self.dt
         if ahead > MOST_STEPS and not self.is_adaptive:
@@ -137,7 +138,7 @@ class Stepper(Motion):
                 raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
             times = np.linspace(0.0, end, count)
         if self.is_adaptive:
-            # Twelve digits, so that a frame and a sample of the same instant are one mark.
+            # Twelve digits, so that a frame and a sample of the same time are one target.
             later = [float(f"{time:.12g}") for time in times[(times > self.time) & (times < end)]]
             return {self.time, end, *later}
         last = round(ahead)

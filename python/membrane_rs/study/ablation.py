@@ -203,7 +203,7 @@ def ablate(
     integrator : str, optional
         The method of all runs. Default: the scene's.
     share : float, optional
-        Their steps, as shares of each scene's stability limit. Default: the scene's step, or 0.4.
+        The ratio of their steps to each scene's stability limit. Default: the scene's step, or 0.4.
     dense_until : float, optional
         End of the run on the denser mesh, which costs about eight times the others [s]. Default: as for all.
     jobs : int, optional
@@ -230,7 +230,7 @@ def ablate(
         raise InputError(f"integrator: there is no {integrator!r}; {nearest(integrator, list(integrators()))}")
     tell = progress or (lambda _: None)
     case = study_case(scene, until, INSTANTS)
-    whole = _simulation(case.scene, integrator, share)
+    whole = _simulation(case.scene, integrator, step_ratio=share)
     reference, *others = ensemble(case, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)
     reference, others = reference.completed(), [member for member in others if member.failure is None]
     spread = _largest([_change(one, other) for one, other in combinations((reference, *others), 2)])
@@ -274,7 +274,7 @@ class _Comparison:
     reference: StudyRun
     spread: Change
     allowed: Change
-    share: float | None
+    step_ratio: float | None
     dense_until: float | None
     jobs: int | None
     tell: Tell
@@ -293,7 +293,7 @@ class _Comparison:
         def job(variant: Variant) -> StudyRun:
             assert variant.scene is not None
             # One step that is stable for both: then the runs differ by the model alone.
-            dt = min(self.whole.dt, _simulation(variant.scene, self.whole.integrator, self.share).dt)
+            dt = min(self.whole.dt, _simulation(variant.scene, self.whole.integrator, self.step_ratio).dt)
             case = self.case.shortened(self.dense_until) if variant.density > 1.0 else self.case
             return run_case(case.of(variant.scene), self.whole.integrator, dt, stop=stop)
 
@@ -321,10 +321,10 @@ class _Comparison:
         return Item(variant.name, time, limit, time / limit, change, verdict)
 
 
-def _simulation(scene: Scene, integrator: str | None, share: float | None) -> Simulation:
-    """The scene with its own step, or with a share of its limit as the step."""
+def _simulation(scene: Scene, integrator: str | None, step_ratio: float | None) -> Simulation:
+    """The scene with its own step, or with a step of this ratio to its limit."""
     sim = Simulation(scene, integrator)
-    return sim if share is None else Simulation(scene, integrator, share * sim.stable_dt())
+    return sim if step_ratio is None else Simulation(scene, integrator, step_ratio * sim.stable_dt())
 
 
 def _smallest(

@@ -14,7 +14,7 @@ import numpy as np
 
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import Springs
+from membrane_rs.scene.laws import SpringDamping, Springs
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def agreeing(scene: Scene) -> LengthScales:
     InputError
         A scene without film, springs, creases or damping, or with creases that are no stronger than its film.
     """
-    mesh, film, springs, damping = scene.mesh, scene.material, scene.law(Springs), scene.law("spring_damping")
+    mesh, film, springs, damping = scene.mesh, scene.material, scene.law(Springs), scene.law(SpringDamping)
     if mesh is None or film is None or springs is None or damping is None or not len(mesh.creases):
         raise InputError(f"scene {scene.name!r}: agreeing lengths need a film of springs, with creases and damping")
     alpha, more = springs.buckling, springs.buckling_on_creases - springs.buckling

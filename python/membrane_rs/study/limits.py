@@ -7,9 +7,10 @@ method maps a small disturbance (p, q) of positions and velocities to
 
 together with the history that the method keeps from step to step. A step is stable if no disturbance grows under
 repeated application of J faster than it does at a fraction of the step, since a free body drifts and a compressed film
-buckles at any step. Rigid motions keep their velocity, so growth is measured on velocities. Prestress does not enter.
-Elements that are slack, buckled or out of contact at the start are measured as they are; the prediction takes them as
-taut and in contact, and is then mostly the smaller one.
+buckles at any step. Rigid motions keep their velocity, so growth is measured on velocities. The acceleration of the
+undisturbed start cancels; the geometric stiffness of a prestressed start is included. Elements that are slack, buckled
+or out of contact at the start are measured as they are; the prediction takes them as taut and in contact, and is then
+mostly the smaller one.
 """
 
 from __future__ import annotations

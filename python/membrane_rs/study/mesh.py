@@ -176,7 +176,9 @@ def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
 def _sail(scene: Scene) -> RowPattern:
     sail = pattern_of(scene.mesh)
     if not isinstance(sail, RowPattern):
-        raise InputError(f"scene {scene.name!r}: its mesh is not a square sail; a mesh study varies the rows of one")
+        raise InputError(
+            f"scene {scene.name!r}: its mesh has no pattern in rows, such as 'square-sail'; a mesh study varies rows"
+        )
     return sail
 
 

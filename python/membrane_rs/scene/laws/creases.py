@@ -1,4 +1,4 @@
-"""Creases, and the contact of their wings."""
+"""Creases, and the contact of their facets."""
 
 from __future__ import annotations
 

@@ -24,6 +24,7 @@ class Spin(Law):
 
     kind: ClassVar[str] = "spin"
     stiff_through: ClassVar[StiffThrough] = "law"
+    turns_hub: ClassVar[bool] = True
     frequency: Annotated[Finite, Unit("Hz")] = 3.0
     acceleration: Annotated[Finite, Unit("Hz/s")] = 0.0
 

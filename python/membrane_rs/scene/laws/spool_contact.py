@@ -48,7 +48,7 @@ class SpoolContact(Law):
             builder.add_contacts(np.arange(builder.mesh_count))
 
     def why_idle(self, scene: Surroundings) -> str | None:
-        """Nodes that hang on something held can come no nearer to the axis than their springs stretch."""
+        """Without contact nodes, or where none of them can reach the spool: springs to fixed nodes are too short."""
         assembly = scene.assemble()
         if len(assembly.contacts) == 0:
             return "no tether's node and no node of the membrane can meet the spool"

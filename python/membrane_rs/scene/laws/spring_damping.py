@@ -20,7 +20,7 @@ class SpringDamping(Law):
     ratio : float
         zeta [-], 0 or above.
     length : float or None
-        Length l0 [m] of the film's dashpots: m = rho h l0^2, the mass of a square of film of that side, in place of
+        Length l_d [m] of the film's dashpots: m = rho h l_d^2, the mass of a square of film of that side, in place of
         the nodes' masses, so that a rate of strain loses the same on every mesh. Where each node has that mass the two
         forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form, whose damping
         fades as the mesh gets finer.

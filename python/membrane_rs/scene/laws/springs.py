@@ -39,6 +39,7 @@ class Springs(Law):
 
     kind: ClassVar[str] = "springs"
     stiff_through: ClassVar[StiffThrough] = "film"
+    is_film: ClassVar[bool] = True
     length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 1000.0

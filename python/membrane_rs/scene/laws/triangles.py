@@ -29,8 +29,8 @@ class Triangles(Law):
         alpha [-] of sides that are no creases, 0 or above.
     buckling_on_creases : float
         alpha [-] along creases, 0 or above. A wrinkle that crosses a crease must buckle it, so that a value above
-        `buckling` stiffens the film beside a crease in shear too, far more than springs do. The default brings model
-        1 of the paper, on the paper's mesh, nearest to the curves of its springs (docs/mesh_parameters.md).
+        `buckling` stiffens the film beside a crease in shear too, far more than springs do. The default is the value
+        calibrated to the springs of the paper's model 1, on the paper's mesh, rounded (docs/mesh_parameters.md).
     buckling_length : float or None
         Length in place of L in the critical strain [m]: the same on every mesh. None: each side's own.
     crease_length : float or None
@@ -40,6 +40,7 @@ class Triangles(Law):
     """
 
     kind: ClassVar[str] = "triangles"
+    is_film: ClassVar[bool] = True
     length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
     buckling: NonNegative = 100.0
