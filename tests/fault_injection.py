@@ -116,11 +116,11 @@ def page(found: list[Ending]) -> str:
         "Each run is of a small scene with one random fault (fixed seeds), by each explicit method, for",
         f"{STEPS} steps or the duration of that many steps of 0.4 of the limit. A scene is refused before the run, its",
         "fault is detected in the run by an error that names the true cause, or the run ends intact. Intact means a",
-        f"residual of at most {100 * BOUND:g} % of the reference energy, in the run's own energy balance or relative to",
-        "the energy of a reference run (rk4 at a tenth of its limit, without monitor). An undetected fault would be none",
-        "of these; a misdescribed one would be detected by an error that names another cause. The last column is the",
-        "largest difference from the energy of the reference run: with a crease that is far too stiff the balance holds",
-        "although a step near the limit dissipates energy; folds that spring open are chaotic. Made by",
+        f"residual of at most {100 * BOUND:g} % of the reference energy, in the run's own energy balance or relative",
+        "to the energy of a reference run (rk4 at a tenth of its limit, without monitor). An undetected fault would be",
+        "none of these; a misdescribed one would be detected by an error that names another cause. The last column is",
+        "the largest difference from the energy of the reference run: with a crease that is far too stiff the balance",
+        "holds although a step near the limit dissipates energy; folds that spring open are chaotic. Made by",
         "`python tests/fault_injection.py`, asserted by `tests/test_fault_injection.py`.",
     ]
     for method in METHODS:
