@@ -25,7 +25,7 @@ MISSING = (
 
 
 def peers(problem: Problem) -> list[Program]:
-    """The programs of the peers. Raises ImportError, or OSError where a library does not load."""
+    """The other programs. Raises ImportError, or OSError where a library does not load."""
     from peers import every, mujoco_flex, newton_cloth
 
     rk4 = mujoco_flex.Flex(problem, mujoco_flex.model_of(problem), "RK4", None)

@@ -9,7 +9,7 @@ from peers.speed import Speed, Steps
 from peers.words import paragraph
 
 AIMS = {"RK4 step": (18, 25), "leapfrog step": (40, 40), "deployment": (60, 100)}
-"""How many times faster than the peer membrane_rs was meant to be, with AVX2 and with AVX-512."""
+"""How many times faster than the other program membrane_rs was meant to be, with AVX2 and with AVX-512."""
 
 
 def pace(speed: Speed) -> list[str]:
@@ -37,7 +37,7 @@ def pace(speed: Speed) -> list[str]:
         paragraph(
             f"""The membrane of model 1 laid flat, its petals joined: {mesh.node_count} nodes, {len(mesh.edges)} edges,
             {len(mesh.triangles)} triangles, its own film, rate and tip masses. Medians. The columns that begin with a
-            stroke give the ratio to a step of membrane_rs: on the same flat film with the same kind of law, then of
+            slash give the ratio to a step of membrane_rs: on the same flat film with the same kind of law, then of
             model 1 itself with all laws (springs that buckle, dashpots, creases with contact, drag, tethers, spool,
             turning frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
             *{UNTIL:g} s take*: processor time at the largest stable step, extrapolated from the time of a step."""
