@@ -68,7 +68,7 @@ def steps(found: Steps) -> list[tuple[str, ...]]:
     return rows
 
 
-AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
+AIMED = ("what", "membrane_rs", "compared with", "aim", "times faster", "")
 """The head of such a table."""
 
 
@@ -87,7 +87,7 @@ def aims(speed: Speed) -> list[str]:
         paragraph(
             f"""Aims for {speed.width}, the vector instructions of this machine. The whole deployment of model 1 was run
             by {METHOD} in {SUBSTEPS} substeps with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us:
-            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s by the clock; the
+            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s of wall time; the
             deployment itself takes {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at
             {1e6 * done.finer_dt:.2f} us: {"within" if done.is_within else "**beyond**"} the spread of the ensemble in
             [studies.md](studies.md). MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are
