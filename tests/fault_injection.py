@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, inf
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 from faults import FAULTS, Faulty, Generator
@@ -25,6 +26,8 @@ BOUND = 0.05
 """Energy error up to which a balance counts as intact."""
 FAR = 0.5
 """Difference from the energy of the reference run at which a run is wrong, whatever its own energy balance."""
+WIDTH = 118
+"""Of the lines of a message."""
 OUTCOMES = ("refused", "detected", "intact", "undetected", "misdescribed")
 
 
@@ -141,7 +144,8 @@ def page(found: list[Ending]) -> str:
     for kind in dict.fromkeys(e.kind for e in found):
         first = next((e for e in found if e.kind == kind and e.message), None)
         if first is not None:
-            lines.append(f"- {kind}: {' '.join(first.message.split())}")
+            message = " ".join(f"- {kind}: {first.message}".split())
+            lines += wrap(message, WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines) + "\n"
 
 
