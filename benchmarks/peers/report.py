@@ -79,7 +79,8 @@ def _same(diagram: WorkPrecision) -> list[str]:
         )
         for row in diagram.sameness
     ]
-    head = ("program", "law", "mass [g]", "kinetic energy [mJ]", "first maximum of the corner radius", "at [ms]")
+    head: tuple[str, ...] = ("program", "law", "mass [g]", "kinetic energy [mJ]")
+    head += ("first maximum of the corner radius", "at [ms]")
     head += ("difference due to the material law", "smallest error of any run")
     return [
         "## Equivalence of the problems",
