@@ -76,7 +76,7 @@ def _growth(found: Medians) -> str:
                 f"{share[name]:.1f} ({share[name] / first[name]:.1f}x)" if name in share else "-" for name in columns
             ]
             lines.append((f"{label}, {nodes:,} nodes", *cells))
-    return table(("per node [ns]; times that on the smallest mesh", *columns), lines)
+    return table(("per node [ns] (ratio to the smallest mesh)", *columns), lines)
 
 
 def _number(value: float) -> str:

@@ -59,7 +59,7 @@ def sail_table(times: dict[str, list[float]]) -> str:
         if name
     }
     rest = whole / EVALUATIONS - sum(saved.values())
-    costs = [*sorted(saved.items(), key=lambda item: -item[1]), ("left over", rest)]
+    costs = [*sorted(saved.items(), key=lambda item: -item[1]), ("the method, and what laws share", rest)]
     costs.append((f"all; an RK4 step takes {whole:.0f} us", whole / EVALUATIONS))
     rows = [(name, f"{cost:.1f}", f"{100 * EVALUATIONS * cost / whole:.0f} %") for name, cost in costs]
     return table(("model 1 by law", "us per evaluation", "share of the step"), rows)

@@ -117,7 +117,8 @@ def main() -> None:
     chosen = parser.parse_args()
 
     part, repeats = (0.25, 2) if chosen.quick else (1.0, chosen.repeats)
-    head = ["model 1", "simulated [s]", "without output [s]", "with it [s]", "slower by the clock", "in processor time"]
+    head = ["model 1", "simulated [s]", "without output, wall time [s]", "with output, wall time [s]"]
+    head += ["increase of wall time", "increase of processor time"]
     times = table(head, rows(pairs(repeats, part), part))
     stepping, pictures = drawing(part)
     drawn = f"Pictures, in a fresh process: {pictures:.1f} s after a run of {stepping:.1f} s by leapfrog.\n"

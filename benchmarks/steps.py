@@ -25,7 +25,7 @@ MISSING = (
 
 
 def peers(problem: Problem) -> list[Program]:
-    """The programs of the peers. Raises ImportError, or OSError where a library does not load."""
+    """The other programs. Raises ImportError, or OSError where a library does not load."""
     from peers import every, mujoco_flex, newton_cloth
 
     rk4 = mujoco_flex.Flex(problem, mujoco_flex.model_of(problem), "RK4", None)
@@ -39,7 +39,7 @@ def text(found: Steps, missing: str | None) -> str:
     for pace in found.paces:
         name = pace.name + (" (f32)" if pace.bits == 32 else "")
         rows.append((f"flat, {pace.law}: {name}", f"{1e6 * pace.step:.1f}"))
-    parts = [table(("one step, in turn, medians", f"[us], {found.width}"), rows)]
+    parts = [table(("one step, measured alternately", f"median [us], {found.width}"), rows)]
     parts.append(MISSING.format(missing) + "\n" if missing else table(AIMED, reached(found), range(3)))
     return "\n".join(parts)
 

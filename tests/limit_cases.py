@@ -38,7 +38,7 @@ def random_scene(seed: int, ratio: float, *more: Law) -> Scene:
     """A random mesh without load: linear, with negative springs clipped."""
     springs = Springs(buckling=1e12, buckling_on_creases=1e12, negative="clip", strain_limit=1e6)
     laws: list[Law] = [springs, *more, *([SpringDamping(ratio)] if ratio else [])]
-    name = f"random mesh {seed}, ratio {ratio:g}"
+    name = f"random mesh {seed}, zeta = {ratio:g}"
     return Scene(random_mesh(seed), RUBBER, laws, name=name, run=RunSettings(until=10.0, snapshots=()))
 
 
@@ -52,23 +52,27 @@ def bridged() -> Scene:
     triangles[row] = np.where(triangles[row] == mesh.node_count - 1, mesh.node_count, triangles[row])
     split = Mesh(points, triangles, bridges=[[mesh.node_count - 1, mesh.node_count]])
     laws: list[Law] = [Springs(buckling=1e12), SpringDamping(0.02)]
-    return Scene(split, RUBBER, laws, [Bridges(1e5)], name="bridged disc", run=RunSettings(until=10.0, snapshots=()))
+    return Scene(
+        split, RUBBER, laws, [Bridges(1e5)], name="disc with bridges", run=RunSettings(until=10.0, snapshots=())
+    )
 
 
 def stretched(by: float = 2.0) -> Scene:
-    """A square net held at its border and stretched evenly, so that tension adds to its stiffness."""
+    """A square network of springs held at its border and stretched evenly, so that tension adds to its stiffness."""
     mesh = Strip(0.1, 0.1, 6, 6).mesh()
     border = np.unique(mesh.boundary_edges)
     laws = [Springs(buckling=1e12, strain_limit=1e6)]
     net = Mesh(mesh.reference, mesh.triangles, positions=by * mesh.reference)
     parts = [Fixed(tuple(int(node) for node in border))]
-    return Scene(net, RUBBER, laws, parts, name="net, stretched", run=RunSettings(until=10.0, snapshots=()))
+    return Scene(
+        net, RUBBER, laws, parts, name="prestretched spring network", run=RunSettings(until=10.0, snapshots=())
+    )
 
 
 def linear_scenes() -> list[Scene]:
     """Scenes that are linear about their start."""
     random = [random_scene(seed, ratio) for seed in range(4) for ratio in RATIOS]
-    friction = replace(random_scene(4, 0.1, MassDamping(5e3)), name="random mesh 4 in thick friction")
+    friction = replace(random_scene(4, 0.1, MassDamping(5e3)), name="random mesh 4, strong mass-proportional damping")
     return [*random, friction, stretched(), bridged()]
 
 
@@ -80,10 +84,11 @@ def page(rows: list[Limits]) -> str:
         "Predicted: from the largest eigenvalues of the stiffness and damping at the start (`Simulation.stable_dt`).",
         "Measured: by bisection on the growth of a small disturbance under the method's own steps, to 0.3 %",
         "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a perturbed grid, with linear laws",
-        "and negative springs set to zero. Made by `python tests/limit_cases.py`.",
+        "and negative springs set to zero; zeta is the parameter of their dashpots. Made by",
+        "`python tests/limit_cases.py`.",
         "",
     ]
-    head = ("scene", "method", "predicted [s]", "measured [s]", "measured / predicted", "set by")
+    head = ("scene", "method", "predicted [s]", "measured [s]", "measured / predicted", "limiting law and node")
     body = [
         (row.scene, row.integrator, f"{row.predicted:.4g}", f"{row.measured:.4g}", f"{row.ratio:.3f}", row.part)
         for row in rows

@@ -23,7 +23,7 @@ CASES = {
     "near critical damping": random_scene(11, 0.5),
     "overdamped": random_scene(2, 5.0),
     "bridge": bridged(),
-    "friction": next(scene for scene in linear_scenes() if "friction" in scene.name),
+    "friction": next(scene for scene in linear_scenes() if "mass-proportional" in scene.name),
     "stretched": stretched(),
     "tether": scenes.load("spinning-tether"),
     "crease": scenes.load("single-crease"),

@@ -49,10 +49,6 @@ CLEAN = (
     "tests/limit_cases.py",
 )
 """Files, and folders of files, that hold none."""
-QUOTING = {
-    "docs/fault_injection.md": "messages of the core, as `python tests/fault_injection.py` wrote them",
-}
-"""Files that hold private words of the core, with the reason."""
 SUFFIXES = {".md", ".py", ".rs", ".toml"}
 BREAK = r"[\s/#!*>]+"
 """Between two words of a phrase: blanks, or the end of a line with the marks of a comment."""
@@ -65,7 +61,7 @@ def files() -> Iterator[Path]:
         path = ROOT / name
         assert path.exists(), f"{name} is listed in CLEAN, and is not there"
         for file in [path] if path.is_file() else sorted(path.rglob("*")):
-            if file.suffix in SUFFIXES and file.relative_to(ROOT).as_posix() not in QUOTING:
+            if file.suffix in SUFFIXES:
                 yield file
 
 

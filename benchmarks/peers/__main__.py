@@ -13,7 +13,7 @@ PACKAGES = ("mujoco", "newton", "warp-lang")
 
 
 def main() -> int:
-    """Measure, print, and write if asked; 1 where the peers are missing."""
+    """Measure, print, and write if asked; 1 where the other programs are missing."""
     parser = argparse.ArgumentParser(prog="peers", description=__doc__)
     parser.add_argument("--write", action="store_true", help="write docs/peers.md and docs/peers.png")
     parser.add_argument(

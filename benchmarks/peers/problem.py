@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NO_STOP = 1e9
-"""Share of the energy that may be lost without stopping a run: the peers do not stop theirs either."""
+"""Share of the energy that may be lost without stopping a run: the other programs do not stop theirs either."""
 NO_BUCKLING = 1e9
 """alpha with which no spring of these meshes buckles, however short it gets."""
 

@@ -79,24 +79,26 @@ def _same(diagram: WorkPrecision) -> list[str]:
         )
         for row in diagram.sameness
     ]
-    head = ("program", "law", "mass [g]", "kinetic energy [mJ]", "corner peak", "at [ms]", "model apart", "nearest run")
+    head: tuple[str, ...] = ("program", "law", "mass [g]", "kinetic energy [mJ]")
+    head += ("first maximum of the corner radius", "at [ms]")
+    head += ("difference due to the material law", "smallest error of any run")
     return [
         "## Equivalence of the problems",
         paragraph(
             f"""The {problem.name}, {len(problem.mesh.triangles)} triangles, {len(problem.mesh.edges)} edges,
-            {x.max() - x.min():g} m wide: rubber of E = {film.youngs_modulus:g} Pa, nu = {film.poisson_ratio:.3g},
+            {x.max() - x.min():g} m wide: rubber of E_Y = {film.youngs_modulus:g} Pa, nu = {film.poisson_ratio:.3g},
             {film.density:g} kg/m3, {film.thickness:g} m thick, soft so that its strain is well above single precision;
             tips of {1e3 * problem.tip_mass:g} g, {problem.spin / (2 * math.pi):g} turns per second, {problem.until:g}
             s."""
         ),
         table(head, rows, range(2)),
         paragraph(
-            f"""*Mass* and *kinetic energy* as each program holds them at the start. *Corner peak*: first maximum of the
-            corners' radius, less its flat value, in the converged motion. *Model apart*: the distance of the converged
-            motion from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the RMS of what
-            the membrane moves beyond rigid rotation. It is the error of the model, which the diagram excludes. *Nearest
-            run*: the least distance of any of the program's runs from that converged motion, which shows that the
-            program converges to it."""
+            f"""*Mass* and *kinetic energy* as each program holds them at the start. *First maximum of the corner
+            radius*: relative to the flat corners, in the converged motion. *Difference due to the material law*: of the
+            converged motion from membrane_rs's on triangles, RMS over nodes and {problem.instants} instants, over the
+            RMS of what the membrane moves beyond rigid rotation. The diagram excludes it. *Smallest error of any run*:
+            the smallest difference of any of the program's runs from its converged motion, which shows that the program
+            converges to it."""
         ),
         paragraph(
             f"""Converged motions: membrane_rs by its rk4 ({diagram.own_error:.0e} from itself at twice the step),
@@ -113,7 +115,7 @@ def _work(diagram: WorkPrecision) -> list[str]:
     tables = []
     for film, laws in FILMS.items():
         refinements = [refinement for refinement in diagram.refinements if refinement.program.law in laws]
-        head = (film, "largest step [us]", "order", *(f"{wanted:.0e}" for wanted in WANTED), "least error")
+        head = (film, "largest step [us]", "order", *(f"{wanted:.0e}" for wanted in WANTED), "smallest error")
         tables.append(table(head, [_costs(refinement) for refinement in refinements]))
     dopri5 = next(
         refinement.program for refinement in diagram.refinements if refinement.program.name == "membrane_rs dopri5"
@@ -164,12 +166,13 @@ def _best(diagram: WorkPrecision) -> str:
             if ours and peer:
                 ratio = peer[0] / ours[0]
                 side = f"{ratio:.2g} times faster than" if ratio >= 1 else f"**{1 / ratio:.2g} times slower** than"
-                lines.append(f"{what}{ours[1]} is {side} {peer[1]}, the best peer.")
+                lines.append(f"{what}{ours[1]} is {side} {peer[1]}.")
             elif ours:
-                lines.append(f"{what}{ours[1]}; no peer gets there.")
+                lines.append(f"{what}{ours[1]}; no other program reaches it.")
             elif peer:
                 lines.append(f"{what}**{peer[1]} only.**")
-    return "## Best program for each error\n\n" + "\n".join(lines)
+    text = "The fastest method of membrane_rs beside the fastest of the other programs, at the same error:"
+    return f"## Fastest program for each error\n\n{text}\n\n" + "\n".join(lines)
 
 
 def _cheapest(refinements: Sequence[Refinement], wanted: float, *, ours: bool) -> tuple[float, str] | None:
@@ -198,11 +201,11 @@ def _limits(diagram: WorkPrecision) -> str:
     points = [
         f"""MuJoCo's `discrete` and Newton's `VBD` are implicit, and remain stable at steps at which every explicit
         method is unstable. This suits relaxation to equilibrium, and stiff parts that must not set the step. A
-        transient motion they damp, at order 1. Their nearest runs here: {named}. The longest step of membrane_rs's
+        transient motion they damp, at order 1. Their smallest errors here: {named}. The longest step of membrane_rs's
         leapfrog has an error of {first.error:.1e} on {ours.program.law}, in {first.seconds:.2g} s.""",
         f"""Single precision bounds the error of Newton from below, here by {floors}: more steps only increase it. The
         strain of a stiff film is far smaller than that.""",
         """MuJoCo and Newton simulate rigid bodies, joints, friction and contact between anything and anything; Newton
         runs on graphics processors, many scenes at once. None of that is used here, and membrane_rs has none of it.""",
     ]
-    return "## Where a peer is better, and where not\n\n" + bullets(points)
+    return "## Where the other programs are better, and where not\n\n" + bullets(points)

@@ -9,7 +9,7 @@ from peers.speed import Speed, Steps
 from peers.words import paragraph
 
 AIMS = {"RK4 step": (18, 25), "leapfrog step": (40, 40), "deployment": (60, 100)}
-"""How many times faster than the peer membrane_rs was meant to be, with AVX2 and with AVX-512."""
+"""How many times faster than the other program membrane_rs was meant to be, with AVX2 and with AVX-512."""
 
 
 def pace(speed: Speed) -> list[str]:
@@ -37,7 +37,7 @@ def pace(speed: Speed) -> list[str]:
         paragraph(
             f"""The membrane of model 1 laid flat, its petals joined: {mesh.node_count} nodes, {len(mesh.edges)} edges,
             {len(mesh.triangles)} triangles, its own film, rate and tip masses. Medians. The columns that begin with a
-            stroke give the ratio to a step of membrane_rs: on the same flat film with the same kind of law, then of
+            slash give the ratio to a step of membrane_rs: on the same flat film with the same kind of law, then of
             model 1 itself with all laws (springs that buckle, dashpots, creases with contact, drag, tethers, spool,
             turning frame): {1e6 * model["rk4"]:.1f} us with rk4, {1e6 * model["leapfrog"]:.1f} us with leapfrog.
             *{UNTIL:g} s take*: processor time at the largest stable step, extrapolated from the time of a step."""
@@ -68,7 +68,7 @@ def steps(found: Steps) -> list[tuple[str, ...]]:
     return rows
 
 
-AIMED = ("what", "membrane_rs", "against", "aim", "times faster", "")
+AIMED = ("what", "membrane_rs", "compared with", "aim", "times faster", "")
 """The head of such a table."""
 
 
@@ -87,7 +87,7 @@ def aims(speed: Speed) -> list[str]:
         paragraph(
             f"""Aims for {speed.width}, the vector instructions of this machine. The whole deployment of model 1 was run
             by {METHOD} in {SUBSTEPS} substeps with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us:
-            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s by the clock; the
+            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s of wall time; the
             deployment itself takes {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at
             {1e6 * done.finer_dt:.2f} us: {"within" if done.is_within else "**beyond**"} the spread of the ensemble in
             [studies.md](studies.md). MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are

@@ -90,7 +90,7 @@ def disc_growth() -> Row:
 
 def compare(label: str, found: float, exact: float, form: str) -> Row:
     """A row of the table."""
-    return label, f"{found:{form}}", f"{exact:{form}} exactly ({100 * (found / exact - 1):+.2f} %)"
+    return label, f"{found:{form}}", f"exact: {exact:{form}}; error {100 * (found / exact - 1):+.2f} %"
 
 
 def energy(until: float = 0.02) -> list[Row]:
@@ -103,7 +103,7 @@ def energy(until: float = 0.02) -> list[Row]:
         at_end = sim.ledger()
         share = max(worst) / at_end["reference_energy"]
         label = f"model 1, energy error after {1e3 * until:g} ms at a step of {1e6 * sim.dt:.2f} us [%]"
-        note = f"of {at_end['reference_energy']:.2e} J; gain at most {100 * share:.0e}"
+        note = f"reference energy {at_end['reference_energy']:.2e} J; largest gain {100 * share:.0e} %"
         rows.append((label, f"{100 * at_end['error']:+.4f}", note))
     return rows
 
@@ -120,7 +120,7 @@ def growth(shift: float = 1e-12) -> list[Row]:
             run.run(until=time, frames=2, samples=2)
         apart = float(np.linalg.norm(runs[0].positions - runs[1].positions, axis=1).max())
         label = f"model 1, a displacement of {shift:g} m after {1e3 * time:g} ms [m]"
-        rows.append((label, f"{apart:.1e}", "chaos, not an error"))
+        rows.append((label, f"{apart:.1e}", "none: the motion is chaotic"))
     return rows
 
 
@@ -132,7 +132,7 @@ def main() -> None:
     options = parser.parse_args()
 
     rows = [tether_period(), disc_growth(), *energy(options.until), *growth()]
-    text = table(("", "found", "to compare with"), rows, words=(0, 2))
+    text = table(("", "result", "reference"), rows, words=(0, 2))
     print(text)
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "accuracy.md").write_text(text, encoding="utf-8")

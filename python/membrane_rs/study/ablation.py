@@ -84,8 +84,8 @@ class Item:
     change : Change or None
         None for a run that did not reach its end.
     verdict : str
-        "may go", "may go: change within the spread", "needed", or the reason why it cannot be left out. For a denser
-        mesh: whether the scene's mesh is dense enough.
+        "can be omitted", "can be omitted: change within the spread", "needed", or the reason why it cannot be left
+        out. For a denser mesh: whether the scene's mesh is dense enough.
     """
 
     name: str
@@ -98,7 +98,7 @@ class Item:
     @property
     def may_go(self) -> bool:
         """Whether the scene keeps the tolerance without it."""
-        return self.verdict.startswith("may go")
+        return self.verdict.startswith("can be omitted")
 
     @property
     def share(self) -> float:
@@ -129,7 +129,7 @@ class Ablation:
 
     def table(self) -> str:
         """The rows as Markdown."""
-        head: tuple[str, ...] = ("left out", "its share of a step", "step limit", "cost of the run")
+        head: tuple[str, ...] = ("left out", "time per step saved", "step limit", "cost of the run")
         head += ("rate", "phase [deg]", "peak strain", "peak stress [Pa]", "verdict")
         rows = [_row(item) for item in self.items]
         for name, change in (("spread of perturbed starts", self.spread), ("allowed", self.allowed)):
@@ -145,7 +145,7 @@ class Ablation:
     def verdict(self) -> str:
         """The laws and parts that the smallest model leaves out."""
         if self.smallest is None:
-            return "Nothing may go: the scene is the smallest model of itself."
+            return "Nothing can be omitted."
         return f"The smallest model leaves out: {', '.join(self.left_out)}."
 
     def summary(self) -> str:
@@ -317,7 +317,7 @@ class _Comparison:
         verdict = "needed"
         if change.within(self.allowed):
             hidden = any(vars(change).values()) and change.within(self.spread)
-            verdict = "may go: change within the spread" if hidden else "may go"
+            verdict = "can be omitted: change within the spread" if hidden else "can be omitted"
         return Item(variant.name, time, limit, time / limit, change, verdict)
 
 

@@ -84,7 +84,7 @@ def _built(scene: Scene, variant: Variant) -> Variant:
     try:
         left = without(scene, [variant])
         if len(scene.assemble().fixed) and not len(left.assemble().fixed):
-            return replace(variant, reason="it alone holds the scene; without it no node is fixed")
+            return replace(variant, reason="it alone fixes the scene in space; without it no node is fixed")
         Simulation(left)
     except InputError as error:
         return replace(variant, reason=str(error))
