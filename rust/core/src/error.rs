@@ -20,6 +20,10 @@ pub enum Error {
     #[error("{what} has {found} rows but {expected} are needed; give one row per {per}")]
     LengthMismatch { what: &'static str, found: usize, expected: usize, per: &'static str },
 
+    /// A saved history that its law or method refuses.
+    #[error("the saved history of {owner} does not fit it; resume with the scene and the integrator of the saved run")]
+    HistoryMisfit { owner: &'static str },
+
     /// A triangle without area.
     #[error(
         "triangle {triangle} (nodes {nodes:?}) has an area of {area:e} m2, too small for its \

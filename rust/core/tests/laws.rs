@@ -8,9 +8,8 @@ use std::collections::BTreeSet;
 use common::toys::WearingFriction;
 use common::{Bench, Dice, creases, every_law, every_law_with, films, gravity, methods, sheet, simulation_of, spin};
 use membrane_core::arrays::state::{NodeVectors, State};
-use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{CreaseParameters, Law, LawSpec, Properties, WorkClass, spin_of};
+use membrane_core::laws::{CreaseParameters, LawSpec, Properties, WorkClass, spin_of};
 use membrane_core::model::input::{Bridges, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -136,7 +135,7 @@ fn moving() -> Model {
 
 #[test]
 fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
-    // Each law with each film, and a law with state outside the list.
+    // Each law with each film, and a law with a history outside the list.
     for (film, law) in films().flat_map(|film| {
         let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
         others.map(move |law| (film.clone(), law))
@@ -158,7 +157,7 @@ fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
             second.step(steps - steps / 3).unwrap();
             assert_eq!(whole.progress(), second.progress(), "{}, {}", laws[1].kind(), method.name);
             let (wear, start) = (&whole.progress().law_histories, &new().progress().law_histories);
-            assert!(wear.last() != start.last(), "the state has not changed");
+            assert!(wear.last() != start.last(), "the history has not changed");
             works.push((method.name, whole.ledger().work.clone()));
         }
         let (_, known) = works[0].clone();
@@ -170,19 +169,6 @@ fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
             }
         }
     }
-}
-
-#[test]
-fn the_state_of_a_law_is_restored_with_that_of_a_stopped_run() {
-    let more = |assembly: &Assembly| -> Vec<Box<dyn Law>> { vec![Box::new(WearingFriction::new(assembly))] };
-    let settings = Settings { check_interval: 16, ..Settings::default() };
-    let mut simulation = simulation_of(moving(), &[common::springs()], METHODS[0], Some(1e-7), settings, more);
-    simulation.step(32).unwrap();
-    let good = simulation.progress();
-    simulation.set_dt(1e-4).unwrap();
-    assert!(simulation.step(1000).is_err());
-    assert_eq!(simulation.progress().law_histories, good.law_histories);
-    assert_eq!(simulation.positions(), good.positions);
 }
 
 #[test]

@@ -66,8 +66,8 @@ impl Simulation {
     /// Continues from a checkpoint of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` for a checkpoint of another model, laws or method, `NotFinite`; motion, ledger and method are
-    /// then unchanged.
+    /// `LengthMismatch` and `HistoryMisfit` for a checkpoint of another model, laws or method, `NotFinite`; motion,
+    /// ledger, method and laws are then unchanged.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
         let resumed = self.load(progress);
@@ -86,6 +86,9 @@ impl Simulation {
         length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
         const OF_METHOD: &str = "the saved history of the method";
         const OF_LAWS: &str = "the saved history of the laws";
+        if !progress.law_histories.is_empty() {
+            length(OF_LAWS, progress.law_histories.len(), self.laws().len(), "law")?;
+        }
         let histories = progress.law_histories.iter().map(|history| (OF_LAWS, history));
         for (what, (vectors, _)) in histories.chain([(OF_METHOD, &progress.history)]) {
             vectors.iter().try_for_each(|rows| length(what, rows.len(), nodes, "node"))?;
@@ -100,12 +103,11 @@ impl Simulation {
         };
         let of_laws: Vec<History> = progress.law_histories.iter().map(internal).collect();
         let of_method = internal(&progress.history);
-        let misfit = |what, found, expected| Err(Error::LengthMismatch { what, found, expected, per: "law" });
         if !self.integrator.restore_history(of_method) {
-            return misfit(OF_METHOD, progress.history.1.len(), self.laws().len());
+            return Err(Error::HistoryMisfit { owner: self.name() });
         }
-        if !self.mechanics.restore_histories(&of_laws) {
-            return misfit(OF_LAWS, of_laws.len(), self.laws().len());
+        if let Some(owner) = self.mechanics.restore_histories(&of_laws) {
+            return Err(Error::HistoryMisfit { owner });
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
         self.record_good(self.energy_terms());

@@ -326,16 +326,22 @@ impl Simulation {
             if self.adaptive.is_some() {
                 self.adaptive_step()?;
             } else {
-                let time = self.time();
-                self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
-                self.step_count += 1;
+                self.fixed_step();
                 self.refuse_stall()?;
             }
+            self.mechanics.accept(self.state.at(self.time()));
             if self.step_count.is_multiple_of(self.settings.check_interval.max(1)) {
                 self.regular_check()?;
             }
         }
         Ok(())
+    }
+
+    /// One step of the given length, from the present time.
+    fn fixed_step(&mut self) {
+        let time = self.time();
+        self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+        self.step_count += 1;
     }
 
     fn start_if_needed(&mut self) {
