@@ -37,12 +37,12 @@ fn history_of(saved: &Bound<'_, PyDict>, name: &str) -> PyResult<SavedHistory> {
     let mut histories = Vec::new();
     if count > 0 {
         let vectors = key("vectors");
-        let mut all = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
-        let nodes = all.len().checked_div(count).unwrap_or_default();
-        if nodes * count != all.len() {
-            return Err(wrong_value(format!("saved state: {vectors} does not have whole vectors per node")));
+        let all = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
+        // The count is that of an array at hand: the memory of the histories is at most that of the array.
+        if all.is_empty() || !all.len().is_multiple_of(count) {
+            return Err(wrong_value(format!("saved state: {vectors} does not have {count} vectors per node")));
         }
-        histories = (0..count).map(|_| all.drain(..nodes).collect()).collect();
+        histories = all.chunks_exact(all.len() / count).map(<[_]>::to_vec).collect();
     }
     let name = key("numbers");
     let numbers = match saved.get_item(&name)? {
