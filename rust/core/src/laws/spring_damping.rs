@@ -36,6 +36,7 @@ use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,

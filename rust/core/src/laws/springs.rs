@@ -39,6 +39,7 @@ use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 
 /// Parameters of the membrane's springs.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpringParameters {
     /// Buckling parameter alpha of eq. (2).
     pub buckling: f64,
