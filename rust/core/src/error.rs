@@ -78,6 +78,14 @@ pub enum Error {
     #[error("law {law} is there twice; a scene holds one of each kind: leave one out")]
     LawTwice { law: &'static str },
 
+    /// Two laws for the in-plane elasticity of the film.
+    #[error("{first} and {second} are both laws for the elasticity of the film; a scene holds one: leave one out")]
+    TwoFilms { first: &'static str, second: &'static str },
+
+    /// A nodal law with other forces.
+    #[error("law {law} is nodal and has kernels of elements or links too; make two laws of it")]
+    MixedKernels { law: &'static str },
+
     /// A matrix too large for the memory.
     #[error(
         "there is no memory for the tangent matrix of {nodes} free nodes; use a coarser mesh or an explicit integrator"

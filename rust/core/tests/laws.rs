@@ -8,10 +8,11 @@ use std::collections::BTreeSet;
 use common::toys::WearingFriction;
 use common::{Bench, Dice, creases, every_law, every_law_with, films, gravity, methods, sheet, simulation_of, spin};
 use membrane_core::arrays::state::{NodeVectors, State};
+use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{CreaseParameters, LawSpec, Properties, WorkClass, spin_of};
+use membrane_core::laws::{CreaseParameters, Kernels, Law, LawSpec, NodalLaw, Properties, WorkClass, spin_of};
 use membrane_core::model::input::{Bridges, Model};
-use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::simulation::{Settings, Setup, Simulation};
 
 /// The sum of |a| |b|, component by component.
 fn size_of(a: &NodeVectors, b: &NodeVectors) -> f64 {
@@ -212,6 +213,54 @@ fn a_law_that_is_there_twice_is_refused_by_name() {
             assert!(error.contains(&format!("law {} is there twice", law.kind())), "{error}");
         }
     }
+}
+
+#[test]
+fn two_laws_for_the_film_are_refused_by_name() {
+    let both: Vec<LawSpec> = films().collect();
+    let build = Simulation::new(sheet(2, 2, 0.01), &both, "rk4", Some(1e-12), Settings::default());
+    let error = build.err().unwrap().to_string();
+    assert!(error.contains("springs and triangles are both"), "{error}");
+}
+
+/// A nodal law that states elements too.
+struct Mixed(WearingFriction);
+
+impl Law for Mixed {
+    fn properties(&self) -> Properties {
+        self.0.properties()
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
+        self.0.nodal()
+    }
+
+    fn remedy(&self) -> &'static str {
+        self.0.remedy()
+    }
+}
+
+#[test]
+fn a_nodal_law_with_elements_is_refused_by_name() {
+    for method in methods() {
+        let assembly = Assembly::new(sheet(2, 2, 0.01), Settings::default().instructions).unwrap();
+        let laws: Vec<Box<dyn Law>> = vec![Box::new(Mixed(WearingFriction::new(&assembly)))];
+        let setup = Setup { assembly, laws, spin: spin_of(&[]), method, dt: Some(1e-9), limit: None };
+        let error = Simulation::with(setup, Settings::default()).err().unwrap().to_string();
+        assert!(error.contains("law wearing_friction is nodal"), "{error}");
+    }
+}
+
+#[test]
+fn an_unknown_parameter_of_a_law_is_refused_by_name() {
+    let read = |text: &str| serde_json::from_str::<LawSpec>(text);
+    assert!(read(r#"{"kind": "mass_damping", "rate": 1.0}"#).is_ok());
+    let error = read(r#"{"kind": "spring_damping", "ratio": 0.1, "lenght": 0.01}"#).unwrap_err().to_string();
+    assert!(error.contains("lenght"), "{error}");
 }
 
 #[test]

@@ -107,7 +107,7 @@ pub trait Law: Send + Sync {
         self.properties().name
     }
 
-    /// The kernels of its forces; a law with `nodal` needs none.
+    /// The kernels of its forces; a law with `nodal` has none.
     fn kernels(&self) -> Kernels;
 
     /// Adds the forces \[N\] of the elements of a tile, those whose lowest node is in it. Returns the rate at which the

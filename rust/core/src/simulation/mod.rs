@@ -14,6 +14,7 @@ use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
+use crate::evaluation::plan::Plan;
 use crate::integrators::{self, Integrator, Options, Properties};
 use crate::laws::Instant;
 use crate::laws::{self, Law, LawSpec, Readings};
@@ -78,9 +79,10 @@ impl Simulation {
     /// As `new`, for an assembled model, with any laws and any method.
     ///
     /// # Errors
-    /// As `new`.
+    /// As `new`, and `MixedKernels`.
     pub fn with(setup: Setup, settings: Settings) -> Result<Self> {
-        let Setup { assembly, laws, spin, method, dt, limit } = setup;
+        let Setup { assembly, mut laws, spin, method, dt, limit } = setup;
+        Plan::check(&mut laws)?;
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
