@@ -5,7 +5,7 @@
 //! with e the unit vector along the spring. A rigid motion changes no length and dissipates nothing. The mass m is
 //!
 //!     m = (m_i + m_j)/2     that of the two nodes of the spring: the form of the paper
-//!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
+//!     m = rho h l_d^2        that of a square of film of side l_d, for springs of the film, if a length l_d is given
 //!
 //! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer
 //! meshes. In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the
@@ -40,7 +40,7 @@ use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,
-    /// l0, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
+    /// l_d, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
     pub length: Option<f64>,
 }
 
