@@ -35,10 +35,10 @@ pub type SavedHistory = (Vec<Vec<[f64; 3]>>, Vec<f64>);
 /// Saved data of the step control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveProgress {
-    /// The end of the last step \[s\].
-    pub front: f64,
+    /// The time at the end of the last step \[s\].
+    pub step_end_time: f64,
     /// The output time, within that step \[s\].
-    pub shown: f64,
+    pub output_time: f64,
     /// The next step.
     pub controller: Controller,
 }
@@ -49,7 +49,7 @@ impl Simulation {
         let saved = |History { vectors, numbers }: History| {
             (vectors.iter().map(|vectors| self.numbering.external_vectors(vectors)).collect(), numbers)
         };
-        let (state, work) = self.front();
+        let (state, work) = self.state_at_step_end();
         Progress {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
@@ -111,7 +111,7 @@ impl Simulation {
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
         self.record_good(self.energy_terms());
-        self.show_saved(progress.adaptive.as_ref());
+        self.interpolate_saved(progress.adaptive.as_ref());
         Ok(())
     }
 }

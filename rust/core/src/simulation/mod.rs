@@ -156,7 +156,7 @@ impl Simulation {
 
     /// Time \[s\].
     pub fn time(&self) -> f64 {
-        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.shown)
+        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.output_time)
     }
 
     /// The step \[s\]; in an adaptive run the next one to attempt.
