@@ -28,11 +28,11 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::link::Links;
+use crate::elements::link::{Links, Span};
 use crate::error::{Error, Result};
 use crate::model::checks::{non_negative, positive};
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -146,17 +146,15 @@ impl BatchKernel for ResistanceKernel<'_> {
         let coefficient = pass.of(self.coefficient);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            let d = sub(b, a);
-            let rate = dot(d, sub(v, u));
-            let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let inverse_square = V::all(1.0) / span.square().max(V::all(f64::MIN_POSITIVE));
             let resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
             power -= resistance * rate;
             if let Some(cache) = &mut self.cache {
                 cache[pass.place(batch)] = resistance.lanes();
             }
-            let force = scale(V::all(self.sign) * resistance, d);
+            let force = scale(V::all(self.sign) * resistance, span.d);
             pass.add(&mut self.out, batch, [force, negate(force)]);
         }
         power
@@ -179,9 +177,8 @@ impl BatchKernel for PowerKernel<'_> {
         let resistances = pass.of(self.resistances);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            power -= V::load(&resistances[batch]) * dot(sub(b, a), sub(v, u));
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            power -= V::load(&resistances[batch]) * span.opening(pass.read::<V, 3>(self.velocities, batch));
         }
         power
     }
