@@ -11,6 +11,7 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "rust" / "core" / "src"
 PATH = re.compile(r"\b(?:crate|super)(?:::\w+)+")
+USE = re.compile(r"\buse ([^;]+);")
 
 
 def layers() -> list[list[str]]:
@@ -35,9 +36,37 @@ def code(file: Path) -> str:
     return text.partition("#[cfg(test)]\nmod tests")[0]
 
 
+def expanded(tree: str) -> list[str]:
+    """The paths of a use-tree: a::{b, c::{d, e}} is a::b, a::c::d, a::c::e."""
+    head, brace, rest = tree.partition("{")
+    if not brace:
+        return [tree]
+    items, depth = [""], 0
+    for sign in rest.rpartition("}")[0]:
+        depth += (sign == "{") - (sign == "}")
+        if sign == "," and depth == 0:
+            items.append("")
+        else:
+            items[-1] += sign
+    return [head + path for item in items for path in expanded(item.strip()) if path]
+
+
+def paths(file: Path) -> list[str]:
+    """The paths that a file names from the crate's root or from a folder above it, those of use-trees one by one."""
+    text = re.sub(r"\s*(::|[{},;])\s*", r"\1", code(file))
+    trees = [path for tree in USE.findall(text) for path in expanded(tree)]
+    return [path.group() for path in PATH.finditer(" ".join([USE.sub(" ", text), *trees]))]
+
+
 def used(file: Path) -> Iterator[str]:
     """The rooms that a file names by their path from the crate's root."""
-    return (path.group().split("::")[1] for path in PATH.finditer(code(file)) if path.group().startswith("crate::"))
+    return (path.split("::")[1] for path in paths(file) if path.startswith("crate::"))
+
+
+def test_the_paths_of_a_use_tree_are_found() -> None:
+    tree = "super::{leapfrog, Options, kick_drift::{End, begin}, rk4::make as make_rk4}"
+    found = ["leapfrog", "Options", "kick_drift::End", "kick_drift::begin", "rk4::make as make_rk4"]
+    assert expanded(tree) == ["super::" + path for path in found]
 
 
 def test_lib_names_every_room() -> None:
@@ -66,7 +95,7 @@ def test_files_of_a_room_use_each_other_in_no_circle(room: str) -> None:
         if own == "mod":
             continue
         depth = len(file.relative_to(SOURCE / room).parts)
-        others = [path.group() for path in PATH.finditer(code(file))]
+        others = paths(file)
         others = [path.removeprefix(f"crate::{room}::") for path in others if path.startswith(f"crate::{room}::")] + [
             path.removeprefix("super::" * depth)
             for path in others

@@ -214,6 +214,18 @@ def test_state_goes_on_with_the_same_bits(whole: Simulation) -> None:
         second.set_state(lacking)
 
 
+@pytest.mark.parametrize("count", [2, 7, 10**17])
+@pytest.mark.parametrize("rows", [0, 5])
+def test_a_count_of_histories_without_their_vectors_is_refused_before_any_memory_is_taken(
+    count: int, rows: int
+) -> None:
+    sim = Simulation(hanging_strip())
+    unfit = {**sim.state(), "history_count": count, "history_vectors": np.zeros((rows, 3))}
+    unfit["history_numbers"] = np.zeros(3)
+    with pytest.raises(InputError, match=f"history_vectors does not have {count} vectors per node"):
+        sim.set_state(unfit)
+
+
 def test_the_limit_is_that_of_the_shape_now() -> None:
     sim = Simulation(fold_scene())
     before = sim.stable_dt(), sim.limiting_part

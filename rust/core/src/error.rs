@@ -20,6 +20,10 @@ pub enum Error {
     #[error("{what} has {found} rows but {expected} are needed; give one row per {per}")]
     LengthMismatch { what: &'static str, found: usize, expected: usize, per: &'static str },
 
+    /// A saved history that its law or method refuses.
+    #[error("the saved history of {owner} does not fit it; resume with the scene and the integrator of the saved run")]
+    HistoryMisfit { owner: &'static str },
+
     /// A triangle without area.
     #[error(
         "triangle {triangle} (nodes {nodes:?}) has an area of {area:e} m2, too small for its \
@@ -73,6 +77,14 @@ pub enum Error {
     /// A second law of one kind.
     #[error("law {law} is there twice; a scene holds one of each kind: leave one out")]
     LawTwice { law: &'static str },
+
+    /// Two laws for the in-plane elasticity of the film.
+    #[error("{first} and {second} are both laws for the elasticity of the film; a scene holds one: leave one out")]
+    TwoFilms { first: &'static str, second: &'static str },
+
+    /// A nodal law with other forces.
+    #[error("law {law} is nodal and has kernels of elements or links too; make two laws of it")]
+    MixedKernels { law: &'static str },
 
     /// A matrix too large for the memory.
     #[error(

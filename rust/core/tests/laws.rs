@@ -10,9 +10,9 @@ use common::{Bench, Dice, creases, every_law, every_law_with, films, gravity, me
 use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{CreaseParameters, Law, LawSpec, Properties, WorkClass, spin_of};
+use membrane_core::laws::{CreaseParameters, Kernels, Law, LawSpec, NodalLaw, Properties, WorkClass, spin_of};
 use membrane_core::model::input::{Bridges, Model};
-use membrane_core::simulation::{Settings, Simulation};
+use membrane_core::simulation::{Settings, Setup, Simulation};
 
 /// The sum of |a| |b|, component by component.
 fn size_of(a: &NodeVectors, b: &NodeVectors) -> f64 {
@@ -136,7 +136,7 @@ fn moving() -> Model {
 
 #[test]
 fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
-    // Each law with each film, and a law with state outside the list.
+    // Each law with each film, and a law with a history outside the list.
     for (film, law) in films().flat_map(|film| {
         let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
         others.map(move |law| (film.clone(), law))
@@ -158,7 +158,7 @@ fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
             second.step(steps - steps / 3).unwrap();
             assert_eq!(whole.progress(), second.progress(), "{}, {}", laws[1].kind(), method.name);
             let (wear, start) = (&whole.progress().law_histories, &new().progress().law_histories);
-            assert!(wear.last() != start.last(), "the state has not changed");
+            assert!(wear.last() != start.last(), "the history has not changed");
             works.push((method.name, whole.ledger().work.clone()));
         }
         let (_, known) = works[0].clone();
@@ -170,19 +170,6 @@ fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
             }
         }
     }
-}
-
-#[test]
-fn the_state_of_a_law_is_restored_with_that_of_a_stopped_run() {
-    let more = |assembly: &Assembly| -> Vec<Box<dyn Law>> { vec![Box::new(WearingFriction::new(assembly))] };
-    let settings = Settings { check_interval: 16, ..Settings::default() };
-    let mut simulation = simulation_of(moving(), &[common::springs()], METHODS[0], Some(1e-7), settings, more);
-    simulation.step(32).unwrap();
-    let good = simulation.progress();
-    simulation.set_dt(1e-4).unwrap();
-    assert!(simulation.step(1000).is_err());
-    assert_eq!(simulation.progress().law_histories, good.law_histories);
-    assert_eq!(simulation.positions(), good.positions);
 }
 
 #[test]
@@ -226,6 +213,54 @@ fn a_law_that_is_there_twice_is_refused_by_name() {
             assert!(error.contains(&format!("law {} is there twice", law.kind())), "{error}");
         }
     }
+}
+
+#[test]
+fn two_laws_for_the_film_are_refused_by_name() {
+    let both: Vec<LawSpec> = films().collect();
+    let build = Simulation::new(sheet(2, 2, 0.01), &both, "rk4", Some(1e-12), Settings::default());
+    let error = build.err().unwrap().to_string();
+    assert!(error.contains("springs and triangles are both"), "{error}");
+}
+
+/// A nodal law that states elements too.
+struct Mixed(WearingFriction);
+
+impl Law for Mixed {
+    fn properties(&self) -> Properties {
+        self.0.properties()
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
+        self.0.nodal()
+    }
+
+    fn remedy(&self) -> &'static str {
+        self.0.remedy()
+    }
+}
+
+#[test]
+fn a_nodal_law_with_elements_is_refused_by_name() {
+    for method in methods() {
+        let assembly = Assembly::new(sheet(2, 2, 0.01), Settings::default().instructions).unwrap();
+        let laws: Vec<Box<dyn Law>> = vec![Box::new(Mixed(WearingFriction::new(&assembly)))];
+        let setup = Setup { assembly, laws, spin: spin_of(&[]), method, dt: Some(1e-9), limit: None };
+        let error = Simulation::with(setup, Settings::default()).err().unwrap().to_string();
+        assert!(error.contains("law wearing_friction is nodal"), "{error}");
+    }
+}
+
+#[test]
+fn an_unknown_parameter_of_a_law_is_refused_by_name() {
+    let read = |text: &str| serde_json::from_str::<LawSpec>(text);
+    assert!(read(r#"{"kind": "mass_damping", "rate": 1.0}"#).is_ok());
+    let error = read(r#"{"kind": "spring_damping", "ratio": 0.1, "lenght": 0.01}"#).unwrap_err().to_string();
+    assert!(error.contains("lenght"), "{error}");
 }
 
 #[test]

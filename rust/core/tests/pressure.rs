@@ -3,9 +3,12 @@
 
 mod common;
 
-use common::{Dice, films, sheet};
+use std::ops::Range;
+
+use common::{Dice, films, sheet, simulation_of};
+use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{LawSpec, PressureParameters};
+use membrane_core::laws::{Instant, Kernels, Law, LawSpec, NodalLaw, PressureParameters, Properties, WorkClass};
 use membrane_core::model::input::{Film, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -89,4 +92,50 @@ fn its_work_is_external_and_closes_the_balance_at_the_order_of_each_method() {
         let (coarse, fine) = (residual(50), residual(100));
         assert!(fine < 1e-3 && (fine < 0.35 * coarse || fine < 1e-9), "{}: {coarse:e} {fine:e}", method.name);
     }
+}
+
+/// A constant force along x on each node, whose work is missing in the balance: a law at fault.
+struct Push;
+
+impl Law for Push {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::Conservative;
+        Properties { name: "push", work_class, depends_on_velocity: false, is_internal: false }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
+    }
+
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "correct its energy"
+    }
+}
+
+impl NodalLaw for Push {
+    fn add_to_rows(&mut self, _rows: Range<usize>, _at: Instant<'_>, [x, ..]: [&mut [f64]; 3]) -> f64 {
+        x.iter_mut().for_each(|force| *force += 1.0);
+        0.0
+    }
+}
+
+#[test]
+fn its_negative_work_does_not_hide_a_spurious_gain() {
+    // A triangle that moves against the pressure.
+    let mut model = surface(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]], &[[0, 1, 2]], 0.0);
+    model.velocities = vec![[0.0, 0.0, -2.0]; 3];
+    let settings = Settings { loss_tolerance: 1.0, ..Settings::default() };
+    let run = |more: fn(&Assembly) -> Vec<Box<dyn Law>>| {
+        let mut simulation = simulation_of(model.clone(), &[pressure(1.0)], METHODS[0], Some(1e-3), settings, more);
+        let result = simulation.step(64);
+        (result, simulation.ledger().work[0])
+    };
+    let (result, work) = run(|_| Vec::new());
+    assert!(result.is_ok() && work < -0.3, "{work}");
+    let text = run(|_| vec![Box::new(Push)]).0.unwrap_err().to_string();
+    assert!(text.contains("a spurious gain of"), "{text}");
 }

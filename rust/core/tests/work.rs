@@ -7,6 +7,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::sail;
+use membrane_core::laws::{LawSpec, PressureParameters};
 use membrane_core::simulation::{Settings, Simulation};
 use membrane_core::stability::Limit;
 
@@ -68,6 +69,23 @@ fn a_scene_holds_little_memory() {
         assert!(held as usize <= most, "{integrator}: {held} bytes, more than {most}");
         assert!(simulation.time() == 0.0);
     }
+}
+
+#[test]
+fn a_load_independent_of_velocity_needs_no_forces_of_its_own() {
+    let held = |integrator: &str, pressure: Option<f64>| {
+        let (before, model) = (HELD.get(), sail::sail(4));
+        let nodes = model.positions.len() as isize;
+        let load = pressure.map(|pressure| PressureParameters { pressure }.into());
+        let laws: Vec<LawSpec> = sail::laws().into_iter().chain(load).collect();
+        let simulation = Simulation::new(model, &laws, integrator, Some(1e-7), Settings::default()).unwrap();
+        let held = HELD.get() - before;
+        assert!(simulation.time() == 0.0);
+        (held, nodes)
+    };
+    let [of_rk4, of_leapfrog] = ["rk4", "leapfrog"].map(|name| held(name, Some(1.0)).0 - held(name, None).0);
+    let vector = 24 * held("rk4", None).1;
+    assert!((of_leapfrog - of_rk4).abs() < vector / 4, "{of_leapfrog} and {of_rk4} bytes, {vector} per vector");
 }
 
 #[test]

@@ -37,12 +37,12 @@ fn history_of(saved: &Bound<'_, PyDict>, name: &str) -> PyResult<SavedHistory> {
     let mut histories = Vec::new();
     if count > 0 {
         let vectors = key("vectors");
-        let mut all = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
-        let nodes = all.len().checked_div(count).unwrap_or_default();
-        if nodes * count != all.len() {
-            return Err(wrong_value(format!("saved state: {vectors} does not have whole vectors per node")));
+        let all = rows(&vectors, &get::<Bound<'_, PyAny>>(saved, WHAT, &vectors)?)?;
+        // The count is that of an array at hand: the memory of the histories is at most that of the array.
+        if all.is_empty() || !all.len().is_multiple_of(count) {
+            return Err(wrong_value(format!("saved state: {vectors} does not have {count} vectors per node")));
         }
-        histories = (0..count).map(|_| all.drain(..nodes).collect()).collect();
+        histories = all.chunks_exact(all.len() / count).map(<[_]>::to_vec).collect();
     }
     let name = key("numbers");
     let numbers = match saved.get_item(&name)? {
@@ -71,8 +71,8 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
             save_history(&saved, &of_law(law), history)?;
         }
     }
-    if let Some(AdaptiveProgress { front, shown, controller }) = progress.adaptive {
-        let numbers = [front, shown, controller.dt, controller.last_error];
+    if let Some(AdaptiveProgress { step_end_time, output_time, controller }) = progress.adaptive {
+        let numbers = [step_end_time, output_time, controller.dt, controller.last_error];
         saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
         saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
         saved.set_item("rejected_count", controller.rejected_count)?;
@@ -96,13 +96,13 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
     let law_histories = of_laws.collect::<PyResult<Vec<_>>>()?;
     let adaptive = if saved.contains("adaptive_numbers")? {
         let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
-        let &[front, shown, dt, last_error] = numbers.as_slice() else {
+        let &[step_end_time, output_time, dt, last_error] = numbers.as_slice() else {
             return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
         };
         let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
         let rejected_count = get(saved, WHAT, "rejected_count")?;
         let controller = Controller { dt, last_error, was_rejected, rejected_count };
-        Some(AdaptiveProgress { front, shown, controller })
+        Some(AdaptiveProgress { step_end_time, output_time, controller })
     } else {
         None
     };

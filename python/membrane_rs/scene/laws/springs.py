@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
@@ -47,6 +47,10 @@ class Springs(Law):
     crease_length: Annotated[Positive | None, Unit("m")] = None
     strain_limit: Positive = 0.1
     negative: Literal["refuse", "clip", "keep"] = "refuse"
+
+    def core_parameters(self) -> dict[str, Any]:
+        """Those of the law; `negative` goes with the film."""
+        return {name: value for name, value in super().core_parameters().items() if name != "negative"}
 
     @property
     def negative_springs(self) -> str:

@@ -9,6 +9,36 @@ use crate::layout::ElementSet;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::{F64x8, SimdF64, dot, sub};
 
+/// The vectors along the links of a batch, from the first end to the second.
+pub(crate) struct Span<V> {
+    pub(crate) d: [V; 3],
+}
+
+impl<V: SimdF64> Span<V> {
+    #[inline(always)]
+    pub(crate) fn between([a, b]: [[V; 3]; 2]) -> Self {
+        Self { d: sub(b, a) }
+    }
+
+    /// l^2.
+    #[inline(always)]
+    pub(crate) fn square(&self) -> V {
+        dot(self.d, self.d)
+    }
+
+    /// l.
+    #[inline(always)]
+    pub(crate) fn length(&self) -> V {
+        self.square().sqrt()
+    }
+
+    /// l times its rate, from the velocities of both ends.
+    #[inline(always)]
+    pub(crate) fn opening(&self, [u, v]: [[V; 3]; 2]) -> V {
+        dot(self.d, sub(v, u))
+    }
+}
+
 /// A set of links, and the instruction set of their kernels.
 pub struct Links {
     /// The ends of each link, the lower number first: a link has no direction.
@@ -24,11 +54,8 @@ impl Links {
 
     /// The length of each link, batch by batch \[m\].
     pub(crate) fn lengths<'a>(&'a self, positions: Columns<'a>) -> impl Iterator<Item = F64x8> + 'a {
-        (0..self.elements.batch_count()).map(move |batch| {
-            let [a, b] = self.elements.read_any(positions, batch);
-            let d = sub(b, a);
-            dot(d, d).sqrt()
-        })
+        (0..self.elements.batch_count())
+            .map(move |batch| Span::between(self.elements.read_any(positions, batch)).length())
     }
 }
 

@@ -4,10 +4,10 @@
 //! those of `laws::springs` and `laws::spring_damping`.
 
 use crate::arrays::columns::{Columns, ColumnsMut};
-use crate::elements::link::Links;
+use crate::elements::link::{Links, Span};
 use crate::laws::{spring_damping, springs};
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Adds the forces of the springs and dashpots of one tile; the result is the power of the dashpots.
 pub(super) struct DampedKernel<'a> {
@@ -30,14 +30,12 @@ impl DampedKernel<'_> {
         let (parameters, coefficient) = (pass.of(self.springs), pass.of(self.coefficient));
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            let d = sub(b, a);
-            let rate = dot(d, sub(v, u));
-            let (tension, inverse) = parameters[batch].tension_per_length(dot(d, d).sqrt());
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let (tension, inverse) = parameters[batch].tension_per_length(span.length());
             let resistance = spring_damping::resistance_per_length(&coefficient[batch], rate, inverse * inverse);
             power -= resistance * rate;
-            let force = scale(tension + resistance, d);
+            let force = scale(tension + resistance, span.d);
             pass.add(&mut self.forces, batch, [force, negate(force)]);
             if let Some(cache) = &mut cache {
                 cache[pass.place(batch)] = resistance.lanes();

@@ -95,13 +95,21 @@ impl Mechanics {
         self.laws.iter().map(|law| law.history()).collect()
     }
 
-    /// Restores the history of each law, or that of the start without any. Whether all fit.
-    pub(crate) fn restore_histories(&mut self, histories: &[History]) -> bool {
-        if !histories.is_empty() && histories.len() != self.laws.len() {
-            return false;
-        }
+    /// Restores the history of each law, or that of the start where none is given. The first law whose history does not
+    /// fit, if any.
+    pub(crate) fn restore_histories(&mut self, histories: &[History]) -> Option<&'static str> {
         let given = histories.iter().cloned().chain(std::iter::repeat_with(History::default));
-        self.laws.iter_mut().zip(given).all(|(law, history)| law.restore_history(history))
+        let mut unfit = self.laws.iter_mut().zip(given).filter_map(|(law, history)| {
+            let fits = law.restore_history(history);
+            (!fits).then(|| law.name())
+        });
+        unfit.next()
+    }
+
+    /// Passes the end of an accepted step to each law.
+    pub(crate) fn accept(&mut self, point: PhasePoint<'_>) {
+        let at = self.instant(point);
+        self.laws.iter_mut().for_each(|law| law.accept(at));
     }
 
     /// The instant of a point.

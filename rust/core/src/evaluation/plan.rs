@@ -11,10 +11,11 @@ use crate::arrays::blocks::{rows_of, tiles};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::state::{NodeVectors, rows_mut};
 use crate::elements::link::Links;
+use crate::error::{Error, Result};
 use crate::laws::Instant;
 use crate::laws::spring_damping::{PowerKernel, ResistanceKernel};
 use crate::laws::springs::{self, TensionKernel};
-use crate::laws::{Law, LinkResponse};
+use crate::laws::{Kernels, Law, LinkResponse};
 use crate::simd::lanes::F64x8;
 
 /// A pass.
@@ -59,6 +60,21 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Refuses a nodal law with kernels of elements or links: methods add its forces one row block at a time, and those
+    /// of elements tile by tile.
+    ///
+    /// # Errors
+    /// `MixedKernels`.
+    pub(crate) fn check(laws: &mut [Box<dyn Law>]) -> Result<()> {
+        let is_mixed = |law: &mut &mut Box<dyn Law>| {
+            let Kernels { elements, links } = law.kernels();
+            law.nodal().is_some() && (elements || !links.is_empty())
+        };
+        laws.iter_mut()
+            .find_map(|mut law| is_mixed(&mut law).then(|| law.name()))
+            .map_or(Ok(()), |law| Err(Error::MixedKernels { law }))
+    }
+
     /// The plan of these laws.
     pub fn new(laws: &mut [Box<dyn Law>]) -> Self {
         let is_separate = vec![false; laws.len()];

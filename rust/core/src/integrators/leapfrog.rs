@@ -28,7 +28,7 @@
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
-use super::{Integrator, Options, Properties, System, multirate};
+use super::{Integrator, Options, Properties, System};
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
@@ -55,21 +55,15 @@ pub(super) const PROPERTIES: Properties = Properties {
     ..Properties::explicit("leapfrog", 2, 1)
 };
 
-/// The method for a scene, with substeps where more than one is set.
+/// The method for a scene, without substeps.
 pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
-    if options.substeps > 1 { multirate::make(options) } else { Box::new(Leapfrog::new(options)) }
-}
-
-impl Leapfrog {
-    fn new(options: &Options) -> Self {
-        Self {
-            acceleration: NodeVectors::zeros(options.nodes),
-            powers: vec![0.0; options.laws],
-            is_started: false,
-            row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
-            instructions: options.instructions,
-        }
-    }
+    Box::new(Leapfrog {
+        acceleration: NodeVectors::zeros(options.nodes),
+        powers: vec![0.0; options.laws],
+        is_started: false,
+        row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
+        instructions: options.instructions,
+    })
 }
 
 impl Integrator for Leapfrog {

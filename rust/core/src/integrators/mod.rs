@@ -212,10 +212,15 @@ pub struct Method {
 /// The list of methods.
 pub const METHODS: &[Method] = &[
     Method { name: "rk4", make: rk4::make },
-    Method { name: "leapfrog", make: leapfrog::make },
+    Method { name: "leapfrog", make: make_leapfrog },
     Method { name: "dopri5", make: dopri5::make },
     Method { name: "generalized_alpha", make: generalized_alpha::make },
 ];
+
+/// Leapfrog, with substeps where more than one is set.
+fn make_leapfrog(options: &Options) -> Box<dyn Integrator> {
+    if options.substeps > 1 { multirate::make(options) } else { leapfrog::make(options) }
+}
 
 /// The method called `name`.
 ///

@@ -45,6 +45,7 @@ pub enum AirMotion {
 
 /// Parameters of the air.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AirDragParameters {
     /// Pressure \[Pa\].
     pub pressure: f64,

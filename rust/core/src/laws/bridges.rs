@@ -10,9 +10,10 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{Block, JacobianBlocks, of_link};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
+use crate::elements::link::Span;
 use crate::layout::ElementSet;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// The law: all links, of one stiffness, in batches of eight.
 pub(super) struct Bridges {
@@ -52,8 +53,8 @@ impl BatchKernel for LinkKernel<'_> {
         let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
         let stiffness = pass.of(&self.bridges.stiffness);
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let force = scale(V::all(self.sign) * V::load(&stiffness[batch]), sub(b, a));
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let force = scale(V::all(self.sign) * V::load(&stiffness[batch]), span.d);
             pass.add(&mut self.out, batch, [force, negate(force)]);
         }
         V::zero()
@@ -80,11 +81,8 @@ impl Law for Bridges {
 
     fn energy(&self, at: Instant<'_>) -> f64 {
         let x = Columns::of(at.positions);
-        let energies = (0..self.elements.batch_count()).map(|batch| {
-            let [a, b] = self.elements.read_any(x, batch);
-            let d = sub(b, a);
-            (self.stiffness[batch] * dot(d, d)).sum()
-        });
+        let energies = (0..self.elements.batch_count())
+            .map(|batch| (self.stiffness[batch] * Span::between(self.elements.read_any(x, batch)).square()).sum());
         0.5 * energies.sum::<f64>()
     }
 

@@ -37,6 +37,7 @@ use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, negate, scale, sum};
 
 /// Parameters of the creases.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CreaseParameters {
     /// beta, the crease stiffness parameter.
     pub stiffness: f64,

@@ -15,6 +15,7 @@ use crate::model::frame::Frame;
 
 /// Parameters of weight.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GravityParameters {
     /// g in inertial space \[m/s2\].
     pub acceleration: [f64; 3],

@@ -126,7 +126,7 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 /// Builds the laws of a scene, with those of the tethers and bridges of the model.
 ///
 /// # Errors
-/// `OutOfRange` for a parameter, `LawTwice`, `DampingOnNegativeSpring`, `DegenerateTriangle`.
+/// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `DegenerateTriangle`.
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let context = Context { assembly, networks: SpringNetworks::default(), specs };
     let mut laws: Vec<Box<dyn Law>> = Vec::new();
@@ -136,6 +136,10 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
             return Err(Error::LawTwice { law: law.name() });
         }
         laws.push(law);
+    }
+    let mut films = specs.iter().filter(|spec| spec.film().is_some()).map(LawSpec::kind);
+    if let (Some(first), Some(second)) = (films.next(), films.next()) {
+        return Err(Error::TwoFilms { first, second });
     }
     if !assembly.model.cords.is_empty() {
         laws.push(Box::new(springs::Springs::tethers(&context)));

@@ -13,6 +13,7 @@ use crate::model::checks::non_negative;
 
 /// Parameters of the damping.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MassDampingParameters {
     /// The rate at which velocities decay \[1/s\].
     pub rate: f64,

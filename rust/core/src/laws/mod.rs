@@ -96,8 +96,8 @@ pub(crate) enum LinkResponse {
 
 /// A law: forces on nodes as functions of their motion.
 ///
-/// All arrays are in internal order. A law may have state, since evaluations take `&mut self`. Its `history` is saved
-/// and restored with the run.
+/// All arrays are in internal order. Evaluations take `&mut self` for work arrays, but do not change the history: they
+/// also serve steps that are rejected, and forces that are only read. The history changes in `accept`.
 pub trait Law: Send + Sync {
     /// Its properties.
     fn properties(&self) -> Properties;
@@ -107,7 +107,7 @@ pub trait Law: Send + Sync {
         self.properties().name
     }
 
-    /// The kernels of its forces; a law with `nodal` needs none.
+    /// The kernels of its forces; a law with `nodal` has none.
     fn kernels(&self) -> Kernels;
 
     /// Adds the forces \[N\] of the elements of a tile, those whose lowest node is in it. Returns the rate at which the
@@ -137,7 +137,11 @@ pub trait Law: Send + Sync {
         None
     }
 
-    /// Data kept from evaluation to evaluation.
+    /// Updates the history at the end of a step. It is called once after each accepted step, with the accepted state,
+    /// and the new history is that of all later evaluations.
+    fn accept(&mut self, _at: Instant<'_>) {}
+
+    /// Data kept from step to step, saved and restored with the run.
     fn history(&self) -> History {
         History::default()
     }

@@ -24,6 +24,7 @@ use crate::simd::lanes::{SimdF64, dot, scale, sum};
 
 /// Parameters of the load.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PressureParameters {
     /// p, the difference of the pressures on both sides; a negative one acts against the normal \[Pa\].
     pub pressure: f64,

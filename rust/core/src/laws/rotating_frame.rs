@@ -24,6 +24,7 @@ use crate::simd::map::{Formula, each};
 
 /// Motion of the hub: Omega(t) = 2 pi (frequency + acceleration t).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpinParameters {
     /// Revolutions per second at t = 0 \[Hz\].
     pub frequency: f64,

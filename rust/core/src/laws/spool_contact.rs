@@ -18,6 +18,7 @@ use crate::model::mesh::dot;
 
 /// Parameters of the spool.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpoolContactParameters {
     /// R \[m\].
     pub radius: f64,

@@ -5,7 +5,7 @@
 //! with e the unit vector along the spring. A rigid motion changes no length and dissipates nothing. The mass m is
 //!
 //!     m = (m_i + m_j)/2     that of the two nodes of the spring: the form of the paper
-//!     m = rho h l0^2        that of a square of film of side l0, for springs of the film, if a length l0 is given
+//!     m = rho h l_d^2        that of a square of film of side l_d, for springs of the film, if a length l_d is given
 //!
 //! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer
 //! meshes. In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the
@@ -28,18 +28,19 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::link::Links;
+use crate::elements::link::{Links, Span};
 use crate::error::{Error, Result};
 use crate::model::checks::{non_negative, positive};
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,
-    /// l0, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
+    /// l_d, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
     pub length: Option<f64>,
 }
 
@@ -145,17 +146,15 @@ impl BatchKernel for ResistanceKernel<'_> {
         let coefficient = pass.of(self.coefficient);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            let d = sub(b, a);
-            let rate = dot(d, sub(v, u));
-            let inverse_square = V::all(1.0) / dot(d, d).max(V::all(f64::MIN_POSITIVE));
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let inverse_square = V::all(1.0) / span.square().max(V::all(f64::MIN_POSITIVE));
             let resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
             power -= resistance * rate;
             if let Some(cache) = &mut self.cache {
                 cache[pass.place(batch)] = resistance.lanes();
             }
-            let force = scale(V::all(self.sign) * resistance, d);
+            let force = scale(V::all(self.sign) * resistance, span.d);
             pass.add(&mut self.out, batch, [force, negate(force)]);
         }
         power
@@ -178,9 +177,8 @@ impl BatchKernel for PowerKernel<'_> {
         let resistances = pass.of(self.resistances);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let [u, v] = pass.read::<V, 3>(self.velocities, batch);
-            power -= V::load(&resistances[batch]) * dot(sub(b, a), sub(v, u));
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            power -= V::load(&resistances[batch]) * span.opening(pass.read::<V, 3>(self.velocities, batch));
         }
         power
     }

@@ -31,14 +31,15 @@ use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
-use crate::elements::link::Links;
+use crate::elements::link::{Links, Span};
 use crate::error::Result;
 use crate::model::checks::positive;
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, dot, negate, scale, sub};
+use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Parameters of the membrane's springs.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpringParameters {
     /// Buckling parameter alpha of eq. (2).
     pub buckling: f64,
@@ -172,9 +173,8 @@ impl BatchKernel for TensionKernel<'_> {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = pass.of(self.parameters);
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let d = sub(b, a);
-            let force = scale(parameters[batch].tension_per_length(dot(d, d).sqrt()).0, d);
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let force = scale(parameters[batch].tension_per_length(span.length()).0, span.d);
             pass.add(&mut self.forces, batch, [force, negate(force)]);
         }
         V::zero()

@@ -2,8 +2,8 @@
 //!
 //!     S_v = eta C : dE/dt   [Pa],     eta = 2 zeta sqrt(m / k),   k = 2 E_Y h A0 / L^2   [s]
 //!
-//! with C the stiffness of the film, m the mean mass of the three nodes, or that of a square of film of side l0 (rho h
-//! l0^2, with which eta is the same on every mesh), and L^2 the mean square side. It corresponds to dashpots along
+//! with C the stiffness of the film, m the mean mass of the three nodes, or that of a square of film of side l_d (rho h
+//! l_d^2, with which eta is the same on every mesh), and L^2 the mean square side. It corresponds to dashpots along
 //! springs with c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs represent the film
 //! exactly, the two have the same forces near rest. The coefficient is positive on obtuse triangles too, and a rigid
 //! motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.

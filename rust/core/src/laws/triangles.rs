@@ -50,6 +50,7 @@ use crate::simd::lanes::{F64x8, SimdF64, Vec3, negate};
 
 /// Parameters of the triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TriangleParameters {
     /// c, the share of the stiffness in compression, from 0 (a film) to 1 (a plate without buckling).
     pub compression: f64,

@@ -15,10 +15,10 @@ const TOLERANCE: f64 = 1e-6;
 pub(crate) type Product<'a> = &'a dyn Fn(&NodeVectors, &mut NodeVectors);
 
 /// out = M^-1/2 A M^-1/2 q
-pub(crate) fn apply(product: Product<'_>, roots: &[f64], q: &NodeVectors) -> NodeVectors {
+pub(crate) fn apply(product: Product<'_>, inverse_sqrt_masses: &[f64], q: &NodeVectors) -> NodeVectors {
     let scaled = |mut v: NodeVectors| {
         for mut column in v.column_iter_mut() {
-            column.iter_mut().zip(roots).for_each(|(value, root)| *value *= root);
+            column.iter_mut().zip(inverse_sqrt_masses).for_each(|(value, root)| *value *= root);
         }
         v
     };
@@ -28,17 +28,17 @@ pub(crate) fn apply(product: Product<'_>, roots: &[f64], q: &NodeVectors) -> Nod
 }
 
 /// q . (M^-1/2 A M^-1/2) q for a unit vector q.
-pub(crate) fn quotient(product: Product<'_>, roots: &[f64], q: &NodeVectors) -> f64 {
-    q.dot(&apply(product, roots, q))
+pub(crate) fn quotient(product: Product<'_>, inverse_sqrt_masses: &[f64], q: &NodeVectors) -> f64 {
+    q.dot(&apply(product, inverse_sqrt_masses, q))
 }
 
 /// The largest eigenvalue of M^-1/2 A M^-1/2 and its unit eigenvector.
-pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeVectors)> {
+pub(crate) fn largest(product: Product<'_>, inverse_sqrt_masses: &[f64]) -> Result<(f64, NodeVectors)> {
     let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
     let mut found: f64 = 0.0;
     let mut weights = DVector::from_element(1, 1.0);
     let mut before = f64::NAN;
-    recurrence(product, roots, |_, alpha, beta| {
+    recurrence(product, inverse_sqrt_masses, |_, alpha, beta| {
         diagonal.push(alpha);
         let k = diagonal.len();
         if k % 8 == 0 || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
@@ -61,9 +61,9 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
     if !found.is_finite() {
         return Err(Error::NotFinite { what: "the stiffness", node: 0, value: found });
     }
-    let mut mode = NodeVectors::zeros(roots.len());
+    let mut mode = NodeVectors::zeros(inverse_sqrt_masses.len());
     let mut k = 0;
-    recurrence(product, roots, |q, _, _| {
+    recurrence(product, inverse_sqrt_masses, |q, _, _| {
         mode += q * weights[k];
         k += 1;
         k < weights.len()
@@ -74,13 +74,21 @@ pub(crate) fn largest(product: Product<'_>, roots: &[f64]) -> Result<(f64, NodeV
 
 /// Lanczos's three-term recurrence. `visit` receives each basis vector, its diagonal entry and the next off-diagonal
 /// one; the recurrence ends where it returns false.
-pub(crate) fn recurrence(product: Product<'_>, roots: &[f64], mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool) {
+pub(crate) fn recurrence(
+    product: Product<'_>,
+    inverse_sqrt_masses: &[f64],
+    mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool,
+) {
     // A fixed start with a component along every mode: the fractional parts of multiples of the golden ratio.
-    let mut q = NodeVectors::from_fn(roots.len(), |i, axis| {
+    let mut q = NodeVectors::from_fn(inverse_sqrt_masses.len(), |i, axis| {
         ((3 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5
     });
     for mut column in q.column_iter_mut() {
-        column.iter_mut().zip(roots).filter(|(_, root)| **root == 0.0).for_each(|(value, _)| *value = 0.0);
+        column
+            .iter_mut()
+            .zip(inverse_sqrt_masses)
+            .filter(|(_, root)| **root == 0.0)
+            .for_each(|(value, _)| *value = 0.0);
     }
     let norm = q.norm();
     if norm == 0.0 {
@@ -88,9 +96,9 @@ pub(crate) fn recurrence(product: Product<'_>, roots: &[f64], mut visit: impl Fn
         return;
     }
     q /= norm;
-    let (mut previous, mut beta) = (NodeVectors::zeros(roots.len()), 0.0);
+    let (mut previous, mut beta) = (NodeVectors::zeros(inverse_sqrt_masses.len()), 0.0);
     loop {
-        let mut next = apply(product, roots, &q) - previous * beta;
+        let mut next = apply(product, inverse_sqrt_masses, &q) - previous * beta;
         let alpha = q.dot(&next);
         next -= &q * alpha;
         beta = next.norm();

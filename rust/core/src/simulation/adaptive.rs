@@ -14,12 +14,12 @@ const FIRST_STEP: f64 = 1e-6;
 
 /// State of the step control.
 pub(super) struct Adaptive {
-    /// The end of the last step \[s\].
-    front: f64,
+    /// The time at the end of the last step \[s\].
+    step_end_time: f64,
     /// The output time \[s\].
-    pub(super) shown: f64,
-    /// State and work at the front while those of an earlier output time are in place.
-    ahead: Option<(State, Vec<f64>)>,
+    pub(super) output_time: f64,
+    /// State and work at the end of the last step, while those of an earlier output time are in place.
+    held_step_end: Option<(State, Vec<f64>)>,
     pub(super) controller: Controller,
     first_dt: f64,
 }
@@ -42,8 +42,13 @@ impl Simulation {
         positive("length of the tolerance [m]", tolerance.length)?;
         positive("speed of the tolerance [m/s]", tolerance.speed)?;
         let first_dt = if limit.is_finite() { self.settings.margin * limit } else { FIRST_STEP };
-        self.adaptive =
-            Some(Adaptive { front: 0.0, shown: 0.0, ahead: None, controller: Controller::new(first_dt), first_dt });
+        self.adaptive = Some(Adaptive {
+            step_end_time: 0.0,
+            output_time: 0.0,
+            held_step_end: None,
+            controller: Controller::new(first_dt),
+            first_dt,
+        });
         Ok(())
     }
 
@@ -54,22 +59,22 @@ impl Simulation {
     pub fn reach(&mut self, time: f64, most: u64) -> Result<bool> {
         for _ in 0..most {
             match &self.adaptive {
-                Some(adaptive) if adaptive.front < time => self.step(1)?,
+                Some(adaptive) if adaptive.step_end_time < time => self.step(1)?,
                 _ => break,
             }
         }
-        let is_reached = self.adaptive.as_ref().is_some_and(|adaptive| adaptive.front >= time);
+        let is_reached = self.adaptive.as_ref().is_some_and(|adaptive| adaptive.step_end_time >= time);
         if is_reached {
-            self.show(time);
+            self.interpolate(time);
         }
         Ok(is_reached)
     }
 
-    /// One accepted step from the front.
+    /// One accepted step from the end of the last one.
     pub(super) fn adaptive_step(&mut self) -> Result<()> {
-        self.show_front();
+        self.restore_step_end();
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
-        let time = adaptive.front;
+        let time = adaptive.step_end_time;
         loop {
             let dt = adaptive.controller.dt;
             if dt <= f64::EPSILON * adaptive.first_dt.max(time) {
@@ -80,8 +85,8 @@ impl Simulation {
             let error = method.attempt(&mut self.mechanics, from, dt, &self.settings.tolerance);
             if adaptive.controller.accepts(error) {
                 method.accept(&mut self.state, &mut self.ledger.work);
-                adaptive.front = time + dt;
-                adaptive.shown = adaptive.front;
+                adaptive.step_end_time = time + dt;
+                adaptive.output_time = adaptive.step_end_time;
                 self.step_count += 1;
                 return Ok(());
             }
@@ -94,47 +99,47 @@ impl Simulation {
         Err(self.roll_back(fault))
     }
 
-    /// Puts the state at the front in place, for the next step.
-    fn show_front(&mut self) {
+    /// Puts the state at the end of the last step in place, for the next one.
+    fn restore_step_end(&mut self) {
         if let Some(adaptive) = &mut self.adaptive
-            && let Some((state, work)) = adaptive.ahead.take()
+            && let Some((state, work)) = adaptive.held_step_end.take()
         {
-            (self.state, self.ledger.work, adaptive.shown) = (state, work, adaptive.front);
+            (self.state, self.ledger.work, adaptive.output_time) = (state, work, adaptive.step_end_time);
         }
     }
 
-    /// Interpolates the state at `time`, at most the front.
-    fn show(&mut self, time: f64) {
-        self.show_front();
+    /// Interpolates the state at `time`, at most that of the end of the last step.
+    fn interpolate(&mut self, time: f64) {
+        self.restore_step_end();
         let Some(adaptive) = &mut self.adaptive else { return };
-        if time < adaptive.front
+        if time < adaptive.step_end_time
             && let Some(method) = self.integrator.embedded()
         {
-            let end = Endpoint { time: adaptive.front, state: &self.state, work: &self.ledger.work };
+            let end = Endpoint { time: adaptive.step_end_time, state: &self.state, work: &self.ledger.work };
             let (state, work) = Embedded::interpolate(method, end, time);
-            adaptive.ahead =
+            adaptive.held_step_end =
                 Some((std::mem::replace(&mut self.state, state), std::mem::replace(&mut self.ledger.work, work)));
-            adaptive.shown = time;
+            adaptive.output_time = time;
         }
     }
 
     /// State and work at the end of the last step.
-    pub(super) fn front(&self) -> (&State, &[f64]) {
-        let ahead = self.adaptive.as_ref().and_then(|adaptive| adaptive.ahead.as_ref());
-        ahead.map_or((&self.state, &self.ledger.work), |(state, work)| (state, work))
+    pub(super) fn state_at_step_end(&self) -> (&State, &[f64]) {
+        let held = self.adaptive.as_ref().and_then(|adaptive| adaptive.held_step_end.as_ref());
+        held.map_or((&self.state, &self.ledger.work), |(state, work)| (state, work))
     }
 
-    /// The output time becomes the front.
+    /// The output time becomes the end of the last step.
     pub(super) fn restart_adaptive(&mut self) {
         if let Some(adaptive) = &mut self.adaptive {
-            (adaptive.front, adaptive.ahead) = (adaptive.shown, None);
+            (adaptive.step_end_time, adaptive.held_step_end) = (adaptive.output_time, None);
         }
     }
 
     /// Restarts the step control at an earlier time; the count of rejected steps is kept.
     pub(super) fn roll_back_adaptive(&mut self, time: f64) {
         if let Some(adaptive) = &mut self.adaptive {
-            (adaptive.front, adaptive.shown, adaptive.ahead) = (time, time, None);
+            (adaptive.step_end_time, adaptive.output_time, adaptive.held_step_end) = (time, time, None);
             adaptive.controller =
                 Controller { rejected_count: adaptive.controller.rejected_count, ..Controller::new(adaptive.first_dt) };
         }
@@ -142,14 +147,19 @@ impl Simulation {
 
     pub(super) fn adaptive_progress(&self) -> Option<AdaptiveProgress> {
         let adaptive = self.adaptive.as_ref()?;
-        Some(AdaptiveProgress { front: adaptive.front, shown: adaptive.shown, controller: adaptive.controller })
+        Some(AdaptiveProgress {
+            step_end_time: adaptive.step_end_time,
+            output_time: adaptive.output_time,
+            controller: adaptive.controller,
+        })
     }
 
     pub(super) fn resume_adaptive(&mut self, saved: Option<&AdaptiveProgress>) -> Result<()> {
         match (&mut self.adaptive, saved) {
             (Some(adaptive), Some(saved)) => {
                 positive("saved step [s]", saved.controller.dt)?;
-                (adaptive.front, adaptive.shown, adaptive.controller) = (saved.front, saved.front, saved.controller);
+                (adaptive.step_end_time, adaptive.output_time, adaptive.controller) =
+                    (saved.step_end_time, saved.step_end_time, saved.controller);
                 Ok(())
             }
             (None, None) => Ok(()),
@@ -162,9 +172,9 @@ impl Simulation {
         }
     }
 
-    pub(super) fn show_saved(&mut self, saved: Option<&AdaptiveProgress>) {
+    pub(super) fn interpolate_saved(&mut self, saved: Option<&AdaptiveProgress>) {
         if let Some(saved) = saved {
-            self.show(saved.shown);
+            self.interpolate(saved.output_time);
         }
     }
 }

@@ -35,10 +35,10 @@ pub type SavedHistory = (Vec<Vec<[f64; 3]>>, Vec<f64>);
 /// Saved data of the step control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveProgress {
-    /// The end of the last step \[s\].
-    pub front: f64,
+    /// The time at the end of the last step \[s\].
+    pub step_end_time: f64,
     /// The output time, within that step \[s\].
-    pub shown: f64,
+    pub output_time: f64,
     /// The next step.
     pub controller: Controller,
 }
@@ -49,7 +49,7 @@ impl Simulation {
         let saved = |History { vectors, numbers }: History| {
             (vectors.iter().map(|vectors| self.numbering.external_vectors(vectors)).collect(), numbers)
         };
-        let (state, work) = self.front();
+        let (state, work) = self.state_at_step_end();
         Progress {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
@@ -66,8 +66,8 @@ impl Simulation {
     /// Continues from a checkpoint of the same model, laws, method and step.
     ///
     /// # Errors
-    /// `LengthMismatch` for a checkpoint of another model, laws or method, `NotFinite`; motion, ledger and method are
-    /// then unchanged.
+    /// `LengthMismatch` and `HistoryMisfit` for a checkpoint of another model, laws or method, `NotFinite`; motion,
+    /// ledger, method and laws are then unchanged.
     pub fn resume(&mut self, progress: &Progress) -> Result<()> {
         let before = self.progress();
         let resumed = self.load(progress);
@@ -86,6 +86,9 @@ impl Simulation {
         length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
         const OF_METHOD: &str = "the saved history of the method";
         const OF_LAWS: &str = "the saved history of the laws";
+        if !progress.law_histories.is_empty() {
+            length(OF_LAWS, progress.law_histories.len(), self.laws().len(), "law")?;
+        }
         let histories = progress.law_histories.iter().map(|history| (OF_LAWS, history));
         for (what, (vectors, _)) in histories.chain([(OF_METHOD, &progress.history)]) {
             vectors.iter().try_for_each(|rows| length(what, rows.len(), nodes, "node"))?;
@@ -100,16 +103,15 @@ impl Simulation {
         };
         let of_laws: Vec<History> = progress.law_histories.iter().map(internal).collect();
         let of_method = internal(&progress.history);
-        let misfit = |what, found, expected| Err(Error::LengthMismatch { what, found, expected, per: "law" });
         if !self.integrator.restore_history(of_method) {
-            return misfit(OF_METHOD, progress.history.1.len(), self.laws().len());
+            return Err(Error::HistoryMisfit { owner: self.name() });
         }
-        if !self.mechanics.restore_histories(&of_laws) {
-            return misfit(OF_LAWS, of_laws.len(), self.laws().len());
+        if let Some(owner) = self.mechanics.restore_histories(&of_laws) {
+            return Err(Error::HistoryMisfit { owner });
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
         self.record_good(self.energy_terms());
-        self.show_saved(progress.adaptive.as_ref());
+        self.interpolate_saved(progress.adaptive.as_ref());
         Ok(())
     }
 }

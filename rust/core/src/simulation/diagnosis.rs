@@ -14,13 +14,13 @@ use crate::laws::{Law, Properties, WorkClass};
 const ROUNDING: f64 = 1e-9;
 /// Residual that is allowed at any reference energy, relative to the largest energy term: a disc in steady rotation
 /// exchanges no energy, but the work of its dashpots is of the order of (Omega dt)^2 of its energy in each revolution.
-const FLOOR: f64 = 1e-5;
+const RESIDUAL_FLOOR: f64 = 1e-5;
 
 /// Vibration of nodes by rounding, in units in the last place of the largest coordinate.
-const DIGITS: f64 = 64.0;
+const VIBRATION_ULPS: f64 = 64.0;
 /// Speed of nodes of an adaptive run in a scene at rest, relative to the allowed error of a step: there the steps grow
 /// beyond the limit until the error reaches the tolerance.
-const ERRORS: f64 = 10.0;
+const REST_SPEED_FACTOR: f64 = 10.0;
 
 /// The description of a fault.
 pub(super) struct Fault {
@@ -77,7 +77,7 @@ impl Simulation {
     /// Energy error by rounding [J]: relative to the largest energy term, and, for a scene at rest whose energy terms
     /// are themselves within rounding, the energy of nodes that vibrate by some last digits of their coordinates.
     fn rounding(&self, largest: f64) -> f64 {
-        let digit = DIGITS * f64::EPSILON * self.state.positions.amax();
+        let digit = VIBRATION_ULPS * f64::EPSILON * self.state.positions.amax();
         let vibration = self.kinetic_at(digit * self.start_limit.largest_frequency);
         // A vibration that is not finite allows no error.
         ROUNDING * largest + if vibration.is_finite() { vibration } else { 0.0 }
@@ -85,7 +85,8 @@ impl Simulation {
 
     /// Whether the reference energy of an adaptive run is within the errors allowed for its steps.
     fn is_within_tolerance(&self, reference_energy: f64) -> bool {
-        let allowed = self.kinetic_at(ERRORS * self.settings.tolerance.relative * self.settings.tolerance.speed);
+        let allowed =
+            self.kinetic_at(REST_SPEED_FACTOR * self.settings.tolerance.relative * self.settings.tolerance.speed);
         self.adaptive.is_some() && reference_energy <= self.step_count as f64 * allowed
     }
 
@@ -147,7 +148,8 @@ impl Simulation {
             return None;
         }
         let percent = |energy: f64| 100.0 * energy.abs() / reference_energy;
-        let allowed = self.settings.loss_tolerance * reference_energy + FLOOR * largest + self.rounding(largest);
+        let allowed =
+            self.settings.loss_tolerance * reference_energy + RESIDUAL_FLOOR * largest + self.rounding(largest);
         if residual > allowed {
             let law = self.damping_work().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(row, _)| row);
             let what = format!(

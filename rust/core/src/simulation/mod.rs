@@ -14,6 +14,7 @@ use crate::assembly::Assembly;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
+use crate::evaluation::plan::Plan;
 use crate::integrators::{self, Integrator, Options, Properties};
 use crate::laws::Instant;
 use crate::laws::{self, Law, LawSpec, Readings};
@@ -78,9 +79,10 @@ impl Simulation {
     /// As `new`, for an assembled model, with any laws and any method.
     ///
     /// # Errors
-    /// As `new`.
+    /// As `new`, and `MixedKernels`.
     pub fn with(setup: Setup, settings: Settings) -> Result<Self> {
-        let Setup { assembly, laws, spin, method, dt, limit } = setup;
+        let Setup { assembly, mut laws, spin, method, dt, limit } = setup;
+        Plan::check(&mut laws)?;
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
@@ -154,7 +156,7 @@ impl Simulation {
 
     /// Time \[s\].
     pub fn time(&self) -> f64 {
-        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.shown)
+        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.output_time)
     }
 
     /// The step \[s\]; in an adaptive run the next one to attempt.
@@ -326,16 +328,22 @@ impl Simulation {
             if self.adaptive.is_some() {
                 self.adaptive_step()?;
             } else {
-                let time = self.time();
-                self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
-                self.step_count += 1;
+                self.fixed_step();
                 self.refuse_stall()?;
             }
+            self.mechanics.accept(self.state.at(self.time()));
             if self.step_count.is_multiple_of(self.settings.check_interval.max(1)) {
                 self.regular_check()?;
             }
         }
         Ok(())
+    }
+
+    /// One step of the given length, from the present time.
+    fn fixed_step(&mut self) {
+        let time = self.time();
+        self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
+        self.step_count += 1;
     }
 
     fn start_if_needed(&mut self) {

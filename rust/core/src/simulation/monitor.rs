@@ -47,15 +47,18 @@ impl Simulation {
         while self.step_count < last {
             self.start_if_needed();
             let time = self.time();
-            let before = self.suspect.insert(self.state.clone()).clone();
-            self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
-            self.step_count += 1;
+            let (before, histories) = (self.suspect.insert(self.state.clone()).clone(), self.mechanics.histories());
+            self.fixed_step();
+            self.mechanics.accept(self.state.at(self.time()));
             let now = self.energy_terms();
             if now.total().is_finite() {
                 if let Some(fault) = self.certain_fault(&now) {
                     return Some(fault);
                 }
-            } else if let Some((k, node, size)) = self.largest_force(before.at(time), 0..before.positions.nrows()) {
+                continue;
+            }
+            self.mechanics.restore_histories(&histories);
+            if let Some((k, node, size)) = self.largest_force(before.at(time), 0..before.positions.nrows()) {
                 let place =
                     format!("node {}, on which that law acts with {size:.3e} N", self.numbering.to_external(node));
                 return Some(self.described(

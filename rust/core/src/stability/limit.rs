@@ -39,14 +39,19 @@ pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, in
         |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_stiffness_product(at, p, out));
     let damping =
         |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_damping_product(at, p, out));
-    let roots: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
-    let (square, stiffest) = largest(&stiffness, &roots)?;
-    let (rate, most_damped) = largest(&damping, &roots)?;
+    let inverse_sqrt_masses: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
+    let (square, stiffest) = largest(&stiffness, &inverse_sqrt_masses)?;
+    let (rate, most_damped) = largest(&damping, &inverse_sqrt_masses)?;
     // Omega from the rate 2 Omega of Coriolis: a motion that turns against the frame has a frequency larger by Omega.
-    let turning_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
-    let turning = laws.iter().map(|law| turning_of(*law)).fold(0.0, f64::max);
+    let frame_rate_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
+    let frame_rate = laws.iter().map(|law| frame_rate_of(*law)).fold(0.0, f64::max);
     let omega = square.max(0.0).sqrt();
-    let system = LinearSystem { stiffness: &stiffness, damping: &damping, roots: &roots, turning };
+    let system = LinearSystem {
+        stiffness: &stiffness,
+        damping: &damping,
+        inverse_sqrt_masses: &inverse_sqrt_masses,
+        frame_rate,
+    };
     let properties = integrator.properties();
     let (dt, mode, root) = if properties.is_implicit {
         (f64::INFINITY, stiffest, omega)
@@ -57,14 +62,14 @@ pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, in
             None => quadratic_eigenproblem::limit_by_roots(integrator, &system, start, omega.max(rate))?,
         }
     } else {
-        (largest_step(integrator, Mode { omega: omega + turning, damping: 0.0 }), stiffest, omega)
+        (largest_step(integrator, Mode { omega: omega + frame_rate, damping: 0.0 }), stiffest, omega)
     };
     // The law with the largest share of the stiffness and damping of the mode, or of the frequency of the frame.
     let share = |law: &dyn Law| {
         let Some(own) = law.linearisation() else { return 0.0 };
-        let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &roots, &mode);
-        let viscous = quotient(&|p, out| own.add_damping_product(at, p, out), &roots, &mode);
-        elastic + root * viscous + turning_of(law).powi(2)
+        let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &inverse_sqrt_masses, &mode);
+        let viscous = quotient(&|p, out| own.add_damping_product(at, p, out), &inverse_sqrt_masses, &mode);
+        elastic + root * viscous + frame_rate_of(law).powi(2)
     };
     let law = laws.iter().max_by(|a, b| share(**a).total_cmp(&share(**b))).map_or("nothing", |law| law.name());
     let node = (0..mode.nrows())

@@ -34,10 +34,10 @@ const UNCHANGED: usize = 4;
 pub(super) struct LinearSystem<'a> {
     pub(super) stiffness: Product<'a>,
     pub(super) damping: Product<'a>,
-    /// The square roots of the inverse masses.
-    pub(super) roots: &'a [f64],
+    /// m^-1/2 of each node \[kg^-1/2\].
+    pub(super) inverse_sqrt_masses: &'a [f64],
     /// Largest shift of a frequency by the turning frame \[rad/s\].
-    pub(super) turning: f64,
+    pub(super) frame_rate: f64,
 }
 
 /// The projection of K and C on orthonormal vectors.
@@ -67,7 +67,7 @@ impl Subspace<'_> {
         for (matrix, product) in
             [(&mut self.stiffness, self.system.stiffness), (&mut self.damping, self.system.damping)]
         {
-            let image = apply(product, self.system.roots, &self.basis[k]);
+            let image = apply(product, self.system.inverse_sqrt_masses, &self.basis[k]);
             let mut grown = std::mem::replace(matrix, DMatrix::zeros(0, 0)).resize(k + 1, k + 1, 0.0);
             for (i, q) in self.basis.iter().enumerate() {
                 let value = q.dot(&image);
@@ -135,8 +135,8 @@ impl Subspace<'_> {
     /// Real and imaginary part of (root^2 + root C + K) u.
     fn residual(&self, root: Complex<f64>, [re, im]: &[NodeVectors; 2]) -> [NodeVectors; 2] {
         let square = root * root;
-        let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.roots, part));
-        let [c_re, c_im] = [re, im].map(|part| apply(self.system.damping, self.system.roots, part));
+        let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.inverse_sqrt_masses, part));
+        let [c_re, c_im] = [re, im].map(|part| apply(self.system.damping, self.system.inverse_sqrt_masses, part));
         [
             re * square.re - im * square.im + &c_re * root.re - &c_im * root.im + k_re,
             re * square.im + im * square.re + c_re * root.im + c_im * root.re + k_im,
@@ -145,12 +145,12 @@ impl Subspace<'_> {
 }
 
 /// An oscillator with this root: its conjugate, or for a real one a root that is not amplified, is the other.
-fn mode_of(root: Complex<f64>, turning: f64) -> Mode {
+fn mode_of(root: Complex<f64>, frame_rate: f64) -> Mode {
     let decay = -root.re.min(0.0);
     if root.im == 0.0 {
-        Mode { omega: turning, damping: decay }
+        Mode { omega: frame_rate, damping: decay }
     } else {
-        Mode { omega: root.norm() + turning, damping: 2.0 * decay }
+        Mode { omega: root.norm() + frame_rate, damping: 2.0 * decay }
     }
 }
 
@@ -163,10 +163,10 @@ pub(super) fn limit_by_quotients(
     start: [NodeVectors; 2],
     weight: f64,
 ) -> Result<(f64, NodeVectors, f64)> {
-    let LinearSystem { stiffness, damping, roots, turning } = *system;
+    let LinearSystem { stiffness, damping, inverse_sqrt_masses, frame_rate } = *system;
     let limit_of = |shape: &NodeVectors| {
-        let (k, c) = (quotient(stiffness, roots, shape), quotient(damping, roots, shape));
-        largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + turning, damping: c.max(0.0) })
+        let (k, c) = (quotient(stiffness, inverse_sqrt_masses, shape), quotient(damping, inverse_sqrt_masses, shape));
+        largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + frame_rate, damping: c.max(0.0) })
     };
     let [mut mode, other] = start;
     let mut dt = limit_of(&mode);
@@ -181,7 +181,7 @@ pub(super) fn limit_by_quotients(
             stiffness(p, out);
             *out += damped * (weight / dt);
         };
-        let (_, shape) = largest(&sum, roots)?;
+        let (_, shape) = largest(&sum, inverse_sqrt_masses)?;
         let next = limit_of(&shape);
         if next.is_nan() || next >= dt * (1.0 - 1e-6) {
             break;
@@ -200,11 +200,11 @@ pub(super) fn limit_by_roots(
 ) -> Result<(f64, NodeVectors, f64)> {
     let empty = || DMatrix::zeros(0, 0);
     let mut space = Subspace { system, basis: Vec::new(), stiffness: empty(), damping: empty() };
-    let most = (STORAGE / system.roots.len().max(1)).clamp(8, MOST_VECTORS);
+    let most = (STORAGE / system.inverse_sqrt_masses.len().max(1)).clamp(8, MOST_VECTORS);
     for v in start {
         space.add(v);
     }
-    let largest_frequency = quotient(system.stiffness, system.roots, &space.basis[0]).max(0.0).sqrt();
+    let largest_frequency = quotient(system.stiffness, system.inverse_sqrt_masses, &space.basis[0]).max(0.0).sqrt();
     for relative_rate in RELATIVE_RATES {
         let difference = |p: &NodeVectors, out: &mut NodeVectors| {
             let mut damped = NodeVectors::zeros(p.nrows());
@@ -212,7 +212,7 @@ pub(super) fn limit_by_roots(
             (system.stiffness)(p, out);
             *out -= damped * (relative_rate * largest_frequency);
         };
-        space.add(largest(&difference, system.roots)?.1);
+        space.add(largest(&difference, system.inverse_sqrt_masses)?.1);
     }
     let mut limits: Vec<f64> = Vec::new();
     loop {
@@ -222,7 +222,7 @@ pub(super) fn limit_by_roots(
         let mut steps: Vec<(f64, Complex<f64>)> = space
             .ritz_values(scale)
             .into_iter()
-            .map(|root| (largest_step(integrator, mode_of(root, system.turning)), root))
+            .map(|root| (largest_step(integrator, mode_of(root, system.frame_rate)), root))
             .collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (dt, root) = steps[0];

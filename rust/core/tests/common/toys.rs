@@ -10,12 +10,12 @@ use membrane_core::assembly::Assembly;
 use membrane_core::integrators::{Integrator, Method, Options, Properties as MethodProperties, System};
 use membrane_core::laws::{Instant, Kernels, Law, Linearisation, NodalLaw, Properties, WorkClass};
 
-/// Friction that decreases with the distance covered by the nodes, F = -c v / (1 + wear): a law with state.
+/// Friction that decreases with the distance covered by the nodes, F = -c v / (1 + wear): a law with a history.
 pub struct WearingFriction {
     /// c of each node \[N s/m\].
     coefficients: Vec<f64>,
-    /// Time of the last change of the wear \[s\], and the wear.
-    last: f64,
+    /// Positions at the last accepted step, none before the first, and the wear there.
+    last: Option<NodeVectors>,
     wear: f64,
     /// Factor of the power: 1, except in the test of a faulty law.
     pub fault: f64,
@@ -23,7 +23,12 @@ pub struct WearingFriction {
 
 impl WearingFriction {
     pub fn new(assembly: &Assembly) -> Self {
-        Self { coefficients: assembly.masses.iter().map(|mass| 5.0 * mass).collect(), last: 0.0, wear: 0.0, fault: 1.0 }
+        Self {
+            coefficients: assembly.masses.iter().map(|mass| 5.0 * mass).collect(),
+            last: None,
+            wear: 0.0,
+            fault: 1.0,
+        }
     }
 
     fn factor(&self) -> f64 {
@@ -32,13 +37,6 @@ impl WearingFriction {
 }
 
 impl NodalLaw for WearingFriction {
-    fn prepare(&mut self, tile: usize, at: Instant<'_>) {
-        if tile == 0 && at.time > self.last {
-            self.wear += 10.0 * (at.time - self.last) * at.velocities.amax();
-            self.last = at.time;
-        }
-    }
-
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
         let mut power = 0.0;
         for (force, velocity) in forces.into_iter().zip(rows(at.velocities, range.clone())) {
@@ -69,16 +67,25 @@ impl Law for WearingFriction {
         Some(self)
     }
 
-    fn history(&self) -> History {
-        History { vectors: Vec::new(), numbers: vec![self.last, self.wear] }
+    fn accept(&mut self, at: Instant<'_>) {
+        if let Some(last) = &self.last {
+            self.wear += 10.0 * (at.positions - last).amax();
+        }
+        self.last = Some(at.positions.clone());
     }
 
-    fn restore_history(&mut self, history: History) -> bool {
-        match history.numbers[..] {
-            [] => (self.last, self.wear) = (0.0, 0.0),
-            [last, wear] => (self.last, self.wear) = (last, wear),
+    fn history(&self) -> History {
+        self.last
+            .as_ref()
+            .map_or_else(History::default, |last| History { vectors: vec![last.clone()], numbers: vec![self.wear] })
+    }
+
+    fn restore_history(&mut self, mut history: History) -> bool {
+        (self.last, self.wear) = match (history.vectors.pop(), &history.numbers[..]) {
+            (None, []) => (None, 0.0),
+            (Some(last), [wear]) => (Some(last), *wear),
             _ => return false,
-        }
+        };
         history.vectors.is_empty()
     }
 

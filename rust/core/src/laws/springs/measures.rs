@@ -2,6 +2,7 @@
 
 use super::Springs;
 use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::elements::link::Span;
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{SimdF64, dot, negate, scale, sub, sum};
 
@@ -19,9 +20,8 @@ impl BatchKernel for EnergyKernel<'_> {
         let parameters = pass.of(&self.springs.parameters);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let (d, parameters) = (sub(b, a), &parameters[batch]);
-            let l = dot(d, d).sqrt();
+            let l = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
+            let parameters = &parameters[batch];
             let effective = l.max(V::load(&parameters.critical_length));
             let elongation = effective - V::load(&parameters.rest_length);
             energy += V::load(&parameters.stiffness) * elongation * (V::all(0.5) * elongation + (l - effective));
@@ -44,10 +44,9 @@ impl BatchKernel for ExcessKernel<'_> {
         let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
         let mut count = V::zero();
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
-            let d = sub(b, a);
+            let l = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
             let bound = V::load(&parameters[batch].rest_length) * (V::all(1.0) + V::load(&limits[batch]));
-            count += bound.below(dot(d, d).sqrt(), V::all(1.0), V::zero());
+            count += bound.below(l, V::all(1.0), V::zero());
         }
         count
     }
@@ -69,10 +68,9 @@ impl BatchKernel for StiffnessKernel<'_> {
         let parameters = pass.of(&self.springs.parameters);
         let least = V::all(f64::MIN_POSITIVE);
         for batch in 0..pass.len() {
-            let [a, b] = pass.read::<V, 3>(self.positions, batch);
+            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
             let [u, v] = pass.read::<V, 3>(self.p, batch);
-            let (d, difference) = (sub(b, a), sub(v, u));
-            let l = dot(d, d).sqrt();
+            let (d, l, difference) = (span.d, span.length(), sub(v, u));
             let k = V::load(&parameters[batch].stiffness);
             let strain = dot(d, difference) / (l * l).max(least);
             let elongation = (l - V::load(&parameters[batch].rest_length)).max(V::zero()) / l.max(least);
