@@ -81,7 +81,7 @@ class Scene:
         if self.mesh is not None and self.material is None:
             raise SceneError("material: is missing; a mesh needs one")
         if self._assembly.node_count == 0:
-            raise SceneError("mesh: is missing, and no part of kind 'tether' stands in; a scene needs nodes")
+            raise SceneError("mesh: is missing, and no part of kind 'tether' replaces it; a scene needs nodes")
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
