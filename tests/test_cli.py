@@ -79,6 +79,14 @@ def test_check_and_run_take_substeps_by_both_names(option: str, warnings: int, t
     assert Scene.from_toml(tmp_path / "results" / "scene.toml").run.substeps == 3
 
 
+def test_old_keys_of_a_scene_file_are_shown_as_warnings(tmp_path: Path) -> None:
+    path = tmp_path / "old.toml"
+    text = hanging_strip().to_toml()
+    path.write_text(text.replace("substeps = 1\n", "short_steps = 1\n"), encoding="utf-8")
+    code, shown = call("check", path)
+    assert (code, shown.count("Warning: run.short_steps is deprecated and is removed in version 0.4")) == (0, 1)
+
+
 def test_chart_is_the_old_name_of_work_precision(tmp_path: Path) -> None:
     words = ["--until", "0.001", "--steps", "1", "--repeats", "1", "--integrators", "leapfrog"]
     code, shown = call("chart", "spinning-tether", *words, "--out", tmp_path / "chart")

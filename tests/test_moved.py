@@ -28,3 +28,12 @@ def test_an_old_name_leads_to_the_new_one(old: str, name: str, place: str, new: 
 def test_other_names_are_not_there() -> None:
     with pytest.raises(AttributeError, match=r"'membrane_rs\.observe' has no attribute 'nothing'"):
         Moved("membrane_rs.observe", {})("nothing")
+
+
+@pytest.mark.parametrize("old", ["audit", "laws", "observe", "output", "parts", "run_settings"])
+def test_all_names_of_an_old_module_are_imported_by_a_star(old: str) -> None:
+    module = import_module(f"membrane_rs.{old}")
+    found: dict[str, object] = {}
+    with pytest.warns(DeprecationWarning, match="is deprecated"):
+        exec(f"from membrane_rs.{old} import *", found)
+    assert set(module.__all__) == set(dir(module)) <= set(found)

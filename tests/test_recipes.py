@@ -217,6 +217,28 @@ def test_an_output(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert files_of(path) == {"heights/mine.csv"}
 
 
+def test_an_output_that_fails_at_the_end_keeps_no_other_from_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def mistaken(*_: Any) -> None:
+        raise ValueError("a mistake of the output")
+
+    monkeypatch.setattr(run_folder, "WRITERS", [Heights, *run_folder.WRITERS])
+    monkeypatch.setattr(Heights, "finish", mistaken)
+    with pytest.raises(ValueError, match="a mistake of the output"):
+        Simulation(ladder()).run(0.01, frames=3, samples=5, out=tmp_path / "run", pictures=False)
+    assert summary(tmp_path / "run")["outcome"].startswith("failed")
+    assert (tmp_path / "run" / "history.csv").is_file()
+
+
+@pytest.mark.parametrize("files", ["heights.txt", ("../heights.txt",), ("/heights.txt",), (".",)])
+def test_an_output_outside_the_folder_is_refused(files: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_folder, "WRITERS", [*run_folder.WRITERS, Heights])
+    monkeypatch.setattr(Heights, "own_files", files)
+    with pytest.raises(InputError, match=r"Heights\.own_files = .*: must be a tuple"):
+        Simulation(ladder()).run(0.01, out=tmp_path / "run", pictures=False, overwrite=True)
+
+
 def full(*words: Any) -> None:
     """A disk that is full before the first sample."""
     raise OutputError("no space left")

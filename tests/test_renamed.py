@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 from membrane_rs import Mesh, RunSettings, Scene, SceneError, Simulation, scenes
 from membrane_rs._renamed import new_names
 from membrane_rs.simulation import Motion
+from membrane_rs.study import LengthScales
 from membrane_rs.study.common.variation import varied
 
 
@@ -99,3 +101,39 @@ def test_an_old_key_of_the_ledger() -> None:
     assert ledger.get("nothing") is None
     with pytest.raises(KeyError, match="nothing"):
         ledger["nothing"]
+
+
+def test_a_copy_of_a_ledger_answers_the_old_key_too() -> None:
+    ledger = Simulation(scenes.load("spinning-tether")).ledger()
+    with pytest.warns(DeprecationWarning, match="use 'reference_energy'"):
+        assert ledger.copy()["turned_over"] == ledger["reference_energy"]
+
+
+def test_an_old_attribute_is_set_under_its_new_name() -> None:
+    sim: Any = Simulation(scenes.load("spinning-tether"))
+    with pytest.warns(DeprecationWarning, match=r"Simulation\.is_settled is deprecated .*; use is_relaxed"):
+        sim.is_settled = True
+    assert sim.is_relaxed is True
+
+
+def test_an_old_name_is_found_on_the_class() -> None:
+    for kind, old in ((Simulation, "settle"), (RunSettings, "short_steps")):
+        with pytest.warns(DeprecationWarning, match=rf"{kind.__name__}\.{old} is deprecated"):
+            assert getattr(kind, old) == getattr(kind, new_names(kind)[old])
+
+
+def test_settings_that_were_pickled_under_old_names_keep_their_values() -> None:
+    settings = RunSettings()
+    new = RunSettings.__new__(RunSettings)
+    pickled = {**vars(settings), "short_steps": 4}
+    del pickled["substeps"]
+    new.__setstate__(pickled)  # type: ignore[attr-defined]
+    assert new == replace(settings, substeps=4)
+    assert pickle.loads(pickle.dumps(new)) == new
+
+
+def test_length_scales_take_the_old_name_of_facet() -> None:
+    with pytest.warns(DeprecationWarning, match=r"LengthScales\.wing is deprecated .*; use facet"):
+        scales: Any = LengthScales(**{"wing": 0.01})  # type: ignore[arg-type]
+    with pytest.warns(DeprecationWarning, match="use facet"):
+        assert scales.wing == scales.facet == 0.01

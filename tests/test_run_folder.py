@@ -44,6 +44,17 @@ def test_files_that_no_run_wrote_are_not_overwritten(tmp_path: Path, name: str) 
     assert sum(file.is_file() for file in tmp_path.rglob("*")) == 1
 
 
+def test_a_folder_in_place_of_a_file_is_refused_before_anything_is_removed(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    run(RunFolder(path), [0.0, 0.05, 0.1])
+    (path / "history.csv").unlink()
+    (path / "history.csv").mkdir()
+    before = sorted(path.rglob("*"))
+    with pytest.raises(OutputError, match=r"history\.csv is a folder, where a run writes a file"):
+        RunFolder(path, overwrite=True)
+    assert sorted(path.rglob("*")) == before
+
+
 def test_a_run_stopped_at_any_moment_can_be_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run"
     run(RunFolder(path, pictures=False), [0.0])

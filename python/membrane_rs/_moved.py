@@ -1,6 +1,7 @@
 """Old public places of names: each still leads to the new one, and its warning says which that is.
 
-A module whose names have moved sets `__getattr__ = Moved(__name__, {new place: names})`.
+A module whose names have moved sets `__getattr__ = Moved(__name__, {new place: names})`. Where it has
+nothing else, it sets `__all__ = __getattr__.names()` and `__dir__ = __getattr__.names` too.
 """
 
 from __future__ import annotations
@@ -30,6 +31,10 @@ class Moved:
         for place, names in places.items():
             renamed = names if isinstance(names, Mapping) else {name: name for name in names}
             self.new |= {old: (place, new) for old, new in renamed.items()}
+
+    def names(self) -> list[str]:
+        """The names that the old module still leads from: its `__all__`, and its `__dir__`."""
+        return sorted(self.new)
 
     def __call__(self, name: str) -> Any:
         """The object of that name, with a DeprecationWarning. Raises AttributeError for other names."""

@@ -21,7 +21,7 @@ def deprecated(old: str, remedy: str, depth: int = 1) -> None:
 
 
 class Renamed:
-    """An old name of an attribute or a method: gives the new one, with a DeprecationWarning."""
+    """An old name of an attribute or a method: reads and sets the new one, with a DeprecationWarning."""
 
     def __init__(self, new: str) -> None:
         self.new = new
@@ -30,10 +30,13 @@ class Renamed:
         self.old = name
 
     def __get__(self, instance: object, owner: type | None = None) -> Any:
-        if instance is None:
-            return self
+        holder: Any = owner if instance is None else instance
+        deprecated(f"{(owner or type(instance)).__name__}.{self.old}", f"use {self.new}")
+        return getattr(holder, self.new)
+
+    def __set__(self, instance: object, value: Any) -> None:
         deprecated(f"{type(instance).__name__}.{self.old}", f"use {self.new}")
-        return getattr(instance, self.new)
+        setattr(instance, self.new, value)
 
 
 def new_names(cls: type) -> dict[str, str]:
@@ -66,6 +69,10 @@ class RenamedKeys(dict[str, Any]):
         if key in self:
             return self[key]
         return self._old(key) if key in self._renamed else default
+
+    def copy(self) -> RenamedKeys:
+        """A dict with the same entries that answers old keys too."""
+        return RenamedKeys(self._name, self, self._renamed)
 
     def _old(self, key: str) -> Any:
         if key not in self._renamed:

@@ -162,6 +162,12 @@ def validated(cls: type[T]) -> type[T]:
         except ValidationError as error:
             raise _as_input_error(error, made, made.__name__) from None
 
+    def unpickled(self: Any, state: dict[str, Any]) -> None:
+        """Unpickle; fields that an earlier version pickled get their new names."""
+        self.__dict__.update({renamed.get(name, name): value for name, value in state.items()})
+
+    if renamed:
+        made.__setstate__ = unpickled
     checked.__name__ = "__init__"
     checked.__wrapped__ = plain  # type: ignore[attr-defined]
     made.__init__ = checked

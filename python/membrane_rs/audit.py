@@ -10,3 +10,5 @@ __getattr__ = Moved(
         "membrane_rs.mesh": ("Audit", "Finding"),
     },
 )
+__all__ = [*__getattr__.names()]  # noqa: PLE0604 - names only
+__dir__ = __getattr__.names

@@ -21,3 +21,5 @@ __getattr__ = Moved(
         "membrane_rs.scene.laws": ("LAWS", "Law"),
     },
 )
+__all__ = [*__getattr__.names()]  # noqa: PLE0604 - names only
+__dir__ = __getattr__.names

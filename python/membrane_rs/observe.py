@@ -12,3 +12,5 @@ __getattr__ = Moved(
         "membrane_rs.results": ("deployment_rate", "peak_stress"),
     },
 )
+__all__ = [*__getattr__.names()]  # noqa: PLE0604 - names only
+__dir__ = __getattr__.names

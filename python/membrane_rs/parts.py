@@ -11,3 +11,5 @@ __getattr__ = Moved(
         "membrane_rs.scene.parts": ("PARTS", "Part"),
     },
 )
+__all__ = [*__getattr__.names()]  # noqa: PLE0604 - names only
+__dir__ = __getattr__.names

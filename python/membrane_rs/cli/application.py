@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import typer
 
@@ -15,6 +17,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    typer.secho(f"Warning: {message}", fg="yellow", err=True)
+
+
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 
 
@@ -24,7 +31,10 @@ def reported_errors() -> Iterator[None]:
     from membrane_rs.errors import InputError, MembraneError, MissingFileError
 
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
+            warnings.showwarning = _show_warning
+            yield
     except MembraneError as error:
         typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import os
 from contextlib import nullcontext, suppress
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from membrane_rs._files import PART, output_errors
-from membrane_rs.errors import OutputError
+from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
 from membrane_rs.plotting.snapshots import Snapshots
@@ -36,8 +36,18 @@ def own_files() -> list[str]:
     """What a run writes, and so all that `overwrite` may remove: glob patterns, in the order of removal.
 
     The summary is removed last: files of these names in a folder without it are not a run's, but somebody's own.
+    Raises InputError for a pattern that leads out of the folder.
     """
-    return [name for kind in sorted(WRITERS, key=lambda kind: kind is Summary) for name in kind.own_files]
+    names: list[str] = []
+    for kind in sorted(WRITERS, key=lambda kind: kind is Summary):
+        paths = [PurePath(name) for name in kind.own_files]
+        if isinstance(kind.own_files, str) or any(not p.name or p.is_absolute() or ".." in p.parts for p in paths):
+            raise InputError(
+                f"{kind.__name__}.own_files = {kind.own_files!r}: must be a tuple of names or patterns in the folder "
+                "of the run, none absolute and none with '..'"
+            )
+        names += kind.own_files
+    return names
 
 
 class RunFolder:
@@ -116,14 +126,15 @@ class RunFolder:
         """Wait for the background, finish all outputs, and write the summary once more. Raises OutputError.
 
         The error that ended the run is the one raised: a file that cannot be written after that is ignored, but for
-        a vital one. Each output is given the first error so far, the summary among them.
+        a vital one. Each output is given the first error so far, the summary among them. An output that fails, in
+        whatever way, keeps no other from its end.
         """
         unwritten = self._record.background.close()
         first = error or unwritten
         for writer in self._writers:
             try:
                 writer.finish(sim, first)
-            except OutputError as failure:
+            except Exception as failure:  # noqa: BLE001 - an output of a user may fail in any way
                 first = failure if writer.is_vital else first or failure
         try:
             self._summary.write()
@@ -142,6 +153,8 @@ class RunFolder:
                 reason = "it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)"
             elif nearest == self.path and not (nearest / SUMMARY).exists() and (own := self._own_files()):
                 reason = f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder"
+            elif folders := [path for path in self._own_files() if path.is_dir()]:
+                reason = f"{folders[0]} is a folder, where a run writes a file; move it, or choose another folder"
             elif not os.access(nearest, os.W_OK | os.X_OK):
                 reason = f"no permission in {nearest}; choose another folder"
             else:

@@ -8,16 +8,18 @@ scales of their own they are properties of the film; docs/mesh_parameters.md sho
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from membrane_rs._renamed import Renamed
+from membrane_rs._validation import Flag, Positive, validated
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import SpringDamping, Springs
 
 
-@dataclass(frozen=True)
+@validated
 class LengthScales:
     """Physical length scales [m]; None: the length of the mesh, the paper's form.
 
@@ -35,11 +37,13 @@ class LengthScales:
         The film bears no compression, alpha = alpha_c = 0: a tension field.
     """
 
-    buckling: float | None = None
-    crease: float | None = None
-    facet: float | None = None
-    damping: float | None = None
-    tension_only: bool = False
+    buckling: Positive | None = None
+    crease: Positive | None = None
+    facet: Positive | None = None
+    damping: Positive | None = None
+    tension_only: Flag = False
+
+    wing = Renamed("facet")
 
     def of(self, scene: Scene) -> Scene:
         """The scene with these length scales in its laws."""
