@@ -79,7 +79,11 @@ fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
         "clip" => NegativeSprings::Clip,
         "keep" => NegativeSprings::Keep,
         "unused" => NegativeSprings::Unused,
-        other => return Err(wrong_value(format!("film.negative_springs = {other:?} is not known; choose refuse, clip or keep"))),
+        other => {
+            return Err(wrong_value(format!(
+                "film.negative_springs = {other:?} is not known; choose refuse, clip or keep"
+            )));
+        }
     };
     let film = Film {
         youngs_modulus: film.value("youngs_modulus")?,
