@@ -22,10 +22,11 @@ demo: $(VENV)/built
 	$(BIN)/python examples/demo.py --out out
 
 # The tests of the core are built and run while the environment and the module are made. Files of tests are shared out to
-# all cores; what a file prepares once stays with one of them.
+# all cores; what a file prepares once stays with one of them. A process that crashes is not replaced: its test then
+# fails, and the others end, where a replacement would wait for ever.
 test:
 	@$(MAKE) --no-print-directory --jobs=2 test-rust $(VENV)/built
-	$(BIN)/python -m pytest --numprocesses=auto --maxprocesses=8 --dist=loadfile
+	$(BIN)/python -m pytest --numprocesses=auto --maxprocesses=8 --dist=loadfile --max-worker-restart=0
 
 # Cargo is not to share the two jobs of `make test`: it has its own, one for each core.
 test-rust: | $(VENV)/made
