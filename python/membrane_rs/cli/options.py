@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from membrane_rs._renamed import REMOVAL
+from membrane_rs._renamed import deprecated
 
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
@@ -80,10 +80,5 @@ def whole(number: float, option: str) -> int:
 def substeps_of(substeps: int | None, short_steps: int | None) -> int | None:
     """The value of --substeps, or of its old name --short-steps, with a warning."""
     if short_steps is not None:
-        warn_renamed("--short-steps", "--substeps")
+        deprecated("--short-steps", "use --substeps")
     return short_steps if substeps is None else substeps
-
-
-def warn_renamed(old: str, new: str) -> None:
-    """Say that a command or an option has a new name."""
-    typer.secho(f"Warning: {old} is deprecated and is removed in version {REMOVAL}; use {new}", fg="yellow", err=True)

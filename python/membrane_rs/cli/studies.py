@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from membrane_rs._renamed import deprecated
 from membrane_rs.cli.application import app, reported_errors
 from membrane_rs.cli.options import (
     Ensemble,
@@ -19,7 +20,6 @@ from membrane_rs.cli.options import (
     Until,
     load,
     numbers,
-    warn_renamed,
     whole,
 )
 
@@ -108,7 +108,8 @@ def work_precision(
 @wraps(work_precision)
 def chart(**options: Any) -> None:
     """The old name of work-precision."""
-    warn_renamed("membrane-rs chart", "membrane-rs work-precision")
+    with reported_errors():
+        deprecated("membrane-rs chart", "use membrane-rs work-precision")
     work_precision(**options)
 
 
