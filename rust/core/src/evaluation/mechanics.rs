@@ -35,6 +35,8 @@ pub struct Mechanics {
     is_selected: Vec<bool>,
     rate_group: Option<RateGroup>,
     instructions: InstructionSet,
+    /// The laws with a history.
+    history_dependent: Vec<usize>,
 }
 
 impl Mechanics {
@@ -51,7 +53,9 @@ impl Mechanics {
         let nodes = masses.len();
         let deferrals = Deferral::of_laws(&mut laws, method, nodes);
         let is_separate: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
+        let history_dependent = (0..laws.len()).filter(|&row| laws[row].history_dependent().is_some()).collect();
         Self {
+            history_dependent,
             plan: Plan::with(&mut laws, &is_separate),
             deferrals,
             is_slow: vec![false; laws.len()],
@@ -92,7 +96,8 @@ impl Mechanics {
 
     /// The history of each law.
     pub(crate) fn histories(&self) -> Vec<History> {
-        self.laws.iter().map(|law| law.history()).collect()
+        let own = self.laws.iter().map(|law| law.history_dependent());
+        own.map(|law| law.map_or_else(History::default, |law| law.history())).collect()
     }
 
     /// Restores the history of each law, or that of the start where none is given. The first law whose history does not
@@ -100,16 +105,24 @@ impl Mechanics {
     pub(crate) fn restore_histories(&mut self, histories: &[History]) -> Option<&'static str> {
         let given = histories.iter().cloned().chain(std::iter::repeat_with(History::default));
         let mut unfit = self.laws.iter_mut().zip(given).filter_map(|(law, history)| {
-            let fits = law.restore_history(history);
+            let fits = match law.history_dependent_mut() {
+                Some(law) => law.restore_history(history),
+                None => history == History::default(),
+            };
             (!fits).then(|| law.name())
         });
         unfit.next()
     }
 
-    /// Passes the end of an accepted step to each law.
+    /// Passes the end of an accepted step to each law with a history.
+    #[inline]
     pub(crate) fn accept(&mut self, point: PhasePoint<'_>) {
         let at = self.instant(point);
-        self.laws.iter_mut().for_each(|law| law.accept(at));
+        for &row in &self.history_dependent {
+            if let Some(law) = self.laws[row].history_dependent_mut() {
+                law.accept(at);
+            }
+        }
     }
 
     /// The instant of a point.

@@ -1,13 +1,14 @@
 //! The laws, one per file, and their list.
 //!
 //! Every law implements `Law`. Optional features are separate: `NodalLaw` (forces node by node), `LinkForce` (forces
-//! along links, which may share a pass), `Linearisation`, `Inspection`.
+//! along links, which may share a pass), `Linearisation`, `Inspection`, `HistoryDependent`.
 
 mod air_drag;
 mod bridges;
 mod buckling;
 mod creases;
 mod gravity;
+mod history_dependent;
 mod inspection;
 mod instant;
 mod linearisation;
@@ -24,12 +25,12 @@ mod triangles;
 
 use std::sync::Arc;
 
-use crate::arrays::history::History;
 use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
 use crate::simd::lanes::F64x8;
 
 pub use air_drag::AirMotion;
+pub use history_dependent::HistoryDependent;
 pub use inspection::{Excess, Inspection, Readings};
 pub use instant::Instant;
 pub use linearisation::Linearisation;
@@ -96,8 +97,7 @@ pub(crate) enum LinkResponse {
 
 /// A law: forces on nodes as functions of their motion.
 ///
-/// All arrays are in internal order. Evaluations take `&mut self` for work arrays, but do not change the history: they
-/// also serve steps that are rejected, and forces that are only read. The history changes in `accept`.
+/// All arrays are in internal order. Evaluations take `&mut self` for work arrays.
 pub trait Law: Send + Sync {
     /// Its properties.
     fn properties(&self) -> Properties;
@@ -137,18 +137,14 @@ pub trait Law: Send + Sync {
         None
     }
 
-    /// Updates the history at the end of a step. It is called once after each accepted step, with the accepted state,
-    /// and the new history is that of all later evaluations.
-    fn accept(&mut self, _at: Instant<'_>) {}
-
-    /// Data kept from step to step, saved and restored with the run.
-    fn history(&self) -> History {
-        History::default()
+    /// The law as one with a history, to be read.
+    fn history_dependent(&self) -> Option<&dyn HistoryDependent> {
+        None
     }
 
-    /// Continues from a history; an empty one is that of the start. Whether its sizes fit.
-    fn restore_history(&mut self, history: History) -> bool {
-        history == History::default()
+    /// The law as one with a history, to be changed.
+    fn history_dependent_mut(&mut self) -> Option<&mut dyn HistoryDependent> {
+        None
     }
 
     /// The remedy for a fault by this law.

@@ -8,7 +8,7 @@ use membrane_core::arrays::jacobian::{Block, JacobianBlocks};
 use membrane_core::arrays::state::{NodeVectors, State, rows};
 use membrane_core::assembly::Assembly;
 use membrane_core::integrators::{Integrator, Method, Options, Properties as MethodProperties, System};
-use membrane_core::laws::{Instant, Kernels, Law, Linearisation, NodalLaw, Properties, WorkClass};
+use membrane_core::laws::{HistoryDependent, Instant, Kernels, Law, Linearisation, NodalLaw, Properties, WorkClass};
 
 /// Friction that decreases with the distance covered by the nodes, F = -c v / (1 + wear): a law with a history.
 pub struct WearingFriction {
@@ -67,6 +67,20 @@ impl Law for WearingFriction {
         Some(self)
     }
 
+    fn history_dependent(&self) -> Option<&dyn HistoryDependent> {
+        Some(self)
+    }
+
+    fn history_dependent_mut(&mut self) -> Option<&mut dyn HistoryDependent> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt"
+    }
+}
+
+impl HistoryDependent for WearingFriction {
     fn accept(&mut self, at: Instant<'_>) {
         if let Some(last) = &self.last {
             self.wear += 10.0 * (at.positions - last).amax();
@@ -87,10 +101,6 @@ impl Law for WearingFriction {
             _ => return false,
         };
         history.vectors.is_empty()
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt"
     }
 }
 

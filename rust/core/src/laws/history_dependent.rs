@@ -1,0 +1,18 @@
+//! Laws with a history: their forces depend on the states of earlier steps.
+
+use super::Instant;
+use crate::arrays::history::History;
+
+/// A law that keeps data from step to step. Evaluations read them without change, since they also serve steps that are
+/// rejected, and forces that are only read.
+pub trait HistoryDependent {
+    /// Updates the history at the end of a step. It is called once after each accepted step, with the accepted state,
+    /// and the new history is that of all later evaluations.
+    fn accept(&mut self, at: Instant<'_>);
+
+    /// Data kept from step to step, saved and restored with the run.
+    fn history(&self) -> History;
+
+    /// Continues from a history; an empty one is that of the start. Whether its sizes fit.
+    fn restore_history(&mut self, history: History) -> bool;
+}
