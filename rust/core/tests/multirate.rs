@@ -83,6 +83,7 @@ fn slow_friction_and_weight_leave_the_order_of_motion_work_and_energy_at_two() {
             found.ledger().residual(&found.energy_terms()).abs(),
         ]
     });
+    assert_eq!(chain("leapfrog", 4, 0.01).integrator().properties().order, 2);
     for (k, what) in ["position", "velocity", "work of friction", "energy"].iter().enumerate() {
         let order = (errors[0][k] / errors[1][k]).log2();
         let is_met = if k < 2 { (order - 2.0).abs() < 0.25 } else { order > 1.7 };

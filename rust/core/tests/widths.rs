@@ -83,6 +83,16 @@ fn a_sheet_in_rows_has_contiguous_batches() {
 }
 
 #[test]
+fn a_law_of_elements_gives_a_share_between_none_and_all_where_its_batches_are_mixed() {
+    // The batch that ends the last row, and the few beside the edges, are gathered.
+    let simulation = disturbed(InstructionSet::Baseline);
+    let shares = simulation.laws().iter().filter_map(|law| Some((law.name(), law.inspection()?.contiguous_share())));
+    for (name, share) in shares.filter(|(name, _)| *name != "tethers" && *name != "bridges") {
+        assert!(share < 1.0, "{name}: {share}");
+    }
+}
+
+#[test]
 fn forces_do_not_depend_on_the_external_order() {
     // The same sheet with random numbers of its nodes: other batches, equal forces within rounding.
     let plain = {

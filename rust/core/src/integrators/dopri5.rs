@@ -349,3 +349,21 @@ impl Integrator for Dopri5 {
         Some(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_ratio_of_a_node_is_that_of_two_vectors_above_the_floor() {
+        let of = |error: [f64; 3], value: [f64; 3], floor: f64| {
+            let [e, v] = [error, value].map(|vector| vector.map(|component| [0.0, component]));
+            LargestRatio { error: e.each_ref().map(|c| &c[..]), value: v.each_ref().map(|c| &c[..]), floor }.sweep()
+        };
+        assert_eq!(of([3.0, 4.0, 12.0], [1.0, 2.0, 2.0], 4.0), 169.0 / 25.0);
+        assert_eq!(of([2.0, 0.0, 0.0], [0.0, 3.0, 0.0], 1.0), 0.4);
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert_eq!(of([bad, 0.0, 0.0], [1.0; 3], 1.0), f64::INFINITY);
+        }
+    }
+}

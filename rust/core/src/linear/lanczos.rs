@@ -131,4 +131,19 @@ mod tests {
         assert!((value / exact - 1.0).abs() < 1e-5, "{value} {exact}");
         assert!((quotient(&chain, &vec![1.0; n], &mode) / exact - 1.0).abs() < 1e-4);
     }
+
+    #[test]
+    fn a_mode_has_unit_length_where_its_basis_is_no_longer_orthogonal() {
+        // One large eigenvalue far from the others, found early, makes later basis vectors lean on it.
+        let n = 200;
+        let spread = |p: &NodeVectors, out: &mut NodeVectors| {
+            for i in 0..n {
+                let value = if i == 0 { 1e4 } else { 1.0 + i as f64 / n as f64 };
+                (0..3).for_each(|axis| out[(i, axis)] += value * (1.0 + 0.1 * axis as f64) * p[(i, axis)]);
+            }
+        };
+        let (value, mode) = largest(&spread, &vec![1.0; n]).unwrap();
+        assert!((value / 1.2e4 - 1.0).abs() < 1e-9, "{value}");
+        assert!((mode.norm() - 1.0).abs() < 1e-14, "{:e}", mode.norm() - 1.0);
+    }
 }

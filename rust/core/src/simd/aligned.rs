@@ -40,3 +40,16 @@ unsafe impl GlobalAlloc for Aligned {
         unsafe { System.dealloc(place, requested(layout)) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_from_a_kilobyte_on_are_aligned_to_cache_lines_and_keep_their_size() {
+        for (size, alignment, expected) in [(LONG - 8, 8, 8), (LONG, 8, LINE), (10 * LONG, 8, LINE), (LONG, 256, 256)] {
+            let layout = Layout::from_size_align(size, alignment).unwrap();
+            assert_eq!((requested(layout).size(), requested(layout).align()), (size, expected));
+        }
+    }
+}
