@@ -11,7 +11,7 @@ import pytest
 from fake_simulation import FakeSimulation, small_sail, turned_flat
 from membrane_rs.plotting.animation import MOST_FRAMES, chosen
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
-from membrane_rs.plotting.painter import Painter, pyvista_works
+from membrane_rs.plotting.painter import Painter, forget_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
 from membrane_rs.plotting.pyvista import PyvistaPainter
 from membrane_rs.plotting.snapshots import SnapshotTaker, caption, contact_sheet
@@ -163,7 +163,7 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
 
 def test_without_graphics_matplotlib_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("membrane_rs.plotting.painter.PROBE_SECONDS", 0.0)
-    pyvista_works.cache_clear()
+    forget_probe()
     try:
         folder = RunFolder(tmp_path / "run")
         sim: Any = FakeSimulation(small_sail(snapshots=[0.0]))
@@ -171,6 +171,6 @@ def test_without_graphics_matplotlib_draws(tmp_path: Path, monkeypatch: pytest.M
         folder.sample(sim)
         folder.finish(sim, None)
     finally:
-        pyvista_works.cache_clear()
+        forget_probe()
     assert '"pictures": "matplotlib"' in (tmp_path / "run" / "summary.json").read_text()
     assert (tmp_path / "run" / "snapshots" / "turning-0.000s.png").is_file()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from membrane_rs.errors import InputError, InputTypeError, MeshError
 from membrane_rs.folding import SquareSail
 from membrane_rs.material import Material
-from membrane_rs.mesh import Mesh
+from membrane_rs.mesh import Mesh, net_moduli
 
 TABLE_2 = {"masses": 1980, "springs": 5432, "elements": 3456}
 TETHERS = {"masses": 4 * 19, "springs": 4 * 19, "elements": 0}
@@ -50,9 +50,10 @@ def test_counts_of_the_other_layouts(layout: Any) -> None:
     assert SquareSail(layout=layout).counts() == TABLE_2
 
 
-@pytest.mark.parametrize("layout", ["ruled", "fan", "even"])
+@pytest.mark.parametrize("layout", ["ruled", "equilateral", "fan", "even"])
 def test_counts_are_those_of_the_mesh(layout: Any) -> None:
-    sail = SquareSail(layout=layout, join="bridge", fold_lines=4, columns=7)
+    columns = None if layout == "equilateral" else 7
+    sail = SquareSail(layout=layout, join="bridge", fold_lines=4, columns=columns)
     mesh = sail.mesh()
     found = {"masses": mesh.node_count, "springs": len(mesh.edges), "elements": len(mesh.triangles)}
     assert found == sail.counts()
@@ -145,6 +146,33 @@ def test_the_other_layouts_start_below_the_strain_limit(layout: Any) -> None:
     assert strain.max() < 5e-4
 
 
+@pytest.mark.parametrize("dimensions", [{}, {"fold_lines": 3}, {"rows": 8}, {"rows": 24}, {"rows": 32}])
+def test_equilateral_triangles_but_for_the_slanted_sides(dimensions: dict[str, Any]) -> None:
+    sail = SquareSail(layout="equilateral", **dimensions)
+    mesh = sail.mesh()
+    x, t = mesh.reference, mesh.triangles
+    assert (np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]])[:, 2] > 0).all()
+    assert mesh.areas().sum() == pytest.approx(0.455**2 - 0.103**2, rel=1e-12)
+    assert mesh.spring_constants(FILM).min() > 0
+    side = 2.0 / math.sqrt(3.0) * sail.row_height
+    lengths = mesh.edge_lengths[mesh.triangle_edges]
+    is_regular = (np.abs(lengths - side) < 1e-9 * side).all(axis=1)
+    assert is_regular.mean() > 1.0 - 8.0 / sail.rows_per_strip / sail.strips
+    # No edge is stretched; those along the rows cut the turns short.
+    strain = mesh.lengths_in(mesh.positions) / mesh.edge_lengths - 1.0
+    assert strain.max() < 2e-4
+    assert strain.min() > -0.2
+    # Fold lines lie on rows: all creases of a petal, two rows on the inner half and so on.
+    assert len(np.unique(mesh.creases)) > 4 * sail.fold_lines
+
+
+def test_the_equilateral_sail_is_the_film_where_the_papers_is_soft_in_shear() -> None:
+    plain, equilateral = (net_moduli(SquareSail(layout=layout).mesh(), FILM) for layout in ("ruled", "equilateral"))
+    assert float(plain.shear_modulus()) == pytest.approx(0.544, abs=1e-3)
+    assert float(equilateral.shear_modulus()) == pytest.approx(0.99, abs=0.01)
+    assert min(equilateral.extremes) > 0.97
+
+
 def test_stowed_heights_and_clearance() -> None:
     mesh = SquareSail().mesh()
     distance = np.abs(mesh.reference[:, :2]).max(axis=1)
@@ -154,9 +182,10 @@ def test_stowed_heights_and_clearance() -> None:
     assert np.hypot(mesh.positions[:, 0], mesh.positions[:, 1]).min() >= 0.025 - 1e-12
 
 
+@pytest.mark.parametrize("layout", ["ruled", "equilateral"])
 @pytest.mark.parametrize("join", ["merge", "bridge"])
-def test_four_fold_and_mirror_symmetry_to_the_last_bit(join: Any) -> None:
-    mesh = SquareSail(join=join, fold_lines=3).mesh()
+def test_four_fold_and_mirror_symmetry_to_the_last_bit(join: Any, layout: Any) -> None:
+    mesh = SquareSail(join=join, layout=layout, fold_lines=3).mesh()
     place = {tuple(r): tuple(p) for r, p in zip(mesh.reference, mesh.positions, strict=True)}
     for (x, y, z), (u, v, w) in place.items():
         assert place[-y, x, z] == (-v, u, w)
@@ -213,6 +242,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"rows": 15}, MeshError, "rows = 15: must be a multiple of 8 .* take 16"),
     ({"columns": 0}, InputError, "must be at least 1"),
     ({"columns": 1}, MeshError, "take more columns"),
+    ({"layout": "equilateral", "columns": 9}, MeshError, 'columns = 9: the layout "equilateral" has none to choose'),
     ({"layout": "spiral"}, InputError, "layout"),
     ({"inner_width": 0.03}, MeshError, "half of inner_width, 0.015 m, is too short to go round the spool"),
     ({"spool_radius": 0.1}, MeshError, "half of inner_width, 0.0515 m"),
@@ -236,7 +266,7 @@ def sails(draw: st.DrawFn) -> dict[str, Any]:
         "outer_width": inner + draw(st.floats(0.01, 0.4)),
         "inner_width": inner,
         "fold_lines": draw(st.integers(0, 9)),
-        "layout": draw(st.sampled_from(["ruled", "fan", "even"])),
+        "layout": draw(st.sampled_from(["ruled", "equilateral", "fan", "even"])),
         "join": draw(st.sampled_from(["merge", "bridge"])),
         "spool_radius": draw(st.floats(0.01, 0.04)),
     }

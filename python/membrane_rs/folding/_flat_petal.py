@@ -1,12 +1,15 @@
 """The flat petal: a trapezoid in rows parallel to its inner and outer edge.
 
-Rows lie at x, nodes along y, slanted sides at y = -x and y = x. Three layouts:
+Rows lie at x, nodes along y, slanted sides at y = -x and y = x. Four layouts:
 
 ruled   Columns at constant distance across the whole strip: evenly across the inner width, then as far
         apart as the rows, so that the slanted sides run through corners of the grid. Columns are the rulings
         about which a folded strip bends, no triangle is obtuse, and diagonals alternate.
 fan     The same number of columns in every row, fanned out between the slanted sides; so are diagonals.
 even    Each row evenly spaced, the spacing nearly the same in all rows, rows stitched together.
+equilateral
+        Nodes 2/sqrt(3) of the rows' distance apart, every other row shifted by half of that, so that triangles are
+        equilateral but for those at the slanted sides.
 """
 
 from __future__ import annotations
@@ -68,6 +71,8 @@ def flat_petal(layout: str, inner: float, outer: float, rows: int, columns: int)
     distance = np.linspace(inner, outer, rows + 1)
     if layout == "ruled":
         return _ruled(distance, columns)
+    if layout == "equilateral":
+        return _equilateral(distance)
     counts = [columns + (8 * i if layout == "even" else 0) for i in range(rows + 1)]
     along = [_symmetric(d, n) for d, n in zip(distance, counts, strict=True)]
     index = numbered(along)
@@ -95,6 +100,39 @@ def _ruled(distance: Floats, columns: int) -> FlatPetal:
         ends = [[lower[0], upper[0], upper[1]], [lower[-1], upper[-2], upper[-1]]]
         triangles.append(np.array(ends, dtype=np.int64))
     return FlatPetal(distance, along, index, np.concatenate(triangles))
+
+
+def _equilateral(distance: Floats) -> FlatPetal:
+    height = distance[1] - distance[0]
+    side = 2.0 / math.sqrt(3.0) * height
+    along = []
+    for i, half in enumerate(distance):
+        # At least a row's height from the end, so that no angle at a slanted side is obtuse but by little.
+        shift = 0.5 * (i % 2)
+        count = math.floor((half - height) / side - shift + 1e-9) + 1
+        right = side * (np.arange(max(count, 0)) + shift)
+        left = -right[::-1] if i % 2 else -right[:0:-1]
+        along.append(np.concatenate([[-half], left, right, [half]]))
+    index = numbered(along)
+    triangles = []
+    for i in range(len(distance) - 1):
+        # Each half by itself, from the middle, so that they are mirror images.
+        triangles += _stitched_halves(index[i], index[i + 1], along[i], along[i + 1])
+    return FlatPetal(distance, along, index, np.concatenate(triangles))
+
+
+def _stitched_halves(lower: Ints, upper: Ints, lower_at: Floats, upper_at: Floats) -> list[Ints]:
+    """Triangles between two rows, one of which has a node in the middle: those at y < 0, the middle one, those at
+    y > 0.
+    """
+    low, high = lower[len(lower) // 2 :], upper[len(upper) // 2 :]
+    right = stitch(low, high, lower_at[len(lower) // 2 :], upper_at[len(upper) // 2 :])
+    mirror = np.where(right >= upper[0], upper[0] + upper[-1], lower[0] + lower[-1]) - right
+    if len(lower) % 2:
+        middle = [low[0], upper[0] + upper[-1] - high[0], high[0]]
+    else:
+        middle = [lower[0] + lower[-1] - low[0], high[0], low[0]]
+    return [mirror[:, ::-1], np.array([middle], dtype=np.int64), right]
 
 
 def _symmetric(half: float, count: int) -> Floats:

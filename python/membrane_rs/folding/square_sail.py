@@ -24,6 +24,9 @@ from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
 
+_NARROW = ("fan", "even")
+"""Layouts whose cells are a quarter as wide as high."""
+
 
 @validated
 class SquareSail(Pattern):
@@ -40,7 +43,7 @@ class SquareSail(Pattern):
         smallest such number from 16 on (8 on, in the layouts "fan" and "even").
     columns : int, optional
         Cells along the inner edge. Default: so that cells are a little narrower than high (a quarter as wide
-        in the other layouts).
+        in the layouts "fan" and "even"). The layout "equilateral" has none to choose.
     spool_radius : float
         Radius at which the innermost layer goes round the spool [m].
     fillet_radius : float, optional
@@ -51,9 +54,11 @@ class SquareSail(Pattern):
         Default: the thickness of the film that the default dimensions belong to, so that layers touch.
     diagonal_gap : float
         Distance of the innermost layer from the diagonal plane [m]. Default: half the layers' distance.
-    layout : "ruled", "fan" or "even"
-        How nodes lie in the flat petal, see `_flat_petal`. Only "ruled" gives positive spring constants; the others,
-        whose counts are equal, are kept for comparison.
+    layout : "ruled", "equilateral", "fan" or "even"
+        How nodes lie in the flat petal, see `_flat_petal`. "ruled", the paper's, has right triangles, whose net of
+        springs is soft in shear (`membrane_rs.mesh.net_moduli`). "equilateral" represents the film in every direction
+        but at the slanted sides; stowed, its edges along the rows cut the turns short. "fan" and "even", whose counts
+        are equal, have negative spring constants and are kept for comparison.
     join : "merge" or "bridge"
         Petals share the nodes on the diagonals, or have their own, joined by stiff bridges.
 
@@ -72,7 +77,7 @@ class SquareSail(Pattern):
     fillet_radius: Annotated[Positive, Unit("m")] | None = None
     layer_gap: Annotated[NonNegative, Unit("m")] = 7.5e-6
     diagonal_gap: Annotated[NonNegative, Unit("m")] = 3.75e-6
-    layout: Literal["ruled", "fan", "even"] = "ruled"
+    layout: Literal["ruled", "equilateral", "fan", "even"] = "ruled"
     join: Literal["merge", "bridge"] = "merge"
 
     def __post_init__(self) -> None:
@@ -86,6 +91,11 @@ class SquareSail(Pattern):
             raise MeshError(
                 f"SquareSail.rows = {self.rows}: must be a multiple of {self.strips} (strips that "
                 f"{self.fold_lines} fold lines make); take {math.ceil(self.rows / self.strips) * self.strips}"
+            )
+        if self.layout == "equilateral" and self.columns is not None:
+            raise MeshError(
+                f'SquareSail.columns = {self.columns}: the layout "equilateral" has none to choose; leave it out and '
+                "set rows"
             )
         rows = self.strips * self.rows_per_strip
         nodes = 4 * rows * (rows + (self.columns or 1))
@@ -116,7 +126,7 @@ class SquareSail(Pattern):
         """Rows of cells in each strip."""
         if self.rows is not None:
             return self.rows // self.strips
-        return math.ceil((16 if self.layout == "ruled" else 8) / self.strips)
+        return math.ceil((8 if self.layout in _NARROW else 16) / self.strips)
 
     @property
     def row_height(self) -> float:
@@ -196,7 +206,7 @@ class SquareSail(Pattern):
         rows = self.strips * self.rows_per_strip
         return StowedPath(
             spool_radius=self.spool_radius,
-            fillet_radius=self.fillet_radius or (0.003 if self.layout == "ruled" else 0.010),
+            fillet_radius=self.fillet_radius or (0.010 if self.layout in _NARROW else 0.003),
             diagonal_gap=self.diagonal_gap,
             offset=self.layer_gap * np.arange(rows + 1) / self.rows_per_strip,
             half=np.linspace(self.inner_width / 2, self.outer_width / 2, rows + 1),

@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from membrane_rs.mesh.audit import Audit, Finding
 from membrane_rs.mesh.mesh import Mesh
+from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
 
-__all__ = ["Audit", "Finding", "Mesh"]
+__all__ = ["Audit", "Finding", "Mesh", "NetModuli", "net_moduli"]

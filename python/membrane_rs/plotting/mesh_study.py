@@ -10,7 +10,11 @@ from membrane_rs._files import replacing
 from membrane_rs.plotting.deployment import PANELS
 
 
-def plot_meshes(forms: Mapping[str, Sequence[tuple[str, Sequence[Mapping[str, Floats]]]]], path: Path) -> None:
+def plot_meshes(
+    forms: Mapping[str, Sequence[tuple[str, Sequence[Mapping[str, Floats]]]]],
+    path: Path,
+    legend: str = "height of a cell",
+) -> None:
     """Draw, for each form of the parameters, its meshes as (label, tables), coarse to fine, as a PNG picture.
 
     Each table holds the columns of a history from one start; the first is drawn the strongest. Raises OutputError
@@ -37,7 +41,7 @@ def plot_meshes(forms: Mapping[str, Sequence[tuple[str, Sequence[Mapping[str, Fl
             axes.spines[["top", "right"]].set_visible(False)
             if row == 0:
                 axes.set_title(form)
-                axes.legend(frameon=False, title="height of a cell")
+                axes.legend(frameon=False, title=legend)
             else:
                 axes.set_xlabel("Time [s]")
     with replacing(path) as part:

@@ -1,20 +1,21 @@
-"""Choice of the painter: pyvista where that works, else matplotlib."""
+"""Choice of the painter: pyvista where that works, in a process of its own, else matplotlib."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
+from threading import Lock
 from typing import Protocol
 
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.picture import Image, Subject
-from membrane_rs.plotting.pyvista import PyvistaPainter
+from membrane_rs.plotting.process import PaintingError, PaintingProcess
 
 PROBE_SECONDS = 120.0
+"""Time for the first picture, the import of pyvista included."""
+TRIES = 2
+"""Processes that may fail at one picture, before matplotlib draws it and all others."""
 
 
 class Painter(Protocol):
@@ -29,10 +30,93 @@ class Painter(Protocol):
         ...
 
 
+class _Pyvista:
+    """Whether pyvista works here, as far as is known, and the process that draws."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._process: PaintingProcess | None = None
+        self.works: bool | None = None
+
+    def begin(self) -> None:
+        """Start the process, without waiting."""
+        if self._process is None and self.works is not False:
+            with suppress(OSError):
+                self._process = PaintingProcess()
+                return
+            self.works = False
+
+    def process(self) -> PaintingProcess | None:
+        """The process; None where pyvista does not work."""
+        with self._lock:
+            is_known = self._process is not None and self.works
+            self.begin()
+            if self._process is not None and not is_known:
+                try:
+                    self._process.wait(PROBE_SECONDS)
+                    self.works = True
+                except PaintingError:
+                    self._end()
+                    self.works = False
+            return self._process
+
+    def fail(self, failed: PaintingProcess) -> None:
+        """Start another process in place of one that failed."""
+        with self._lock:
+            if failed is self._process:
+                self._end()
+
+    def give_up(self) -> None:
+        """Draw no more by pyvista in this program."""
+        with self._lock:
+            self._end()
+            self.works = False
+
+    def forget(self) -> None:
+        """Try anew whether it works."""
+        with self._lock:
+            self._end()
+            self.works = None
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.end()
+            self._process = None
+
+
+_pyvista = _Pyvista()
+
+
+class ProcessPainter:
+    """Draws by pyvista in a process of its own, and by matplotlib once that has failed again and again."""
+
+    def __init__(self, subject: Subject, size: int) -> None:
+        self._subject, self._size = subject, size
+        self._other: MatplotlibPainter | None = None
+
+    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+        for _ in range(TRIES):
+            process = None if self._other else _pyvista.process()
+            if process is None:
+                break
+            try:
+                return process.paint(self._subject, self._size, positions, hub_angle)
+            except PaintingError:
+                _pyvista.fail(process)
+        if self._other is None:
+            _pyvista.give_up()
+            self._other = MatplotlibPainter(self._subject, self._size)
+        return self._other.paint(positions, hub_angle)
+
+    def close(self) -> None:
+        """Nothing is held: the process serves the next painter, or ends by itself."""
+
+
 @contextmanager
 def painter(subject: Subject, size: int) -> Iterator[Painter]:
     """The better of the two painters that works here, for square pictures of `size` pixels."""
-    artist = PyvistaPainter(subject, size) if pyvista_works() else MatplotlibPainter(subject, size)
+    artist = ProcessPainter(subject, size)
     try:
         yield artist
     finally:
@@ -40,40 +124,18 @@ def painter(subject: Subject, size: int) -> Iterator[Painter]:
 
 
 def begin_probe() -> None:
-    """Start to find out what `pyvista_works` will ask, so that the answer is there when it is needed."""
-    if _begun or pyvista_works.cache_info().currsize:
-        return
-    code = (
-        "import pyvista as p; q = p.Plotter(off_screen=True, window_size=(16, 16)); q.add_mesh(p.Sphere());"
-        "raise SystemExit(0 if q.screenshot(return_img=True).std() > 1 else 1)"
-    )
-    nowhere = subprocess.DEVNULL
-    with suppress(OSError):
-        # In a session of its own, so that Ctrl-C is not taken for graphics that do not work.
-        _begun.append(
-            subprocess.Popen(
-                [sys.executable, "-c", code], stdin=nowhere, stdout=nowhere, stderr=nowhere, start_new_session=True
-            )
-        )
+    """Start the process that draws, so that it is known whether it works when it is needed."""
+    if _pyvista.works is None:
+        _pyvista.begin()
 
 
-@cache
 def pyvista_works() -> bool:
-    """Whether a picture can be rendered off-screen.
-
-    Tried once, in a process of its own: VTK without working graphics libraries may end the process that asks.
-    """
-    begin_probe()
-    if not _begun:
-        return False
-    probe = _begun.pop()
-    try:
-        return probe.wait(PROBE_SECONDS) == 0
-    except subprocess.TimeoutExpired:
-        probe.kill()
-        probe.wait()
-        return False
+    """Whether pictures are drawn by pyvista: tried once, in a process of its own, and until that fails repeatedly."""
+    if _pyvista.works is None:
+        _pyvista.process()
+    return bool(_pyvista.works)
 
 
-_begun: list[subprocess.Popen[bytes]] = []
-"""The probe under way, if there is one."""
+def forget_probe() -> None:
+    """Try anew whether pyvista works."""
+    _pyvista.forget()

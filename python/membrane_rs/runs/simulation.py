@@ -42,11 +42,13 @@ class Simulation(Stepper):
     """
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
-        """Damp the scene to rest where its guide bars hold it, and start from there with the clock at zero.
+        """Damp the scene to rest where its guide bars hold it, and start from there, at the same time.
 
         Nodes of the set "guide_bars" (none without that set) are held, and friction F = -rate m v is added, for
-        `duration` of simulated time; then the nodes are released, at rest. Returns the largest
-        speed left before that [m/s].
+        `duration` of damped motion. Meanwhile no time passes: all that depends on time, such as the rate of the hub,
+        its acceleration and the direction of gravity, is that of the start. Then the nodes are released, at rest; no
+        net force is left on a free node but on those that were held. Returns the largest speed left before that
+        [m/s]. Warns (`UserWarning`) where more than 1 % of the largest force on a node is left.
 
         Raises
         ------
@@ -59,7 +61,7 @@ class Simulation(Stepper):
             )
         duration = None if duration is None else number_of("relax: duration", duration)
         rate = None if rate is None else number_of("relax: rate", rate, "1/s")
-        positions, speed = relaxed(self.scene, self.integrator, self.positions, duration, rate)
+        positions, speed = relaxed(self, duration, rate)
         self._set_motion(positions, np.zeros_like(positions))
         self.is_relaxed = True
         return speed

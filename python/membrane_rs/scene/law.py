@@ -46,7 +46,7 @@ class Law:
     turns_hub: ClassVar[bool] = False
     """Whether it turns the hub, and the frame of the scene with it."""
     acts_while_relaxing: ClassVar[bool] = True
-    """Whether it acts while a scene is damped to rest before its start."""
+    """Whether it acts while a scene is damped to rest before its start: False where it vanishes at rest."""
     length_fields: ClassVar[Mapping[str, str]] = {}
     """Fields that hold a physical length in place of one of the mesh, by what the length is of: "buckling", ..."""
 

@@ -35,6 +35,8 @@ class Settings:
     """By what factor an implicit method shrinks, per step, what it cannot resolve."""
     substeps: int
     """Substeps in a step of leapfrog, between which slow laws rest."""
+    frozen_at: float | None = None
+    """The time at which all that depends on time is frozen [s]; None: time passes."""
     margin: float = MARGIN
     energy_tolerance: float = ENERGY_TOLERANCE
 

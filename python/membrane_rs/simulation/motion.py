@@ -17,7 +17,7 @@ from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
-from membrane_rs.simulation.core_input import laws_of, model_of, settings_of
+from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
 
 
 class Motion:
@@ -36,7 +36,7 @@ class Motion:
             laws_of(scene),
             scene.run.integrator if integrator is None else str(integrator),
             step,
-            settings_of(scene),
+            self._settings(),
         )
         if step is None and not self.is_adaptive:
             interval = scene.run.until / (scene.run.samples - 1)
@@ -44,6 +44,10 @@ class Motion:
         self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
+
+    def _settings(self) -> Settings:
+        """How the core runs the scene."""
+        return settings_of(self.scene)
 
     @property
     def time(self) -> float:

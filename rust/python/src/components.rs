@@ -127,6 +127,7 @@ pub(crate) fn settings_of(object: &Bound<'_, PyAny>, instructions: Option<&str>)
         },
         spectral_radius: settings.value("spectral_radius")?,
         substeps: settings.value("substeps")?,
+        frozen_at: settings.value("frozen_at")?,
         instructions: instructions.map_or_else(|| Ok(InstructionSet::widest()), instructions_of)?,
     })
 }

@@ -25,7 +25,6 @@ class AirDrag(Law):
     """
 
     kind: ClassVar[str] = "air_drag"
-    acts_while_relaxing: ClassVar[bool] = False
     pressure: Annotated[NonNegative, Unit("Pa")] = 4.5
     temperature: Annotated[Positive, Unit("K")] = 293.0
     air: Literal["still", "turning"] = "still"

@@ -68,7 +68,7 @@ impl NodalLaw for Gravity {
                 *force += mass * g;
             }
         }
-        let rate = at.frame.rate;
+        let rate = at.frame.angle_rate();
         if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
             return 0.0;
         }

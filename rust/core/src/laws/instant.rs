@@ -6,7 +6,7 @@ use crate::model::frame::{Frame, Spin};
 /// Motion and frame at a time.
 #[derive(Debug, Clone, Copy)]
 pub struct Instant<'a> {
-    /// Time \[s\].
+    /// Time, or the instant at which the hub is frozen \[s\].
     pub time: f64,
     /// The frame that turns with the hub.
     pub frame: Frame,
@@ -21,6 +21,6 @@ impl<'a> Instant<'a> {
     #[inline]
     pub fn new(point: PhasePoint<'a>, spin: Spin) -> Self {
         let PhasePoint { time, positions, velocities } = point;
-        Self { time, frame: spin.at(time), positions, velocities }
+        Self { time: spin.time_of(time), frame: spin.at(time), positions, velocities }
     }
 }

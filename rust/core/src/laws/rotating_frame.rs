@@ -45,7 +45,7 @@ impl LawParameters for SpinParameters {
     }
 
     fn spin(&self) -> Option<Spin> {
-        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration })
+        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration, frozen_at: None })
     }
 }
 
@@ -75,7 +75,7 @@ impl Formula<5, 2> for FrameKernel {
 
 impl NodalLaw for RotatingFrame {
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, _]: [&mut [f64]; 3]) -> f64 {
-        let Frame { rate, acceleration, .. } = at.frame;
+        let Frame { rate, acceleration, is_frozen, .. } = at.frame;
         let [x, y, _] = rows(at.positions, range.clone());
         let [u, v, _] = rows(at.velocities, range.clone());
         let masses = &self.masses[range];
@@ -83,6 +83,8 @@ impl NodalLaw for RotatingFrame {
         if acceleration == 0.0 {
             return 0.0;
         }
+        // dU/dt at rest is -Omega Omega' sum m r^2; frozen, Omega does not change.
+        let rate = if is_frozen { 0.0 } else { rate };
         let powers =
             (0..masses.len()).map(|i| masses[i] * (y[i] * u[i] - x[i] * v[i] - rate * (x[i] * x[i] + y[i] * y[i])));
         acceleration * powers.sum::<f64>()

@@ -7,6 +7,8 @@ pub struct Spin {
     pub rate: f64,
     /// Omega' \[rad/s2\].
     pub acceleration: f64,
+    /// The time at which everything that depends on time is frozen \[s\]; `None`: time passes.
+    pub frozen_at: Option<f64>,
 }
 
 /// State of the frame at an instant.
@@ -18,16 +20,34 @@ pub struct Frame {
     pub rate: f64,
     /// Omega' \[rad/s2\].
     pub acceleration: f64,
+    /// Whether angle and Omega stay as they are, although Omega and Omega' are not zero.
+    pub is_frozen: bool,
+}
+
+impl Frame {
+    /// d(angle)/dt \[rad/s\], by which directions fixed in inertial space turn in this frame.
+    #[inline]
+    pub fn angle_rate(&self) -> f64 {
+        if self.is_frozen { 0.0 } else { self.rate }
+    }
 }
 
 impl Spin {
+    /// The time of the frame, and of all that depends on time, at `time` of the motion \[s\].
+    #[inline]
+    pub fn time_of(&self, time: f64) -> f64 {
+        self.frozen_at.unwrap_or(time)
+    }
+
     /// The frame at `time` \[s\].
     #[inline]
     pub fn at(&self, time: f64) -> Frame {
+        let time = self.time_of(time);
         Frame {
             angle: (self.rate + 0.5 * self.acceleration * time) * time,
             rate: self.rate + self.acceleration * time,
             acceleration: self.acceleration,
+            is_frozen: self.frozen_at.is_some(),
         }
     }
 }

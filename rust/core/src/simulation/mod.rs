@@ -20,7 +20,8 @@ use crate::laws::Instant;
 use crate::laws::{self, Law, LawSpec, Readings};
 use crate::layout::Renumbering;
 use crate::linear::tangent::Tangent;
-use crate::model::checks::{non_negative, positive, within};
+use crate::model::checks::{finite, non_negative, positive, within};
+use crate::model::frame::Spin;
 use crate::model::input::Model;
 use crate::model::mesh::check_finite;
 use crate::simd::dispatch::InstructionSet;
@@ -93,6 +94,8 @@ impl Simulation {
         let is_radius = (0.0..=1.0).contains(&spectral_radius);
         within("spectral radius", spectral_radius, is_radius, "it lies between 0 and 1")?;
         within("substeps", f64::from(substeps), substeps > 0, "it is at least 1")?;
+        finite("time at which the hub is frozen [s]", settings.frozen_at.unwrap_or_default())?;
+        let spin = Spin { frozen_at: settings.frozen_at, ..spin };
         let (nodes, count, instructions) = (assembly.masses.len(), laws.len(), settings.instructions);
         let mut integrator = (method.make)(&Options { nodes, laws: count, instructions, spectral_radius, substeps });
         let couplings = |visit: &mut dyn FnMut(&[u32])| {

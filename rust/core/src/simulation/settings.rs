@@ -24,6 +24,8 @@ pub struct Settings {
     pub spectral_radius: f64,
     /// Substeps in a step of leapfrog; slow laws are evaluated once a step.
     pub substeps: u32,
+    /// The time at which everything that depends on time is frozen, for relaxation \[s\]; `None`: time passes.
+    pub frozen_at: Option<f64>,
     /// The instruction set of the kernels; results have the same bits with each.
     pub instructions: InstructionSet,
 }
@@ -38,6 +40,7 @@ impl Default for Settings {
             tolerance: Tolerance { relative: 1e-5, length: 0.1, speed: 1.0 },
             spectral_radius: integrators::SPECTRAL_RADIUS,
             substeps: 1,
+            frozen_at: None,
             instructions: InstructionSet::widest(),
         }
     }

@@ -1,0 +1,57 @@
+"""What a scene's net of springs represents of its film: effective moduli along two directions, in words."""
+
+from __future__ import annotations
+
+from membrane_rs.errors import MeshError
+from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
+from membrane_rs.scene import Scene
+
+_SAME = 0.002
+"""Difference of two moduli, over the film's, below which the second is not told."""
+
+
+def net_lines(scene: Scene) -> list[tuple[str, str]]:
+    """(what, moduli over the film's) of the net of springs; empty for a scene without a film of springs."""
+    mesh, material = scene.mesh, scene.material
+    if mesh is None or material is None or scene.negative_springs in (None, "unused"):
+        return []
+    try:
+        affine = net_moduli(mesh, material)
+        relaxed = affine if affine.is_balanced else net_moduli(mesh, material, relaxed=True)
+    except MeshError as error:
+        return [("moduli", f"unknown: {error}")]
+    axis = affine.axis
+    lines = [
+        ("direction", f"0 degrees is the mesh's own axis, at {axis:.1f} degrees from x"),
+        ("uniform", _moduli(affine, axis)),
+    ]
+    if any(abs(own - other) > _SAME for own, other in zip(_values(affine, axis), _values(relaxed, axis), strict=True)):
+        lines.append(("relaxed", _moduli(relaxed, axis)))
+    lines.append(("film", f"E 1, G 1, nu {material.poisson_ratio:.3f}"))
+    least, greatest = affine.local_extremes
+    lines.append(("extremes", f"E from {least:.3f} to {greatest:.3f} over all directions, around a node"))
+    lines.append(("meaning", _meaning(affine, axis)))
+    return lines
+
+
+def _values(moduli: NetModuli, axis: float) -> tuple[float, float, float, float]:
+    """E along 0 and 45 degrees, G, nu."""
+    return (
+        float(moduli.modulus(axis)),
+        float(moduli.modulus(axis + 45.0)),
+        float(moduli.shear_modulus(axis)),
+        float(moduli.poisson_ratio(axis)),
+    )
+
+
+def _moduli(moduli: NetModuli, axis: float) -> str:
+    along, diagonal, shear, ratio = _values(moduli, axis)
+    return f"E {along:.3f} along 0 degrees, {diagonal:.3f} along 45 degrees; G {shear:.3f}; nu {ratio:.3f}"
+
+
+def _meaning(moduli: NetModuli, axis: float) -> str:
+    if moduli.is_isotropic:
+        return "within 1 % of the film in every direction"
+    shear = float(moduli.shear_modulus(axis))
+    soft = f"{100 * abs(1 - shear):.0f} % {'softer' if shear < 1 else 'stiffer'} in shear than the film"
+    return f"{soft}; a film in every direction needs equilateral triangles at nu = 1/3, or the law triangles"

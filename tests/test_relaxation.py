@@ -1,0 +1,145 @@
+"""Relaxation: at the instant of the start, whatever depends on time; to rest, or with a warning."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from membrane_rs import (
+    AirDrag,
+    Creases,
+    Fixed,
+    Gravity,
+    MassDamping,
+    Pressure,
+    RunSettings,
+    Scene,
+    Simulation,
+    Spin,
+    SpringDamping,
+    Springs,
+    Tether,
+    Tethers,
+    Triangles,
+)
+from membrane_rs.folding import Disc, SquareSail, Strip
+from membrane_rs.scene.laws import Law
+from membrane_rs.simulation.methods import integrators
+from small_scenes import RUBBER
+
+ACROSS = Gravity((3.0, -2.0, 1.0))
+"""Gravity with a part across the axis, whose direction turns with time."""
+
+
+def tether(*laws: Law) -> Scene:
+    """One spring of 0.3 m from a hub to a tip of 10 g."""
+    cord = Tether((0.1, 0.0, 0.0), (0.4, 0.0, 0.0), 1, 50.0, 0.0, tip_mass=0.01)
+    return Scene(None, None, [SpringDamping(0.1), *laws], [cord], run=RunSettings(until=0.1))
+
+
+def disc(film: Law, *laws: Law) -> Scene:
+    """A rubber ring that a hub holds."""
+    mesh = Disc(0.1, 2, hub_radius=0.03).mesh()
+    return Scene(mesh, RUBBER, [film, SpringDamping(0.1), *laws], [Fixed("centre")], run=RunSettings(until=0.1))
+
+
+def folded(*laws: Law) -> Scene:
+    """A bent strip with a crease."""
+    mesh = Strip(0.1, 0.04, 6, 2, creases=(0.5,)).mesh()
+    return Scene(mesh, RUBBER, [Springs(), SpringDamping(), Creases(1e3), *laws], [Fixed("start")])
+
+
+def left(sim: Simulation) -> float:
+    """Largest net force on a free node, relative to the largest force of one law on a node."""
+    free = np.setdiff1d(np.arange(sim.node_count), sim.assembly.fixed)
+    laws = [law.kind for law in sim.scene.laws]
+    largest = max(float(np.linalg.norm(sim.forces(law)[free], axis=1).max()) for law in laws)
+    return float(np.linalg.norm(sim.forces()[free], axis=1).max()) / largest
+
+
+@pytest.mark.parametrize("acceleration", [0.0, 0.5, -0.5, 1.0])
+def test_a_tether_is_relaxed_at_the_rate_of_the_start(acceleration: float) -> None:
+    sim = Simulation(tether(Spin(1.0, acceleration)))
+    sim.relax(8.0, 8.0)
+    tension = 50.0 * float(sim.spring_strains()[0])
+    x, y, _ = sim.positions[1]
+    omega, change = 2 * math.pi, 2 * math.pi * acceleration
+    # About the clamp at (0.1, 0): no net moment of the centrifugal force and of Euler's.
+    fx, fy = omega**2 * x + change * y, omega**2 * y - change * x
+    assert (x - 0.1) * fy == pytest.approx(y * fx, abs=1e-4 * abs(x * fx))
+    assert tension == pytest.approx(0.01 * math.hypot(fx, fy), rel=1e-4)
+    assert (sim.time, sim.hub_angle) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        lambda: tether(Spin(1.0, 3.0), ACROSS),
+        lambda: tether(Spin(-2.0, 0.5), MassDamping(1.0)),
+        lambda: disc(Springs(), Spin(2.0, 1.0), ACROSS),
+        lambda: disc(Triangles(), Spin(3.0, -2.0), ACROSS, Pressure(1.0)),
+        lambda: disc(Springs(), Spin(3.0), AirDrag(pressure=1e4)),
+        lambda: folded(Spin(2.0, 1.0), ACROSS),
+    ],
+)
+def test_a_relaxed_scene_has_no_net_force_on_a_free_node(scene: Callable[[], Scene]) -> None:
+    sim = Simulation(scene())
+    sim.relax(8.0, 8.0)
+    assert left(sim) < 1e-3
+
+
+@pytest.mark.parametrize("method", list(integrators()))
+def test_so_it_is_by_every_method(method: str) -> None:
+    base = tether(Spin(1.0, 1.0), ACROSS)
+    sim = Simulation(replace(base, run=replace(base.run, tolerance=1e-7)), method)
+    sim.relax(8.0, 8.0)
+    assert left(sim) < 1e-3
+    sim.step()
+
+
+def test_nothing_of_the_run_is_frozen() -> None:
+    sim = Simulation(tether(Spin(1.0, 0.5), ACROSS))
+    sim.relax(8.0, 8.0)
+    sim.run(until=0.1)
+    assert sim.hub_angle == pytest.approx(2 * math.pi * (0.1 + 0.25 * 0.01))
+
+
+def test_work_balances_while_the_hub_is_frozen() -> None:
+    # Neither the turning of gravity nor the change of Omega is work; the force of Euler is.
+    from membrane_rs.simulation.relaxation import FrozenStepper
+
+    held = FrozenStepper(tether(Spin(1.0, 2.0), ACROSS), "rk4", 0.3)
+    angle = held.hub_angle
+    held.step(2000)
+    assert held.hub_angle == angle == pytest.approx(2 * math.pi * (0.3 + 0.09))
+    assert abs(held.ledger()["error"]) < 1e-6
+    assert abs(held.ledger()["work_by_law"]["spin"]) > 1e-4
+    assert "gravity" not in held.ledger()["work_by_law"]
+
+
+def test_a_scene_that_has_not_come_to_rest_says_so() -> None:
+    scene = tether(Spin(1.0), ACROSS)
+    with pytest.warns(UserWarning, match=r"not at rest after 0\.02 s.*node 1 has a net force of .* N.*relax longer"):
+        Simulation(scene).relax(0.02, 20.0)
+    with pytest.warns(UserWarning, match="not at rest"):
+        Simulation(scene).relax(0.2, 1e4)  # it creeps
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Simulation(scene).relax(8.0, 8.0)
+
+
+def test_guide_bars_hold_the_force_that_drives_the_release() -> None:
+    mesh = SquareSail(fold_lines=3, rows=4, columns=4).mesh()
+    laws: list[Law] = [Springs(), SpringDamping(), Spin(3.0, 1.0)]
+    sim = Simulation(Scene(mesh, RUBBER, laws, [Tethers(segments=2, axial_stiffness=17.0)]))
+    start = sim.positions
+    sim.relax(0.5, 40.0)
+    bars = sim.assembly.node_sets["guide_bars"]
+    assert (sim.positions[bars] == start[bars]).all()
+    free = np.setdiff1d(np.arange(sim.node_count), [*sim.assembly.fixed, *bars])
+    forces = np.linalg.norm(sim.forces(), axis=1)
+    assert forces[free].max() < 0.02 * forces[bars].max()
