@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from membrane_rs.mesh.audit import Audit, Finding
+from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.mesh.mesh import Mesh
 
 __all__ = ["Audit", "Finding", "Mesh"]

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
-from membrane_rs.mesh.audit import Audit, audit
+from membrane_rs.mesh.audit import audit
+from membrane_rs.mesh.findings import Audit
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import Triangulation, frozen
 
@@ -97,7 +98,12 @@ class Mesh(Triangulation):
         return np.nan_to_num(ratio, nan=np.inf, posinf=np.inf) - 1.0
 
     def audit(
-        self, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
+        self,
+        material: Material | None = None,
+        positions: ArrayLike | None = None,
+        *,
+        springs: bool = True,
+        growth: bool = True,
     ) -> Audit:
         """Faults and risks of the mesh, in words and numbers.
 
@@ -110,8 +116,10 @@ class Mesh(Triangulation):
             Where the strain is measured. Default: the stowed positions.
         springs : bool
             Whether edges are to be springs; False for a film of `Triangles`, which may have obtuse angles.
+        growth : bool
+            Whether modes that grow by negative springs are computed, which takes some seconds for 50,000 nodes.
         """
-        return audit(self, material, self.strain(positions), springs=springs)
+        return audit(self, material, self.strain(positions), springs=springs, growth=growth)
 
     def checked_positions(self, positions: ArrayLike) -> Floats:
         """A read-only copy of positions that fit this mesh.
