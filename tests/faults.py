@@ -82,6 +82,17 @@ def moved(scene: Scene, positions: Any = None, **changes: Any) -> Scene:
     return replace(scene, mesh=Mesh(old.reference, old.triangles, positions=points, **(values | changes)))
 
 
+def inverted(scene: Scene) -> tuple[Scene, Start]:
+    """The scene folded to the other side, and its start on the wrong side: a mesh that said so would be refused."""
+    assert scene.mesh is not None
+    points, mirror = scene.mesh.positions, np.array([1.0, 1.0, -1.0])
+
+    def start(sim: Simulation) -> None:
+        sim.positions = points
+
+    return moved(scene, points * mirror, fold_angles=-scene.mesh.fold_angles), start
+
+
 def power(rng: Generator, low: float, high: float) -> float:
     """Ten to a random power between the two."""
     return float(10.0 ** rng.uniform(low, high))
@@ -106,8 +117,9 @@ def step_near_the_limit(rng: Generator) -> Faulty:
 
 def contact_too_stiff(rng: Generator) -> Faulty:
     scene = strip(rng, Creases(natural_angle=0.0, contact_penalty=power(rng, 4, 12)))
-    flat = moved(scene, fold_angles=-scene.mesh.fold_angles if scene.mesh else None)
-    return Faulty(lambda: flat, f"{LIMIT}.*(creases|springs)|energy came from creases", 0.4 * limit(strip(rng)))
+    other, start = inverted(scene)
+    cause = f"{LIMIT}.*(creases|springs)|energy came from creases"
+    return Faulty(lambda: other, cause, 0.4 * limit(strip(rng)), start)
 
 
 def crease_too_stiff(rng: Generator) -> Faulty:
@@ -161,7 +173,8 @@ def node_without_mass(rng: Generator) -> Faulty:
 
 def folds_inverted(rng: Generator) -> Faulty:
     scene = strip(rng, Creases(stiffness=power(rng, 0, 4), natural_angle=0.0))
-    return Faulty(lambda: moved(scene, fold_angles=-scene.mesh.fold_angles if scene.mesh else None), "creases")
+    other, start = inverted(scene)
+    return Faulty(lambda: other, "creases", start=start)
 
 
 def huge_spin(rng: Generator) -> Faulty:

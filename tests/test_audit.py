@@ -13,7 +13,7 @@ from membrane_rs.errors import InputTypeError
 from membrane_rs.folding import SquareSail, Strip
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.mesh.audit import Audit, Finding
+from membrane_rs.mesh.findings import Audit, Finding
 
 SHEET = Strip(1.0, 0.5, 4, 2, creases=(0.5,)).mesh()
 

@@ -13,6 +13,7 @@ from importlib.metadata import version
 
 from membrane_rs import folding, scenes
 from membrane_rs.errors import (
+    AuditWarning,
     InputError,
     InputTypeError,
     MembraneError,
@@ -46,6 +47,7 @@ __version__ = version("membrane_rs")
 
 __all__ = [
     "AirDrag",
+    "AuditWarning",
     "Bridges",
     "Creases",
     "Fixed",

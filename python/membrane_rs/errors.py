@@ -1,4 +1,4 @@
-"""Every error that membrane_rs raises on purpose.
+"""Every error that membrane_rs raises on purpose, and the category of its warnings about a scene.
 
 All share the base `MembraneError`, and each also derives from the nearest built-in, so that
 `except ValueError` works as a user expects. Every message names the value, its place and a remedy.
@@ -56,3 +56,10 @@ class UnstableError(MembraneError, ArithmeticError):
         self.step = step
         self.place = place
         self.law = law
+
+
+class AuditWarning(UserWarning):
+    """An error or a warning that the audit of a scene found; `Simulation` warns of each once it is built.
+
+    `warnings.simplefilter("error", AuditWarning)` makes each an exception, "ignore" leaves them out.
+    """

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from membrane_rs.errors import MembraneError
+from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.scene.parts import Fixed, Part
 from membrane_rs.simulation.motion import Motion
@@ -34,6 +35,12 @@ class Saving:
 def idle_laws(scene: Scene) -> list[tuple[str, str]]:
     """(law, reason) for each law without effect in this scene: leaving it out changes the cost alone."""
     return [(law.kind, why) for law in scene.laws if (why := law.why_idle(scene)) is not None]
+
+
+def laws_without_effect(scene: Scene) -> Iterator[Finding]:
+    """The same as findings."""
+    for kind, reason in idle_laws(scene):
+        yield Finding("info", "idle_law", 1, f"{kind} is without effect in this scene: {reason}", f"leave {kind} out")
 
 
 def step_savings(scene: Scene, integrator: str | None = None) -> list[Saving]:

@@ -28,11 +28,12 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 @contextmanager
 def reported_errors() -> Iterator[None]:
     """Report an error of membrane_rs in one red line; other exceptions keep their traceback."""
-    from membrane_rs.errors import InputError, MembraneError, MissingFileError
+    from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
 
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
+            warnings.simplefilter("ignore", AuditWarning)  # the commands report the audit themselves
             warnings.showwarning = _show_warning
             yield
     except MembraneError as error:

@@ -47,6 +47,15 @@ def load(scene: str) -> Scene:
     return built_in.load(scene)
 
 
+def report_audit(scene: Scene) -> None:
+    """Report the errors and warnings of the audit of a scene on the standard error, costly checks left out."""
+    from membrane_rs.check import audit
+
+    found = audit(scene, costly=False).without_facts()
+    if found.findings:
+        typer.secho(f"Audit: {found}", fg="yellow" if found.ok else "red", err=True)
+
+
 def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     """The scene with the run settings that were given on the command line."""
     from dataclasses import asdict, replace

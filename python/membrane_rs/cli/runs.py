@@ -23,6 +23,7 @@ from membrane_rs.cli.options import (
     Tolerance,
     Until,
     load,
+    report_audit,
     substeps_of,
     with_settings,
 )
@@ -47,6 +48,9 @@ def run(
     frames: Frames = None,
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
+    despite_errors: Annotated[
+        bool, typer.Option("--despite-errors", help="Run although the audit of the scene finds errors.")
+    ] = False,
 ) -> None:
     """Run a scene and write its results into a folder."""
     with reported_errors():
@@ -58,7 +62,11 @@ def run(
         }  # fmt: skip
         chosen = with_settings(load(scene), wanted)
         folder = out or Path("runs") / chosen.name
-        _run(Simulation(chosen), folder, overwrite, pictures=not no_pictures)
+        report_audit(chosen)
+        sim = Simulation(chosen)
+        if not (despite_errors or sim.audit().ok):
+            _refuse(sim, folder, overwrite)
+        _run(sim, folder, overwrite, pictures=not no_pictures)
 
 
 @app.command()
@@ -77,6 +85,7 @@ def resume(
         from membrane_rs.runs import Simulation
 
         sim = Simulation.restore(file)
+        report_audit(sim.scene)
         settings = sim.scene.run
         end = settings.until if until is None else until
         if end <= sim.time:
@@ -109,8 +118,9 @@ def check(
 ) -> None:
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     with reported_errors():
+        from membrane_rs.check import audit
         from membrane_rs.check.net_of_springs import net_lines
-        from membrane_rs.check.redundancy import idle_laws, step_savings
+        from membrane_rs.check.redundancy import step_savings
         from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
@@ -118,17 +128,8 @@ def check(
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
             typer.echo(f"  {name:<10} {count:>9,}")
-        sound = True
-        if chosen.mesh is not None:
-            audit = chosen.mesh.audit(chosen.material, springs=chosen.negative_springs != "unused")
-            sound = audit.ok
-            typer.echo(f"\nMesh\n{_indented(str(audit))}")
-        idle = idle_laws(chosen)
-        if idle:
-            typer.echo("\nLaws without effect in this scene; leave them out")
-            width = max(len(kind) for kind, _ in idle)
-            for kind, why in idle:
-                typer.echo(f"  {kind:<{width}}  {why}")
+        found = audit(chosen)
+        typer.echo(f"\nAudit\n{_indented(str(found))}")
         sim = Simulation(chosen)
         net = net_lines(chosen)
         if net:
@@ -153,8 +154,21 @@ def check(
         _warn_of_step(sim)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
-        if not sound:
+        if not found.ok:
             raise typer.Exit(FAILED)
+
+
+def _refuse(sim: Simulation, folder: Path, overwrite: bool) -> None:
+    """End without a step, for the errors of the audit; the summary in the folder holds them."""
+    from membrane_rs.errors import SceneError
+    from membrane_rs.runs import RunFolder
+
+    reason = "the audit found errors; mend them, or run all the same with --despite-errors"
+    results = RunFolder(folder, overwrite, pictures=False)
+    results.start(sim)
+    results.finish(sim, SceneError(reason))
+    typer.secho(f"Error: {reason}", fg="red", err=True)
+    raise typer.Exit(FAILED)
 
 
 def _run(

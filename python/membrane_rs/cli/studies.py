@@ -20,6 +20,7 @@ from membrane_rs.cli.options import (
     Until,
     load,
     numbers,
+    report_audit,
     whole,
 )
 
@@ -47,6 +48,7 @@ def stability(
         from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
         chosen = load(scene)
+        report_audit(chosen)
         names = integrator.split(",") if integrator else explicit_integrators(chosen)
         cells = stability_map(
             chosen,
@@ -95,6 +97,7 @@ def work_precision(
             return
 
         chosen = load(scene)
+        report_audit(chosen)
         names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
         meshes = numbers(density, "--density") if density else []
         found = study(
@@ -134,6 +137,7 @@ def ablate(
         from membrane_rs.study import ablate as study
 
         chosen, members = load(scene), 5 if ensemble is None else ensemble
+        report_audit(chosen)
         found = study(
             chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
             dense_until=dense_until, jobs=jobs, progress=_tell,
@@ -179,6 +183,7 @@ def _study_meshes(
     from membrane_rs.study import mesh_study as study
 
     chosen = load(scene)
+    report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]
     made = study(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from membrane_rs.mesh.audit import Audit, Finding
+from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.mesh.mesh import Mesh
 from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
 

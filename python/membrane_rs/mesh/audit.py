@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs._renamed import Renamed
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
+from membrane_rs.mesh.findings import Audit, Finding, Severity, first_few
 from membrane_rs.mesh.growing_modes import growing_modes
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
-
-Severity = Literal["error", "warning", "info"]
 
 POLYIMIDE = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)
 """The film of Okuizumi and others' deployment experiments (Table 1)."""
@@ -28,64 +24,9 @@ STRAIN_NOTED = 0.005
 STRAIN_REFUSED = 0.1
 GROWTH_LIMIT = 50_000
 """Most nodes for which growing modes are computed; it takes some seconds there."""
-_SHOWN = 10
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One thing that the audit found.
-
-    Attributes
-    ----------
-    severity : str
-        "error": it cannot run, or runs wrong. "warning": it may. "info": a fact.
-    kind : str
-        "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
-        "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
-    count : int
-        How many there are.
-    message, remedy : str
-        What it is, in numbers; what to do.
-    where : tuple of int
-        The first ten: nodes, triangles, or rows of `mesh.edges`, as the message says.
-    """
-
-    severity: Severity
-    kind: str
-    count: int
-    message: str
-    remedy: str
-    where: tuple[int, ...] = ()
-
-    cure = Renamed("remedy")
-
-    def __str__(self) -> str:
-        remedy = f"\n    {self.remedy}" if self.remedy else ""
-        return f"{self.severity}: {self.message}{remedy}"
-
-
-@dataclass(frozen=True)
-class Audit:
-    """All that the audit found, errors first."""
-
-    findings: tuple[Finding, ...]
-
-    @property
-    def ok(self) -> bool:
-        """No errors; there may be warnings."""
-        return all(finding.severity != "error" for finding in self.findings)
-
-    def find(self, kind: str) -> Finding | None:
-        """The finding of a kind, or None."""
-        return next((finding for finding in self.findings if finding.kind == kind), None)
-
-    def __str__(self) -> str:
-        number = {name: sum(f.severity == name for f in self.findings) for name in ("error", "warning")}
-        head = ", ".join(f"{count or 'no'} {name}{'' if count == 1 else 's'}" for name, count in number.items())
-        return "\n".join([head, *map(str, self.findings)])
-
-
-def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, springs: bool) -> Audit:
+def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, springs: bool, growth: bool) -> Audit:
     """Audit a mesh, with the `strain` of its edges, (e,). See `Mesh.audit`."""
     if material is not None and not isinstance(material, Material):
         raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
@@ -95,14 +36,10 @@ def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, spr
         *_nodes(mesh),
         *_joints(mesh),
         *(_springs(mesh, film) if springs else ()),
+        *(growing(mesh, film) if springs and growth else ()),
         *_strain(mesh, strain),
     ]
-    order = ("error", "warning", "info")
-    return Audit(tuple(sorted(findings, key=lambda finding: order.index(finding.severity))))
-
-
-def _first(found: Ints) -> tuple[int, ...]:
-    return tuple(found[:_SHOWN].tolist())
+    return Audit.of(findings)
 
 
 def _groups(links: Ints, node_count: int) -> Ints:
@@ -129,7 +66,7 @@ def _shapes(mesh: Triangulation) -> Iterator[Finding]:
             f"{len(gone)} triangles have no area and {len(thin) - len(gone)} are slivers; the height of "
             f"triangle {worst} is {flatness[worst]:.2g} of its longest side",
             "remove triangles without area; move the nodes of slivers apart, or the step becomes very small",
-            _first(gone if len(gone) else thin),
+            first_few(gone if len(gone) else thin),
         )
     sides = np.sort(mesh.edge_lengths[mesh.triangle_edges], axis=1)
     a, b, c = sides.T
@@ -147,7 +84,7 @@ def _shapes(mesh: Triangulation) -> Iterator[Finding]:
             f"(triangle {worst})",
             "the spring opposite to such an angle is weak; from about 92 degrees it can turn negative, from "
             "125 it always does: flip diagonals or move nodes",
-            _first(obtuse),
+            first_few(obtuse),
         )
 
 
@@ -162,7 +99,7 @@ def _nodes(mesh: Triangulation) -> Iterator[Finding]:
             f"{len(unused)} of {mesh.node_count} nodes belong to no triangle, first node {unused[0]}; they "
             "have no mass",
             "remove them and renumber the triangles",
-            _first(unused),
+            first_few(unused),
         )
     low = mesh.reference.min(axis=0)
     size = float(np.ptp(mesh.reference, axis=0).max()) or 1.0
@@ -184,7 +121,7 @@ def _nodes(mesh: Triangulation) -> Iterator[Finding]:
             f"{len(first)} nodes lie where another one does, first nodes {first[0]} and {second[0]} at "
             f"{mesh.reference[first[0]].tolist()} m; the membrane is not joined there",
             "merge them, or name the pairs as bridges",
-            _first(np.sort(np.stack([first, second], axis=1).ravel())),
+            first_few(np.sort(np.stack([first, second], axis=1).ravel())),
         )
 
 
@@ -200,7 +137,7 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             len(again),
             f"{len(again)} triangles are given more than once, first triangle {again.min()}",
             "remove the copies; mass and stiffness count twice there",
-            _first(np.sort(again)),
+            first_few(np.sort(again)),
         )
     shared = np.flatnonzero(mesh.triangles_per_edge > 2)
     if len(shared):
@@ -211,7 +148,7 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             f"{len(shared)} edges belong to three or more triangles, first edge {shared[0]} "
             f"(nodes {mesh.edges[shared[0]].tolist()}, {mesh.triangles_per_edge[shared[0]]} triangles)",
             "a membrane has one or two there: remove triangles, unless a seam of several sheets is meant",
-            _first(shared),
+            first_few(shared),
         )
     first, second = mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]
     sense = np.where(first < second, 1.0, -1.0)
@@ -227,7 +164,7 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             f"{len(wound)} edges lie between triangles wound in opposite senses, {on_creases} of them "
             f"creases, first edge {wound[0]} (nodes {mesh.edges[wound[0]].tolist()})",
             "reverse the order of nodes in one of the two triangles; mountain and valley depend on it",
-            _first(wound),
+            first_few(wound),
         )
     links = np.concatenate([mesh.edges, mesh.bridges])
     label = _groups(links, mesh.node_count)
@@ -240,20 +177,25 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             len(names),
             f"the mesh is in {len(names)} separate pieces, the second one from node {used[np.sort(starts)[1]]}",
             "merge the nodes of their seams or add bridges, if they should hold together",
-            _first(used[np.sort(starts)]),
+            first_few(used[np.sort(starts)]),
         )
 
 
-def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
-    """Negative spring constants, and the modes that may grow by them."""
+def _negative(mesh: Triangulation, material: Material) -> tuple[Ints, Floats]:
+    """Edges of negative spring constant, none in a mesh with triangles without area, and all constants [N/m]."""
     if mesh.flatness().min() < NO_AREA:
-        return
+        return np.zeros(0, np.int64), np.zeros(0)
+    constants = mesh.spring_constants(material)
+    return np.flatnonzero(~(constants >= -1e-12 * np.nanmax(np.abs(constants)))), constants
+
+
+def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
+    """Negative spring constants."""
     try:
-        constants = mesh.spring_constants(material)
+        negative, constants = _negative(mesh, material)
     except MeshError as error:
         yield Finding("error", "singular_springs", 1, str(error), "move the nodes of that triangle")
         return
-    negative = np.flatnonzero(~(constants >= -1e-12 * np.nanmax(np.abs(constants))))
     if not len(negative):
         return
     worst = negative[np.argmin(constants[negative])]
@@ -267,8 +209,18 @@ def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
         f"{boundary} of them on the boundary, down to {constants[worst]:.4g} N/m (edge {worst}, nodes "
         f"{mesh.edges[worst].tolist()})",
         "they come from obtuse triangles: use a mesh without those; clipping them to zero makes it too soft",
-        _first(negative),
+        first_few(negative),
     )
+
+
+def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
+    """The modes that grow by negative spring constants; it takes some seconds for 50,000 nodes."""
+    try:
+        negative, constants = _negative(mesh, material)
+    except MeshError:
+        return
+    if not len(negative):
+        return
     if mesh.node_count > GROWTH_LIMIT:
         yield Finding(
             "info",
@@ -307,5 +259,5 @@ def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
         f"strain at the start from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
         f"edges beyond {100 * STRAIN_NOTED:g} % (most at edge {most}, nodes {mesh.edges[most].tolist()})",
         "" if severity == "info" else "check the folded positions, or relax the membrane before its release",
-        _first(large),
+        first_few(large),
     )

@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
-from membrane_rs.mesh.audit import Audit, audit
+from membrane_rs.mesh.audit import audit
+from membrane_rs.mesh.findings import Audit
+from membrane_rs.mesh.fold_angles import check_fold_angles, fold_angles_of
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import Triangulation, frozen
 
@@ -31,9 +33,11 @@ class Mesh(Triangulation):
     creases : (c, 2) int, optional
         Node pairs; each is an edge of exactly two triangles.
     fold_angles : (c,) float, optional
-        Fold angle of each crease at the start [rad], between -pi and pi, signed as in the FOLD format: seen
-        from the side from which triangles run counter-clockwise, valley positive, mountain negative.
-        Default: zero, which is flat.
+        Fold angle of each crease in `positions` [rad], between -pi and pi, signed as in the FOLD format: seen
+        from the side from which triangles run counter-clockwise, valley positive, mountain negative. Where a
+        crease is folded by 1 to 179 degrees it must agree with `positions` within 5 degrees; where it is flat,
+        its sign says to which side it will fold; where it is shut, on which side its facets lie. Default: taken
+        from `positions`, which must then show no shut crease.
     node_sets : dict of str to (k,) int, optional
         Names for nodes, for instance "corners".
     bridges : (b, 2) int, optional
@@ -45,7 +49,8 @@ class Mesh(Triangulation):
     ------
     MeshError
         Wrong shape, nothing in it, NaN or infinite, index out of range, a node twice in one triangle, a
-        crease that is no edge between two triangles, lengths that differ.
+        crease that is no edge between two triangles, lengths that differ, a fold angle that contradicts
+        `positions`, a shut crease whose fold angle is left out.
     InputTypeError
         Something that is no number, or no whole number where an index is asked for.
     """
@@ -74,9 +79,9 @@ class Mesh(Triangulation):
         folded = _indices(_or_empty(creases), "creases", 2, n)
         super().__init__(nodes, corners, folded, _indices(_or_empty(bridges), "bridges", 2, n))
         self.positions: Floats = stowed
-        self.fold_angles: Floats = _fold_angles(fold_angles, len(self.creases))
         self._node_sets = _node_sets(node_sets or {}, n)
         self._check_creases()
+        self.fold_angles: Floats = self._fold_angles(fold_angles)
 
     @property
     def node_sets(self) -> Mapping[str, Ints]:
@@ -97,7 +102,12 @@ class Mesh(Triangulation):
         return np.nan_to_num(ratio, nan=np.inf, posinf=np.inf) - 1.0
 
     def audit(
-        self, material: Material | None = None, positions: ArrayLike | None = None, *, springs: bool = True
+        self,
+        material: Material | None = None,
+        positions: ArrayLike | None = None,
+        *,
+        springs: bool = True,
+        growth: bool = True,
     ) -> Audit:
         """Faults and risks of the mesh, in words and numbers.
 
@@ -110,8 +120,10 @@ class Mesh(Triangulation):
             Where the strain is measured. Default: the stowed positions.
         springs : bool
             Whether edges are to be springs; False for a film of `Triangles`, which may have obtuse angles.
+        growth : bool
+            Whether modes that grow by negative springs are computed, which takes some seconds for 50,000 nodes.
         """
-        return audit(self, material, self.strain(positions), springs=springs)
+        return audit(self, material, self.strain(positions), springs=springs, growth=growth)
 
     def checked_positions(self, positions: ArrayLike) -> Floats:
         """A read-only copy of positions that fit this mesh.
@@ -142,6 +154,23 @@ class Mesh(Triangulation):
         if len(unique) < len(index):
             twice = np.setdiff1d(np.arange(len(index)), first)[0]
             raise MeshError(f"creases[{twice}] = {self.creases[twice].tolist()} is given twice; give it once")
+
+    def _fold_angles(self, values: ArrayLike | None) -> Floats:
+        """The given fold angles, compared with positions, or those of positions."""
+        if values is None:
+            return frozen(fold_angles_of(self, self.positions))
+        array = _numeric(values, "fold_angles", "fiu", "angles in radians")
+        count = len(self.creases)
+        if array.shape != (count,):
+            raise MeshError(f"fold_angles has shape {array.shape}; it must be ({count},), one angle for each crease")
+        angles: Floats = np.array(array, dtype=np.float64)
+        bad = np.flatnonzero(~(np.abs(angles) <= np.pi + 1e-12))
+        if len(bad):
+            raise MeshError(
+                f"fold_angles[{bad[0]}] = {angles[bad[0]]} is outside -pi to pi; give it in radians, flat is zero"
+            )
+        check_fold_angles(self, self.positions, angles)
+        return frozen(angles)
 
 
 def _or_empty(pairs: ArrayLike | None) -> ArrayLike:
@@ -222,16 +251,3 @@ def _check_range(array: NDArray[Any], name: str, node_count: int) -> None:
             f"{name}[{', '.join(map(str, bad))}] = {array[tuple(bad)]} is no node; "
             f"indices run from 0 to {node_count - 1}"
         )
-
-
-def _fold_angles(values: ArrayLike | None, count: int) -> Floats:
-    array = _numeric(np.zeros(count) if values is None else values, "fold_angles", "fiu", "angles in radians")
-    if array.shape != (count,):
-        raise MeshError(f"fold_angles has shape {array.shape}; it must be ({count},), one angle for each crease")
-    angles: Floats = np.array(array, dtype=np.float64)
-    bad = np.flatnonzero(~(np.abs(angles) <= np.pi + 1e-12))
-    if len(bad):
-        raise MeshError(
-            f"fold_angles[{bad[0]}] = {angles[bad[0]]} is outside -pi to pi; give it in radians, flat is zero"
-        )
-    return frozen(angles)

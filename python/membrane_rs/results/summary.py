@@ -2,6 +2,8 @@
 
 At the start:
 
+audit                 what the audit of the scene found, errors first: for each finding its severity ("error",
+                      "warning" or "info"), kind, count, message and remedy
 scene                 name of the scene
 outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ..."
 counts                size of the scene, as `Scene.counts` gives it

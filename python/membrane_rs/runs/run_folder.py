@@ -15,6 +15,7 @@ from contextlib import nullcontext, suppress
 from pathlib import Path, PurePath
 
 from membrane_rs._files import PART, output_errors
+from membrane_rs.check import audit
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
@@ -101,6 +102,8 @@ class RunFolder:
             self._make_folders(made)
             self._remove_own_files()
             is_cleared = True
+            found = audit(sim.scene, costly=False)
+            self._record.summary["audit"] = [finding.as_dict() for finding in found.findings]
             for writer in sorted(self._writers, key=lambda writer: writer is not self._summary):
                 writer.start(sim, self._record)
         except BaseException:

@@ -9,8 +9,11 @@ import numpy as np
 
 from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of
+from membrane_rs.check import Audit, audit
+from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError
 from membrane_rs.runs.run_folder import RunFolder
+from membrane_rs.scene import Scene
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
@@ -39,7 +42,20 @@ class Simulation(Stepper):
         A triangle without area, negative spring constants, a crease that is no hinge.
     InputError
         dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass.
+
+    Warns
+    -----
+    AuditWarning
+        Each error and each warning that `audit` finds in the scene.
     """
+
+    def __init__(self, scene: Scene, integrator: str | None = None, dt: float | None = None) -> None:
+        super().__init__(scene, integrator, dt)
+        warn_of(self.audit(), stacklevel=2)
+
+    def audit(self) -> Audit:
+        """Faults, risks and facts of the scene, costly checks left out; `membrane_rs.check.audit` makes all."""
+        return audit(self.scene, costly=False)
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
         """Damp the scene to rest where its guide bars hold it, and start from there, at the same time.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
+
 from membrane_rs._moved import Moved
+from membrane_rs.errors import AuditWarning
 from membrane_rs.study.ablation import Ablation, ablate
 from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
@@ -25,6 +28,9 @@ __all__ = [
     "work_precision",
     "write_mesh_study",
 ]
+
+# A study builds many simulations of scenes that it varies on purpose; the audit is for the user's own scene.
+warnings.filterwarnings("ignore", category=AuditWarning, module=r"membrane_rs\.study\.")
 
 __getattr__ = Moved(
     __name__, {__name__: {"Chart": "WorkPrecision", "Lengths": "LengthScales", "chart": "work_precision"}}

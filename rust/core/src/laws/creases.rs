@@ -12,7 +12,7 @@
 //! collapses, and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
 //! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
-//! and from flat. The fold pattern gives the side to which a crease folds (valley +1, mountain -1), not the geometry.
+//! and from flat. The sign of the fold angle gives the side to which a crease folds (valley +1, mountain -1).
 //! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights are added here.
 
 mod tangent;

@@ -1,0 +1,25 @@
+"""What is wrong with the mesh of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from membrane_rs.mesh.audit import growing
+from membrane_rs.mesh.findings import Finding
+from membrane_rs.scene import Scene
+
+
+def mesh_faults(scene: Scene) -> Iterator[Finding]:
+    """What `Mesh.audit` finds, growing modes left out."""
+    if scene.mesh is not None:
+        yield from scene.mesh.audit(scene.material, springs=_has_springs(scene), growth=False).findings
+
+
+def growing_modes(scene: Scene) -> Iterator[Finding]:
+    """Modes of the mesh that grow by negative springs."""
+    if scene.mesh is not None and scene.material is not None and _has_springs(scene):
+        yield from growing(scene.mesh, scene.material)
+
+
+def _has_springs(scene: Scene) -> bool:
+    return scene.negative_springs != "unused"

@@ -1,0 +1,101 @@
+"""What an audit found, of a mesh or of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+from membrane_rs._arrays import Ints
+from membrane_rs._renamed import Renamed
+
+Severity: TypeAlias = Literal["error", "warning", "info"]
+
+_ORDER: tuple[Severity, ...] = ("error", "warning", "info")
+_SHOWN = 10
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that the audit found.
+
+    Attributes
+    ----------
+    severity : str
+        "error": it cannot run, or runs wrong. "warning": it may. "info": a fact.
+    kind : str
+        Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
+        "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
+        Of a scene: "idle_law" or "left_out".
+    count : int
+        How many there are.
+    message, remedy : str
+        What it is, in numbers; what to do.
+    where : tuple of int
+        The first ten: nodes, triangles, or rows of `mesh.edges`, as the message says.
+    """
+
+    severity: Severity
+    kind: str
+    count: int
+    message: str
+    remedy: str
+    where: tuple[int, ...] = ()
+
+    cure = Renamed("remedy")
+
+    def __str__(self) -> str:
+        remedy = f"\n    {self.remedy}" if self.remedy else ""
+        return f"{self.severity}: {self.message}{remedy}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Severity, kind, count, message and remedy, as summary.json holds them."""
+        return {name: getattr(self, name) for name in ("severity", "kind", "count", "message", "remedy")}
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All that the audit found, errors first."""
+
+    findings: tuple[Finding, ...]
+
+    @classmethod
+    def of(cls, findings: Iterable[Finding]) -> Audit:
+        """Findings in any order."""
+        return cls(tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity))))
+
+    @property
+    def ok(self) -> bool:
+        """No errors; there may be warnings."""
+        return not self.errors
+
+    @property
+    def errors(self) -> tuple[Finding, ...]:
+        """Findings of severity "error"."""
+        return self._of_severity("error")
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """Findings of severity "warning"."""
+        return self._of_severity("warning")
+
+    def find(self, kind: str) -> Finding | None:
+        """The finding of a kind, or None."""
+        return next((finding for finding in self.findings if finding.kind == kind), None)
+
+    def without_facts(self) -> Audit:
+        """Errors and warnings alone."""
+        return Audit(self.errors + self.warnings)
+
+    def __str__(self) -> str:
+        number = {"error": len(self.errors), "warning": len(self.warnings)}
+        head = ", ".join(f"{count or 'no'} {name}{'' if count == 1 else 's'}" for name, count in number.items())
+        return "\n".join([head, *map(str, self.findings)])
+
+    def _of_severity(self, severity: Severity) -> tuple[Finding, ...]:
+        return tuple(finding for finding in self.findings if finding.severity == severity)
+
+
+def first_few(found: Ints) -> tuple[int, ...]:
+    """The first ten of some indices, for `Finding.where`."""
+    return tuple(found[:_SHOWN].tolist())

@@ -1,0 +1,133 @@
+"""Fold angles agree with positions: taken from them where left out, and refused where they contradict them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import Creases, Fixed, Mesh, MeshError, Scene, Simulation, Springs
+from membrane_rs.folding import Strip
+from membrane_rs.mesh.fold_angles import measured_fold_angles
+from membrane_rs.scene.toml import load_mesh
+from small_scenes import RUBBER, Floats, rotation
+
+RNG = np.random.default_rng(3)
+ANGLES = [*range(-170, 0, 35), -2, 2, *range(30, 171, 35)]
+
+
+def wings(degrees: float, *, from_below: bool = False, turned: bool = True) -> dict[str, Any]:
+    """The arrays of a strip with three creases in alternate senses, turned and moved at random."""
+    mesh = Strip(0.4, 0.1, 8, 2, creases=(0.25, 0.5, 0.75), fold_angle=np.radians(degrees)).mesh()
+    turn = rotation(list(RNG.normal(size=3)), RNG.uniform(0, 6)) if turned else np.eye(3)
+    triangles = mesh.triangles[:, ::-1] if from_below else mesh.triangles
+    return {
+        "reference": mesh.reference,
+        "triangles": triangles,
+        "positions": mesh.positions @ turn.T + turned * RNG.normal(size=3),
+        "creases": mesh.creases,
+        "fold_angles": (-1.0 if from_below else 1.0) * mesh.fold_angles,
+    }
+
+
+def angles_in_core(mesh: Mesh) -> Floats:
+    """Crease angles by the law of creases [rad]."""
+    scene = Scene(mesh, RUBBER, [Springs(strain_limit=1e9), Creases()], [Fixed(nodes=(0,))])
+    return Simulation(scene).crease_angles()
+
+
+@pytest.mark.parametrize("from_below", [False, True])
+@pytest.mark.parametrize("degrees", ANGLES)
+def test_left_out_they_are_taken_from_positions(degrees: float, from_below: bool) -> None:
+    values = wings(degrees, from_below=from_below)
+    expected = values.pop("fold_angles")
+    mesh = Mesh(**values)
+    np.testing.assert_allclose(mesh.fold_angles, expected, atol=1e-9)
+    np.testing.assert_allclose(angles_in_core(mesh), np.pi - np.abs(expected), atol=1e-9)
+
+
+@pytest.mark.parametrize("from_below", [False, True])
+@pytest.mark.parametrize("degrees", [angle for angle in ANGLES if abs(angle) > 2])
+def test_another_sign_is_refused_with_the_crease_and_both_angles(degrees: float, from_below: bool) -> None:
+    values = wings(degrees, from_below=from_below)
+    Mesh(**values)
+    values["fold_angles"] = -values["fold_angles"]
+    first = -degrees if from_below else degrees
+    words = rf"\({-first} degrees\) contradicts positions at creases\[0\] \(nodes \d+ and \d+\), where {first} degrees"
+    with pytest.raises(MeshError, match=rf"{words} \(6 such creases\); the sign is that of the FOLD format"):
+        Mesh(**values)
+
+
+@pytest.mark.parametrize(
+    ("shown", "given"), [(60, 150), (60, 45), (170, 120), (-90, -170), (30, 0), (90, 180), (-6, 0)]
+)
+def test_another_angle_is_refused(shown: float, given: float) -> None:
+    values = wings(shown)
+    values["fold_angles"][:2] = np.radians(given)
+    with pytest.raises(MeshError, match=r"\(2 such creases\); give the angle in positions, in radians, or leave"):
+        Mesh(**values)
+
+
+def test_one_wrong_crease_of_many_is_named() -> None:
+    values = wings(60)
+    values["fold_angles"][3] *= -1.0
+    nodes = " and ".join(map(str, values["creases"][3]))
+    with pytest.raises(MeshError, match=rf"creases\[3\] \(nodes {nodes}\).*\(1 such creases\)"):
+        Mesh(**values)
+
+
+def test_triangles_wound_from_the_other_side_exchange_valley_and_mountain() -> None:
+    values = wings(60)
+    values["triangles"] = values["triangles"][:, ::-1]
+    with pytest.raises(MeshError, match="order of nodes in all triangles"):
+        Mesh(**values)
+
+
+def test_a_flat_crease_may_have_any_angle_and_a_shut_one_either_sign() -> None:
+    values = wings(0, turned=False)
+    for angle in (-np.pi, -1.0, 0.0, 2.0):
+        Mesh(**values | {"fold_angles": np.full(6, angle)})
+    assert (Mesh(**values | {"fold_angles": None}).fold_angles == 0.0).all()
+    values = wings(180, turned=False)
+    for sign in (-1.0, 1.0):
+        mesh = Mesh(**values | {"fold_angles": np.full(6, sign * np.pi)})
+        np.testing.assert_allclose(np.abs(angles_in_core(mesh)), 0.0, atol=1e-9)
+    with pytest.raises(MeshError, match=r"where it is shut .*give pi for a valley and -pi for a mountain"):
+        Mesh(**values | {"fold_angles": np.zeros(6)})
+    with pytest.raises(MeshError, match=r"left out, and creases\[0\] \(nodes 6 and 7\) is shut"):
+        Mesh(**values | {"fold_angles": None})
+
+
+def test_noise_of_a_part_in_a_thousand_is_no_contradiction() -> None:
+    values = wings(60)
+    values["positions"] = values["positions"] + 5e-5 * RNG.normal(size=values["positions"].shape)
+    Mesh(**values)
+
+
+def test_crumpled_facets_show_no_fold() -> None:
+    values = wings(60)
+    values["positions"] = RNG.normal(size=values["positions"].shape)
+    mesh = Mesh(**values | {"fold_angles": None})
+    assert (mesh.fold_angles == 0.0).all()
+    assert np.isnan(measured_fold_angles(mesh, mesh.positions)).all()
+
+
+def test_the_natural_angle_is_another_matter() -> None:
+    mesh = Mesh(**wings(60, turned=False))
+    for natural in (0.0, 1.0, np.pi, 5.0):
+        scene = Scene(mesh, RUBBER, [Springs(), Creases(natural_angle=natural)], [Fixed(nodes=(0,))])
+        np.testing.assert_allclose(Simulation(scene).crease_angles(), np.radians(120), atol=1e-9)
+
+
+def test_a_mesh_file_is_refused_alike(tmp_path: Path) -> None:
+    values = wings(60)
+    values["fold_angles"] = -values["fold_angles"]
+    np.savez(tmp_path / "mesh.npz", **values)
+    with pytest.raises(MeshError, match="contradicts positions"):
+        load_mesh(tmp_path / "mesh.npz")
+    path = tmp_path / "scene.toml"
+    material = "[material]\nyoungs_modulus = 1e6\npoisson_ratio = 0.3\ndensity = 1000.0\nthickness = 2e-4\n"
+    path.write_text(f'[mesh]\nfile = "mesh.npz"\n{material}[laws.springs]\n', encoding="utf-8")
+    with pytest.raises(ValueError, match=r"scene.toml: .*contradicts positions at creases\[0\]"):
+        Scene.from_toml(path)
