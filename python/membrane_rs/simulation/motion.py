@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._renamed import Renamed, RenamedKeys
-from membrane_rs._validation import number_of, show
+from membrane_rs._validation import number_of, numeric, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
@@ -294,15 +294,14 @@ class Motion:
 
     def _vectors(self, values: ArrayLike, name: str, unit: str) -> Floats:
         try:
-            given = np.asarray(values)
-            array = given.astype(np.float64) if given.dtype.kind in "fiu" else None
-        except (TypeError, ValueError):
-            array = None
-        if array is None:
-            raise InputTypeError(f"{name} = {show(values)}: must be numbers [{unit}], one row x, y, z per node")
+            array = numeric(values, name, "fiu", "numbers")
+        except InputTypeError as error:
+            what = f"{name} = {show(values)}: must be numbers [{unit}], one row x, y, z per node"
+            raise InputTypeError(f"{what}; {error}") from None
         if array.shape != (self.node_count, 3):
             raise InputTypeError(f"{name} has shape {array.shape}; it must be ({self.node_count}, 3), one row per node")
-        return array
+        with np.errstate(over="ignore"):
+            return array.astype(np.float64, order="C")
 
 
 def _step_of(dt: object) -> float | None:
