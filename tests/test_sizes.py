@@ -33,7 +33,7 @@ def cord(segments: int) -> Tether:
     ("make", "words"),
     [
         (lambda: Strip(1.0, 1.0, 1, MANY), "Strip: columns = 1, rows = 1000000000: makes about 2.0e"),
-        (lambda: Strip(1.0, 1.0, MANY, MANY), "more than 1e.07 do not fit; take fewer"),
+        (lambda: Strip(1.0, 1.0, MANY, MANY), "must be at most 10000000, more do not fit; take fewer"),
         (lambda: EquilateralLattice(1.0, MANY, 1), "EquilateralLattice: columns = 1000000000"),
         (lambda: EquilateralLattice(1.0, 4000, 4000), "do not fit"),
         (lambda: SquareSail(rows=8 * 10**8), "do not fit"),

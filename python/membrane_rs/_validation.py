@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import field
 from numbers import Integral, Real
@@ -27,7 +28,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from typing_extensions import dataclass_transform
 
 from membrane_rs._renamed import deprecated, new_names
-from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.errors import InputError, InputTypeError, MembraneError
 
 T = TypeVar("T")
 
@@ -169,7 +170,8 @@ def validated(cls: type[T]) -> type[T]:
             deprecated(f"{made.__name__}.{old}", f"use {renamed[old]}")
             values[renamed[old]] = values.pop(old)
         try:
-            plain(self, *args, **values)
+            with computable(made.__name__):
+                plain(self, *args, **values)
         except ValidationError as error:
             raise _as_input_error(error, made, made.__name__) from None
 
@@ -205,10 +207,24 @@ def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
             deprecated(f"{name}.{old}", f"write {new}")
             given[new] = given.pop(old)
     try:
-        made.__plain_init__(instance, **given)
+        with computable(name):
+            made.__plain_init__(instance, **given)
     except ValidationError as error:
         raise _as_input_error(error, made, name) from None
     return instance
+
+
+@contextmanager
+def computable(where: str, kind: type[InputError] = InputError) -> Iterator[None]:
+    """Turn an overflow or a division by zero, which only values beyond all nature cause, into an error of `kind`."""
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            yield
+    except ArithmeticError as error:
+        if isinstance(error, MembraneError):
+            raise
+        reason = " ".join(str(error).split())
+        raise kind(f"{where}: a value is too large or too small to compute with ({reason}); give SI units") from None
 
 
 def number_of(name: str, value: object, unit: str = "s") -> float:

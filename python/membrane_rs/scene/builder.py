@@ -98,10 +98,8 @@ class Builder:
 
     def check_room(self, where: str, segments: int, new_nodes: int) -> None:
         """Refuse cords too fine to be held in memory, before anything is allocated. Raises SceneError."""
-        total = self.node_count + new_nodes
-        check_nodes(
-            total, f"{where}.segments = {segments}, in all cords and the mesh", "take fewer segments", SceneError
-        )
+        where, remedy = f"{where}.segments = {segments}", "take fewer segments"
+        check_nodes(self.node_count + new_nodes, where, remedy, SceneError, "cord nodes with those of the mesh")
 
     def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.

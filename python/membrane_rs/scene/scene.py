@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar, overload
 
 from membrane_rs._files import output_errors, path_of, write_text
-from membrane_rs._validation import check_text, show
+from membrane_rs._validation import check_text, computable, show
 from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
@@ -173,13 +173,15 @@ class Scene:
     def _assembly(self) -> Assembly:
         builder = Builder(self.mesh)
         for k, part in enumerate(self.parts):
-            part.add_nodes(builder, f"parts[{k}]")
+            with computable(f"parts[{k}]", SceneError):
+                part.add_nodes(builder, f"parts[{k}]")
         for k, part in enumerate(self.parts):
             part.add_loads(builder, f"parts[{k}]")
         builder.check_links()
         for law in self.laws:
             law.add_contacts(builder)
-        return builder.assembly()
+        with computable("parts", SceneError):
+            return builder.assembly()
 
 
 def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from membrane_rs._files import read_text
-from membrane_rs._validation import build, nearest, show, unit_of
+from membrane_rs._validation import build, computable, nearest, show, unit_of
 from membrane_rs.errors import InputError, MissingFileError, SceneError
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
@@ -126,7 +126,7 @@ def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
         if key not in ("name", "mesh", "material", "laws", "parts", "run"):
             known = ("name", "mesh", "material", "laws", "parts", "run")
             raise SceneError(f"{key}: no such key; {nearest(key, known)}")
-    name = table.get("name", path.stem)
+    name = table.get("name", path.stem.encode(errors="replace").decode())
     if not isinstance(name, str):
         raise SceneError(f"name = {show(name)}: must be a text")
     mesh = _mesh(_as_table(table["mesh"], "mesh"), path.parent) if "mesh" in table else None
@@ -157,7 +157,8 @@ def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
             raise SceneError(f"mesh.{next(iter(values))}: no such key beside file")
         return Mesh.load(folder / file)
     pattern = values.pop("pattern")
-    mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()
+    with computable("mesh"):
+        mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()
     return mesh
 
 

@@ -19,6 +19,9 @@ from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.core_input import laws_of, model_of, settings_of
 
+SHORTEST_STEP = 1e-100
+"""A stable step below this comes of values beyond all nature [s]."""
+
 
 class Motion:
     """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
@@ -38,12 +41,17 @@ class Motion:
             step,
             settings_of(scene),
         )
-        if step is None and not self.is_adaptive:
-            interval = scene.run.until / (scene.run.samples - 1)
-            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
         self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
+        if step is None and not self._core.dt > SHORTEST_STEP:
+            raise InputError(
+                f"the largest stable step is {self._core.dt} s, set by {self.limiting_part}: nothing moves in so short "
+                "a time; check the values of that law, of the material and of the masses"
+            )
+        if step is None and not self.is_adaptive:
+            interval = scene.run.until / (scene.run.samples - 1)
+            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
 
     @property
     def time(self) -> float:
