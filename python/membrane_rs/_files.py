@@ -1,27 +1,68 @@
-"""Files that are whole or absent: written beside their place, then moved into it."""
+"""Files that are whole or absent: written beside their place, then moved into it. Bounds on those that are read."""
 
 from __future__ import annotations
 
-import zipfile
-import zlib
+import errno
+import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from membrane_rs.errors import OutputError
+from membrane_rs.errors import InputTypeError, MembraneError, OutputError
 
 PART = ".part"
-BAD_ARCHIVE = (
-    OSError,
-    ValueError,
-    EOFError,
-    AttributeError,
-    TypeError,
-    RuntimeError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What numpy and zipfile raise on a damaged archive, or on a file that is none."""
+MOST_BYTES = 2**32
+"""A larger file is not read."""
+
+
+def path_of(value: object, name: str = "path") -> Path:
+    """A path from a text or a path. Raises InputTypeError for anything else, an empty text and a NUL, by `name`."""
+    if not isinstance(value, str | os.PathLike) or not isinstance(found := os.fspath(value), str):
+        raise InputTypeError(f"{name} = {value!r:.60}: must be a path, as a text or a pathlib.Path")
+    if not found or "\0" in found:
+        raise InputTypeError(f"{name} = {found!r:.60}: must be the name of a file or a folder, without a NUL")
+    return Path(found)
+
+
+def check_regular(path: Path, most: int = MOST_BYTES) -> None:
+    """Refuse what is no regular file, or one of more than `most` bytes, before it is opened.
+
+    A pipe or a device may never end. Raises OSError, whose `strerror` is the reason; FileNotFoundError without a file.
+    """
+    found = path.stat()
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "it is a folder, no file", str(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "it is a pipe, a socket or a device, no regular file", str(path))
+    if found.st_size > most:
+        raise OSError(errno.EFBIG, f"it has {found.st_size} bytes, and at most {most} are read", str(path))
+
+
+def read_text(path: Path, most: int = MOST_BYTES) -> str:
+    """The UTF-8 text of a regular file, without a byte order mark.
+
+    Raises OSError as `check_regular`, and UnicodeDecodeError.
+    """
+    check_regular(path, most)
+    with path.open("rb") as file:
+        return file.read(most).decode("utf-8-sig")
+
+
+@contextmanager
+def reading_errors(path: Path, what: str) -> Iterator[None]:
+    """Turn whatever goes wrong while a result at `path` is read into an OutputError: path, reason and remedy.
+
+    What reads XML, CSV or VTU meets a damaged file with errors of every kind.
+    """
+    try:
+        yield
+    except MembraneError:
+        raise
+    except Exception as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+        text = f"{path} is no {what}, or damaged: {' '.join(reason.split())}; run the scene again, or name another file"
+        raise OutputError(text) from error
 
 
 @contextmanager

@@ -12,21 +12,23 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import field
 from numbers import Integral, Real
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, TypeGuard, TypeVar, get_args
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
 from pydantic_core import ErrorDetails, PydanticCustomError
 from typing_extensions import dataclass_transform
 
 from membrane_rs._renamed import deprecated, new_names
-from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.errors import InputError, InputTypeError, MembraneError
 
 T = TypeVar("T")
 
@@ -50,8 +52,12 @@ MOST = 10**9
 """A larger count or node index is taken as an input error."""
 
 
+NO_NUMBERS = (bool, np.bool_, np.timedelta64)
+"""Types that count as numbers in Python or numpy, and are none here."""
+
+
 def _number(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, Real):
+    if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
         raise _wrong_type("a number")
     try:
         number = float(value)
@@ -62,8 +68,12 @@ def _number(value: object) -> float:
     return number
 
 
+def _is_whole(value: object) -> TypeGuard[Integral]:
+    return isinstance(value, Integral) and not isinstance(value, NO_NUMBERS)
+
+
 def _whole(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, Integral):
+    if not _is_whole(value):
         raise _wrong_type("a whole number")
     return int(value)
 
@@ -95,7 +105,9 @@ def _nodes(value: object) -> object:
         if not value:
             raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
         return value
-    if not isinstance(value, tuple) or not all(isinstance(i, Integral) and not isinstance(i, bool) for i in value):
+    if not isinstance(value, tuple) or not all(
+        isinstance(i, Integral) and not isinstance(i, NO_NUMBERS) for i in value
+    ):
         raise _wrong_type("the name of a node set or a list of node indices")
     nodes = tuple(int(i) for i in value)
     if not nodes or min(nodes) < 0 or max(nodes) > MOST:
@@ -158,7 +170,8 @@ def validated(cls: type[T]) -> type[T]:
             deprecated(f"{made.__name__}.{old}", f"use {renamed[old]}")
             values[renamed[old]] = values.pop(old)
         try:
-            plain(self, *args, **values)
+            with computable(made.__name__):
+                plain(self, *args, **values)
         except ValidationError as error:
             raise _as_input_error(error, made, made.__name__) from None
 
@@ -194,25 +207,83 @@ def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
             deprecated(f"{name}.{old}", f"write {new}")
             given[new] = given.pop(old)
     try:
-        made.__plain_init__(instance, **given)
+        with computable(name):
+            made.__plain_init__(instance, **given)
     except ValidationError as error:
         raise _as_input_error(error, made, name) from None
     return instance
 
 
+@contextmanager
+def computable(where: str, kind: type[InputError] = InputError) -> Iterator[None]:
+    """Turn an overflow or a division by zero, which only values beyond all nature cause, into an error of `kind`."""
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            yield
+    except ArithmeticError as error:
+        if isinstance(error, MembraneError):
+            raise
+        reason = " ".join(str(error).split())
+        raise kind(f"{where}: a value is too large or too small to compute with ({reason}); give SI units") from None
+
+
 def number_of(name: str, value: object, unit: str = "s") -> float:
     """A finite number, or a numpy scalar as one. Raises InputTypeError and InputError, which name it and its unit."""
+    if isinstance(value, np.ndarray) and value.ndim == 0 and not isinstance(value, np.ma.MaskedArray):
+        value = value[()]
+    if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
+        raise InputTypeError(f"{name} = {show(value)}: must be a number ({unit})")
     try:
-        if isinstance(value, str | bytes | bool | np.bool_):
-            raise TypeError
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise InputTypeError(f"{name} = {show(value)}: must be a number ({unit})") from None
+        number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
         raise InputError(f"{name} = {number}: must be finite ({unit})")
     return number
+
+
+def numeric(
+    values: Any, name: str, kinds: str, wanted: str, irregular: type[InputError] = InputTypeError
+) -> NDArray[Any]:
+    """`values` as an array of one of some kinds of dtype ("f" float, "i" "u" whole numbers, "b" truth values).
+
+    Raises
+    ------
+    InputTypeError
+        Another dtype, or masked entries, whose mask would be lost.
+    irregular
+        Rows of different lengths.
+    """
+    if _is_masked(values):
+        raise InputTypeError(
+            f"{name} has masked entries, and must hold {wanted}; fill them (numpy.ma.filled(values, fill_value)) or "
+            "leave their rows out"
+        )
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise irregular(f"{name} is no regular array ({error}); give rows of equal length") from None
+    if array.dtype.kind not in kinds and (array.size or array.dtype.kind not in "fiu"):
+        raise InputTypeError(f"{name} has dtype {array.dtype}; it must hold {wanted}")
+    return array
+
+
+def _is_masked(values: object, depth: int = 2) -> bool:
+    """Whether an array, or one in a list of lists, has masked entries."""
+    if isinstance(values, np.ma.MaskedArray):
+        return bool(np.ma.is_masked(values))
+    return depth > 0 and isinstance(values, list | tuple) and any(_is_masked(item, depth - 1) for item in values)
+
+
+def check_text(text: str, name: str, kind: type[InputError] = InputError) -> None:
+    """Refuse a text that UTF-8, and so no file, can hold: one with half of a surrogate pair. Raises `kind`."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise kind(
+            f"{name} {show(ascii(text))}: character {error.start} is half of a surrogate pair, which no text file "
+            "holds; replace it"
+        ) from None
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -7,14 +7,18 @@ interrupted. Heavy imports stand inside the commands, so that `--help` is quick.
 from __future__ import annotations
 
 from membrane_rs.cli import runs, studies
-from membrane_rs.cli.application import INTERRUPTED, app
+from membrane_rs.cli.application import FAILED, INTERRUPTED, app, print_anything, report_output
 
 __all__ = ["app", "main", "runs", "studies"]
 
 
 def main() -> None:
     """Entry point of the command `membrane-rs`."""
+    print_anything()
     try:
         app()
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None
+    except OSError as error:
+        report_output(error)
+        raise SystemExit(FAILED) from None

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import sys
+import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +21,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+TRACEBACK = "MEMBRANE_RS_TRACEBACK"
+"""The environment variable with which an unexpected error shows where it arose."""
+
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     typer.secho(f"Warning: {message}", fg="yellow", err=True)
@@ -27,9 +34,10 @@ FAILED, USAGE, INTERRUPTED = 1, 2, 130
 
 @contextmanager
 def reported_errors() -> Iterator[None]:
-    """Report an error of membrane_rs in one red line; other exceptions keep their traceback."""
+    """Report an error of membrane_rs in one red line, and any other one as a fault of the program."""
     from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
 
+    print_anything()
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
@@ -42,3 +50,36 @@ def reported_errors() -> Iterator[None]:
     except KeyboardInterrupt:
         typer.echo("Stopped; nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
+    except Exception as error:
+        if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
+            raise
+        _report(error)
+        raise typer.Exit(FAILED) from None
+
+
+def print_anything() -> None:
+    """Let names of files that are no text, or that the terminal's encoding lacks, be shown by escapes."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def report_output(error: OSError) -> None:
+    """Report that the standard output cannot be written, and write to it no more.
+
+    Raises the error where it is another one, or that of a reader that has seen enough (`| head`).
+    """
+    if error.filename is not None or error.errno == errno.EPIPE:
+        raise error
+    # What waits in the stream's buffer would fail once more when Python ends.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    typer.secho(f"Error: cannot write to the standard output: {error.strerror}", fg="red", err=True)
+
+
+def _report(error: Exception) -> None:
+    """Ask to report a fault of this program."""
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    text = f"Error: unexpected {type(error).__name__}: {' '.join(str(error).split())}. This is a fault of membrane_rs"
+    how = f"please report it with the scene; {TRACEBACK}=1 in the environment shows where it arose"
+    typer.secho(f"{text}; {how}", fg="red", err=True)

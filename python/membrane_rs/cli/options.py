@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,28 +14,68 @@ from membrane_rs._renamed import deprecated
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
 
+SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
+
+
+def number(text: str) -> float:
+    """A number of the command line. Raises BadParameter, which names the value and what to write."""
+    try:
+        return float(text)
+    except ValueError:
+        raise typer.BadParameter(
+            f"{text!r} is no number; write one in SI units without its unit{_plain(text)}"
+        ) from None
+
+
+def count(text: str) -> int:
+    """A whole number of the command line. Raises BadParameter, which names the value."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is no whole number; write one such as 10") from None
+
+
+def _plain(text: str) -> str:
+    """A time with its unit, in seconds, for the end of a message."""
+    found = re.fullmatch(r"\s*([-+\d.eE]+)\s*([a-z]+)\s*", text)
+    with suppress(ValueError):
+        if found is not None and found[2] in SUFFIXES:
+            return f", such as {float(found[1]) * SUFFIXES[found[2]]:.12g} (s)"
+    return ""
+
+
+def numeric_option(help: str) -> Any:  # noqa: A002 - typer's own word
+    """An option that takes a number."""
+    return typer.Option(help=help, parser=number, metavar="FLOAT")
+
+
+def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
+    """An option that takes a whole number."""
+    return typer.Option(help=help, parser=count, metavar="INTEGER")
+
+
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
-Until = Annotated[float | None, typer.Option(help="Simulated time at the end (s). Default: the scene's.")]
+Until = Annotated[float | None, numeric_option(help="Simulated time at the end (s). Default: the scene's.")]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
-Dt = Annotated[float | None, typer.Option(help="Step (s). Default: from the stability limit, or from the tolerance.")]
-Tolerance = Annotated[float | None, typer.Option(help="Tolerance for the error of dopri5. Default: the scene's.")]
+Dt = Annotated[float | None, numeric_option(help="Step (s). Default: from the stability limit, or from the tolerance.")]
+Tolerance = Annotated[float | None, numeric_option(help="Tolerance for the error of dopri5. Default: the scene's.")]
 SpectralRadius = Annotated[
     float | None,
-    typer.Option(help="Amplification per step of modes that an implicit method cannot resolve: 0 to 1."),
+    numeric_option(help="Amplification per step of modes that an implicit method cannot resolve: 0 to 1."),
 ]
 Substeps = Annotated[
     int | None,
-    typer.Option(help="Substeps of leapfrog in a step, for laws that are not slow. Default: the scene's."),
+    count_option(help="Substeps of leapfrog in a step, for laws that are not slow. Default: the scene's."),
 ]
 ShortSteps = Annotated[int | None, typer.Option("--short-steps", hidden=True, help="The old name of --substeps.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
-Frames = Annotated[int | None, typer.Option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
+Frames = Annotated[int | None, count_option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[
-    int | None, typer.Option(help="Number of runs from perturbed starts; 0: none. Default: depends on the study.")
+    int | None, count_option(help="Number of runs from perturbed starts; 0: none. Default: depends on the study.")
 ]
 Rows = Annotated[str, typer.Option(help="Mesh densities: rows of cells of a petal, separated by commas.")]
-Jobs = Annotated[int | None, typer.Option(help="Number of parallel runs. Default: one on each core.")]
+Jobs = Annotated[int | None, count_option(help="Number of parallel runs. Default: one on each core.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures at the end.")]
 
 

@@ -18,8 +18,10 @@ from membrane_rs.cli.options import (
     Rows,
     SceneArgument,
     Until,
+    count_option,
     load,
     numbers,
+    numeric_option,
     report_audit,
     whole,
 )
@@ -72,7 +74,7 @@ def work_precision(
     *,
     integrators: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
     until: Until = None,
-    steps: Annotated[int, typer.Option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
+    steps: Annotated[int, count_option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
@@ -80,9 +82,9 @@ def work_precision(
     density: Annotated[
         str, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
     ] = "",
-    error: Annotated[float, typer.Option(help="The target error, to be reached at least cost.")] = 1e-3,
-    repeats: Annotated[int | None, typer.Option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
-    budget: Annotated[float | None, typer.Option(help="Leave out runs that take longer on one core (s).")] = None,
+    error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
+    repeats: Annotated[int | None, count_option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
+    budget: Annotated[float | None, numeric_option(help="Leave out runs that take longer on one core (s).")] = None,
     mesh: Annotated[bool, typer.Option("--mesh", help="Refine the mesh instead of the step: see mesh-study.")] = False,
     rows: Rows = "8,16",
     jobs: Jobs = None,
@@ -123,12 +125,12 @@ def ablate(
     until: Until = None,
     tolerance: Annotated[
         float,
-        typer.Option(help="Allowed change: of the rate, of the phase (turns), of the peaks."),
+        numeric_option(help="Allowed change: of the rate, of the phase (turns), of the peaks."),
     ] = 0.01,
     ensemble: Ensemble = None,
     integrator: Integrator = None,
-    share: Annotated[float | None, typer.Option(help="Steps in multiples of the stability limit.")] = None,
-    dense_until: Annotated[float | None, typer.Option(help="End of the run on the denser mesh (s).")] = None,
+    share: Annotated[float | None, numeric_option(help="Steps in multiples of the stability limit.")] = None,
+    dense_until: Annotated[float | None, numeric_option(help="End of the run on the denser mesh (s).")] = None,
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
@@ -151,7 +153,7 @@ def mesh_study(
     *,
     rows: Rows = "8,16",
     forms: Annotated[str | None, typer.Option(help="Forms of the parameters, by commas. Default: all.")] = None,
-    ensemble: Annotated[int, typer.Option(help="Number of runs from perturbed starts on each mesh.")] = 0,
+    ensemble: Annotated[int, count_option(help="Number of runs from perturbed starts on each mesh.")] = 0,
     until: Until = None,
     jobs: Jobs = None,
     out: Out = None,

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import MOST
 from membrane_rs.folding._rows import cells, numbered, stitch
 
 
@@ -52,13 +53,20 @@ class FlatPetal:
         return np.stack([x, y, np.zeros_like(x)], axis=1)
 
 
-def default_columns(layout: str, inner_width: float, row_height: float, rows: int) -> int:
-    """Columns across the inner width that make cells a little narrower than high.
+def mean_columns(layout: str, rows: int, columns: float) -> float:
+    """Columns of a petal's middle row, from those of its innermost one."""
+    return columns + {"ruled": 1, "even": 4, "fan": 0}[layout] * rows
+
+
+def default_columns(layout: str, inner_width: float, row_height: float, rows: int) -> float:
+    """Columns across the inner width that make cells a little narrower than high; inf where they are beyond counting.
 
     In the other layouts than "ruled" they are a quarter as wide. The fan gets the even layout's mean number,
     so that both have the same counts.
     """
     width = 0.875 * row_height * (1.0 if layout == "ruled" else 0.25)
+    if not width > 0.0 or inner_width / width > MOST:
+        return math.inf
     columns = math.ceil(round(inner_width / width, 9))
     return columns + 4 * rows if layout == "fan" else columns
 

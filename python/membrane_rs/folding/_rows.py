@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
 
-MOST_NODES = 50_000_000
-"""Most nodes that a pattern may make."""
-
 
 def cells(lower: Ints, upper: Ints, flip: NDArray[np.bool_]) -> Ints:
     """(2 k, 3) two triangles for each of the k cells between two rows of k + 1 nodes.
@@ -23,6 +20,17 @@ def cells(lower: Ints, upper: Ints, flip: NDArray[np.bool_]) -> Ints:
     first = np.where(flip[:, None], np.stack([a, b, d], 1), np.stack([a, b, c], 1))
     second = np.where(flip[:, None], np.stack([d, b, c], 1), np.stack([a, c, d], 1))
     return np.stack([first, second], axis=1).reshape(-1, 3)
+
+
+def grid_cells(index: Ints, flip: NDArray[np.bool_]) -> Ints:
+    """(2 r k, 3) the triangles of `cells` between all rows of a grid of (r + 1, k + 1) nodes, row after row.
+
+    `flip` (r, k).
+    """
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    first = np.where(flip[..., None], np.stack([a, b, d], -1), np.stack([a, b, c], -1))
+    second = np.where(flip[..., None], np.stack([d, b, c], -1), np.stack([a, c, d], -1))
+    return np.stack([first, second], axis=2).reshape(-1, 3)
 
 
 def stitch(lower: Ints, upper: Ints, lower_at: Floats, upper_at: Floats) -> Ints:

@@ -17,9 +17,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, validated
 from membrane_rs.errors import MeshError
-from membrane_rs.folding._rows import MOST_NODES, cells, numbered, stitch
+from membrane_rs.folding._rows import cells, numbered, stitch
 from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
@@ -73,11 +74,7 @@ class Disc(Pattern):
                 f"obtuse; take {least} or more"
             )
         nodes = self.rings * (self._around() if self.hub_radius else 3.0 * self.rings)
-        if nodes > MOST_NODES:
-            raise MeshError(
-                f"Disc.rings = {self.rings}: makes about {nodes:.1e} nodes with {hole} (m); more than "
-                f"{MOST_NODES:.0e} do not fit, take fewer"
-            )
+        check_nodes(nodes, f"Disc.rings = {self.rings} with {hole} (m)", "take fewer", MeshError)
 
     def mesh(self) -> Mesh:
         """The flat disc."""

@@ -8,8 +8,10 @@ from typing import Annotated
 
 import numpy as np
 
+from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, Positive, Unit, validated
-from membrane_rs.folding._rows import cells
+from membrane_rs.errors import MeshError
+from membrane_rs.folding._rows import grid_cells
 from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
@@ -28,11 +30,21 @@ class EquilateralLattice(Pattern):
         Rows of triangles along x, each side * sqrt(3)/2 wide.
 
     Node sets: "start" and "end" (first and last row), "inside" (nodes with six neighbours).
+
+    Raises
+    ------
+    MeshError
+        More nodes than fit.
     """
 
     side: Annotated[Positive, Unit("m")]
     columns: Count
     rows: Count
+
+    def __post_init__(self) -> None:
+        """Check the size."""
+        where = f"EquilateralLattice: columns = {self.columns}, rows = {self.rows}"
+        check_nodes((self.columns + 1.0) * (self.rows + 1.0), where, "take fewer", MeshError)
 
     def mesh(self) -> Mesh:
         """The flat patch."""
@@ -40,8 +52,8 @@ class EquilateralLattice(Pattern):
         row, column = np.divmod(index.ravel(), self.columns + 1)
         x = self.side * math.sqrt(0.75) * row
         y = self.side * (column + 0.5 * (row % 2))
-        lean = [np.full(self.columns, i % 2 == 0) for i in range(self.rows)]
-        triangles = np.concatenate([cells(index[i], index[i + 1], lean[i]) for i in range(self.rows)])
+        lean = np.broadcast_to((np.arange(self.rows) % 2 == 0)[:, None], (self.rows, self.columns))
+        triangles = grid_cells(index, lean)
         sets = {"start": index[0], "end": index[-1], "inside": index[1:-1, 1:-1].ravel()}
         return Mesh(np.stack([x, y, np.zeros_like(x)], axis=1), triangles, node_sets=sets, source=self)
 

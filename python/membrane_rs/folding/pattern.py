@@ -6,6 +6,7 @@ from typing import Protocol, runtime_checkable
 
 from typing_extensions import Self
 
+from membrane_rs._validation import MOST, number_of
 from membrane_rs.errors import InputError
 from membrane_rs.mesh import Mesh
 
@@ -58,6 +59,9 @@ def multiplied(pattern: Pattern, density: float, name: str, count: int) -> int:
     InputError
         It would be no whole number; the message says the nearest density that has one.
     """
+    density = number_of("density", density, "relative")
+    if not 0.0 < density <= MOST:
+        raise InputError(f"density = {density:g}: must be greater than 0 and at most {MOST:g}")
     many = count * density
     if round(many) < 1 or abs(many - round(many)) > 1e-9 * many:
         raise InputError(

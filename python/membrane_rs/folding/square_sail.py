@@ -15,10 +15,10 @@ from typing import Annotated, Literal
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
 from membrane_rs.errors import MeshError
-from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal
-from membrane_rs.folding._rows import MOST_NODES
+from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
 from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
@@ -98,12 +98,11 @@ class SquareSail(Pattern):
                 "set rows"
             )
         rows = self.strips * self.rows_per_strip
-        nodes = 4 * rows * (rows + (self.columns or 1))
-        if nodes > MOST_NODES:
-            raise MeshError(
-                f"SquareSail: {rows} rows and {self.columns or 'default'} columns make about {nodes:.1e} "
-                f"nodes; more than {MOST_NODES:.0e} do not fit, make the mesh coarser"
-            )
+        check_nodes(4.0 * rows * rows, f"SquareSail: {rows} rows", "take fewer, or fewer fold lines", MeshError)
+        columns = self._columns()
+        nodes = 4.0 * rows * mean_columns(self.layout, rows, columns)
+        where = f"SquareSail: {rows} rows and {columns:.6g} columns along the inner edge"
+        check_nodes(nodes, where, "take fewer; without columns, a wider film or fewer rows", MeshError)
         self._path()
 
     @property
@@ -199,8 +198,12 @@ class SquareSail(Pattern):
 
     def _petal(self) -> FlatPetal:
         rows = self.strips * self.rows_per_strip
-        columns = self.columns or default_columns(self.layout, self.inner_width, self.row_height, rows)
-        return flat_petal(self.layout, self.inner_width / 2, self.outer_width / 2, rows, columns)
+        return flat_petal(self.layout, self.inner_width / 2, self.outer_width / 2, rows, int(self._columns()))
+
+    def _columns(self) -> float:
+        """Cells along the inner edge."""
+        rows = self.strips * self.rows_per_strip
+        return self.columns or default_columns(self.layout, self.inner_width, self.row_height, rows)
 
     def _path(self) -> StowedPath:
         rows = self.strips * self.rows_per_strip

@@ -11,9 +11,10 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator
 
 from membrane_rs._arrays import Floats
+from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, Finite, Positive, Unit, _numbers, validated
 from membrane_rs.errors import MeshError
-from membrane_rs.folding._rows import cells
+from membrane_rs.folding._rows import grid_cells
 from membrane_rs.folding.pattern import Pattern, multiplied
 from membrane_rs.mesh import Mesh
 
@@ -41,7 +42,7 @@ class Strip(Pattern):
     Raises
     ------
     MeshError
-        A crease that falls inside a column, or twice in one place.
+        A crease that falls inside a column, or twice in one place; more nodes than fit.
     """
 
     length: Annotated[Positive, Unit("m")]
@@ -52,7 +53,9 @@ class Strip(Pattern):
     fold_angle: Annotated[Finite, Ge(-math.pi), Le(math.pi), Unit("rad")] = 0.0
 
     def __post_init__(self) -> None:
-        """Check that creases lie between columns."""
+        """Check the size, and that creases lie between columns."""
+        where = f"Strip: columns = {self.columns}, rows = {self.rows}"
+        check_nodes((self.columns + 1.0) * (self.rows + 1.0), where, "take fewer", MeshError)
         for fraction in self.creases:
             line = round(fraction * self.columns)
             if not 0 < line < self.columns or abs(line - fraction * self.columns) > 1e-6:
@@ -69,8 +72,7 @@ class Strip(Pattern):
         x = np.linspace(0.0, self.length, self.columns + 1)
         y = self.width * (np.arange(self.rows + 1) / self.rows - 0.5)
         index = np.arange((self.columns + 1) * (self.rows + 1)).reshape(self.columns + 1, -1)
-        row = np.arange(self.rows)
-        triangles = [cells(index[i], index[i + 1], (row + i) % 2 == 1) for i in range(self.columns)]
+        triangles = grid_cells(index, np.add.outer(np.arange(self.columns), np.arange(self.rows)) % 2 == 1)
 
         angles = self.fold_angle * (-1.0) ** np.arange(len(lines))
         turn = np.zeros(self.columns)
@@ -84,7 +86,7 @@ class Strip(Pattern):
         sets = {"start": index[0], "end": index[-1]}
         return Mesh(
             _sheet(x, y, np.zeros_like(x)),
-            np.concatenate(triangles),
+            triangles,
             positions=_sheet(folded_x, y, folded_z),
             creases=np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)]),
             fold_angles=np.repeat(angles, self.rows),

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.errors import InputTypeError, MeshError
+from membrane_rs._files import path_of
+from membrane_rs._validation import check_text, numeric
+from membrane_rs.errors import InputError, InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit
+from membrane_rs.mesh.file import ARRAYS, read_mesh, write_mesh
 from membrane_rs.mesh.findings import Audit
 from membrane_rs.mesh.fold_angles import check_fold_angles, fold_angles_of
 from membrane_rs.mesh.queries import distinct
@@ -135,6 +140,49 @@ class Mesh(Triangulation):
         """
         return _fitting(positions, self.node_count)
 
+    def save(self, path: str | Path) -> None:
+        """Write the mesh into one numpy archive (.npz), whole or not at all.
+
+        `membrane_rs.mesh.file` describes the format: the arrays of this class by their names, node sets as
+        "node_set:<name>". A scene file names it as `[mesh] file = "mesh.npz"`.
+
+        Raises
+        ------
+        InputError
+            A path that does not end in .npz.
+        OutputError
+            It cannot be written.
+        """
+        file = path_of(path)
+        if file.suffix != ".npz":
+            raise InputError(f"path = {str(file)!r}: must end in .npz, as a scene file needs it")
+        write_mesh(file, {name: getattr(self, name) for name in ARRAYS}, self.node_sets)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """The mesh that `save` wrote; its `source` is None.
+
+        Raises
+        ------
+        MissingFileError
+            No such file.
+        MeshError
+            A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
+        """
+        file = path_of(path)
+        arrays, sets = read_mesh(file)
+        try:
+            return cls(arrays.pop("reference"), arrays.pop("triangles"), node_sets=sets, **arrays)
+        except InputError as error:
+            raise MeshError(f"{file}: {error}") from None
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Unpickle or copy; arrays are read-only again."""
+        self.__dict__.update(state)
+        for value in (*state.values(), *state["_node_sets"].values()):
+            if isinstance(value, np.ndarray):
+                frozen(value)
+
     def __repr__(self) -> str:
         counts = f"{self.node_count} nodes, {len(self.triangles)} triangles, {len(self.creases)} crease edges"
         return f"Mesh({counts})"
@@ -159,7 +207,7 @@ class Mesh(Triangulation):
         """The given fold angles, compared with positions, or those of positions."""
         if values is None:
             return frozen(fold_angles_of(self, self.positions))
-        array = _numeric(values, "fold_angles", "fiu", "angles in radians")
+        array = numeric(values, "fold_angles", "fiu", "angles in radians", MeshError)
         count = len(self.creases)
         if array.shape != (count,):
             raise MeshError(f"fold_angles has shape {array.shape}; it must be ({count},), one angle for each crease")
@@ -177,21 +225,12 @@ def _or_empty(pairs: ArrayLike | None) -> ArrayLike:
     return np.empty((0, 2), dtype=np.int64) if pairs is None else pairs
 
 
-def _numeric(values: ArrayLike, name: str, kinds: str, wanted: str) -> NDArray[Any]:
-    try:
-        array = np.asarray(values)
-    except (TypeError, ValueError) as error:
-        raise MeshError(f"{name} is no regular array ({error}); give rows of equal length") from None
-    if array.size and array.dtype.kind not in kinds:
-        raise InputTypeError(f"{name} has dtype {array.dtype}; it must hold {wanted}")
-    return array
-
-
 def _points(values: ArrayLike, name: str) -> Floats:
-    array = _numeric(values, name, "fiu", "numbers, in metres")
+    array = numeric(values, name, "fiu", "numbers, in metres", MeshError)
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"{name} has shape {array.shape}; it must be (n, 3), one row x, y, z for each node")
-    points = np.array(array, dtype=np.float64)
+    with np.errstate(over="ignore"):
+        points = np.array(array, dtype=np.float64, order="C")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise MeshError(
@@ -210,13 +249,18 @@ def _fitting(positions: ArrayLike, node_count: int) -> Floats:
 
 
 def _indices(values: ArrayLike, name: str, width: int, node_count: int) -> Ints:
-    array = _numeric(values, name, "iu", "whole numbers, node indices")
+    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
     if array.size == 0:
         array = np.empty((0, width), dtype=np.int64)
+    if name == "triangles" and array.ndim == 2 and array.shape[1] == 4:
+        raise MeshError(
+            f"triangles has shape {array.shape}: these are quadrilaterals; split each a, b, c, d into the triangles "
+            "a, b, c and a, c, d: numpy.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])"
+        )
     if array.ndim != 2 or array.shape[1] != width:
         raise MeshError(f"{name} has shape {array.shape}; it must be (k, {width}), node indices in each row")
     _check_range(array, name, node_count)
-    rows: Ints = np.array(array, dtype=np.int64)
+    rows: Ints = np.array(array, dtype=np.int64, order="C")
     ordered = np.sort(rows, axis=1)
     bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(bad):
@@ -230,11 +274,13 @@ def _indices(values: ArrayLike, name: str, width: int, node_count: int) -> Ints:
 def _node_sets(sets: Mapping[str, ArrayLike], node_count: int) -> dict[str, Ints]:
     if not isinstance(sets, Mapping) or not all(isinstance(name, str) for name in sets):
         raise InputTypeError("node_sets must be a dict from names (str) to lists of node indices")
+    for name in sets:
+        check_text(name, "node_sets: the name")
     return {name: _node_set(nodes, f"node_sets['{name}']", node_count) for name, nodes in sets.items()}
 
 
 def _node_set(values: ArrayLike, name: str, node_count: int) -> Ints:
-    array = _numeric(values, name, "iu", "whole numbers, node indices")
+    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
     if array.ndim != 1:
         raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of node indices")
     _check_range(array, name, node_count)

@@ -9,8 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import replacing
+from membrane_rs._files import path_of, replacing
 from membrane_rs.errors import InputError
+from membrane_rs.plotting.charts import chart_format, plain_text
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.results.history import read_history
 from membrane_rs.results.summary import curve_features
@@ -34,25 +35,27 @@ class DeploymentPicture(Drawing):
             plot_deployment(self.record.table, self.record.path / "deployment.png", sim.scene.name)
 
 
-def plot_deployment(table: Mapping[str, Floats], path: Path, title: str = "") -> None:
-    """Draw one run's deployment rate and phase difference as a PNG picture.
+def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = "") -> None:
+    """Draw one run's deployment rate and phase difference as a picture (.png, .pdf or .svg).
 
-    `table` holds the columns of a history. Raises OutputError where `path` cannot be written.
+    `table` holds the columns of a history. Raises OutputError where `path` cannot be written, and InputError for
+    another ending.
     """
-    _picture([("", table)], path, title)
+    _picture([("", table)], path_of(path), title)
 
 
 def compare_runs(folders: Sequence[Path | str], path: Path | str, labels: Sequence[str] | None = None) -> None:
-    """Draw the curves of several runs on one picture.
+    """Draw the curves of several runs on one picture (.png, .pdf or .svg).
 
     `labels` are the folders' names where not given. Raises InputError where their number differs from the
     folders', MissingFileError for a folder without history, OutputError where `path` cannot be written.
     """
-    names = [Path(folder).name for folder in folders] if labels is None else list(labels)
+    paths = [path_of(folder, "folders") for folder in folders]
+    names = [path.name for path in paths] if labels is None else list(labels)
     if len(names) != len(folders):
         raise InputError(f"{len(names)} labels for {len(folders)} runs; give one for each, or none at all")
-    tables = [read_history(folder) for folder in folders]
-    _picture(list(zip(names, tables, strict=True)), Path(path), "")
+    tables = [read_history(path) for path in paths]
+    _picture(list(zip(names, tables, strict=True)), path_of(path), "")
 
 
 def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str) -> None:
@@ -60,12 +63,13 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    kind = chart_format(path)
     figure = Figure(figsize=(7.0, 6.4), layout="constrained")
     FigureCanvasAgg(figure)
     panels = list(figure.subplots(2, 1, sharex=True))
     for axes, (column, label, level) in zip(panels, PANELS, strict=True):
         for k, (name, table) in enumerate(runs):
-            axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=name)
+            axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=plain_text(name))
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, level), max(high, level))
         axes.axhline(level, color="0.5", linewidth=0.8)
@@ -78,8 +82,8 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
         axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
     panels[1].set_xlabel("Time [s]")
-    panels[0].set_title(title)
+    panels[0].set_title(plain_text(title))
     if len(runs) > 1:
         panels[0].legend(frameon=False, loc="lower center")
     with replacing(path) as part:
-        figure.savefig(part, format="png", dpi=120)
+        figure.savefig(part, format=kind, dpi=120)

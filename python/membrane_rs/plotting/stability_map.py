@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from membrane_rs._files import replacing
+from membrane_rs.plotting.charts import plain_text
 
 _COLOURS = ("#4c9f70", "#f2c14e", "#f08a4b", "#b23a48", "#8d99ae")
 """One for each outcome, from good to bad; the last for what was refused."""
@@ -49,7 +50,7 @@ def draw_map(
     axes.set_yticks(range(len(steps)), [_brief(1e6 * step) for step in steps])
     axes.set_xlabel(parameter)
     axes.set_ylabel("step [us]")
-    axes.set_title(title, fontsize=10)
+    axes.set_title(plain_text(title), fontsize=10)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     seen = {cell[3] for cell in cells}

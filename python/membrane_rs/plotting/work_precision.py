@@ -11,6 +11,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
+from membrane_rs.plotting.charts import plain_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +86,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
         line_of_axes[-1].legend(frameon=False, fontsize=9, loc="center left", bbox_to_anchor=(1.01, 0.5))
     for axes, label in zip(panels[-1], COSTS.values(), strict=True):
         axes.set_xlabel(label)
-    figure.suptitle(title)
+    figure.suptitle(plain_text(title))
     with replacing(path) as part:
         figure.savefig(part, format="png", dpi=120)
 

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors
+from membrane_rs._files import output_errors, path_of, read_text, reading_errors
 from membrane_rs._renamed import RenamedKeys
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
@@ -114,18 +114,21 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. The old
     name of a column is still a key, with a DeprecationWarning. Raises MissingFileError and OutputError.
     """
-    path = Path(path)
-    if path.is_dir():
-        path = path / HISTORY
-    if not path.is_file():
-        raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
-    text = path.read_text(encoding="utf-8")
-    lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
-    columns = [RENAMED.get(name, name) for name in lines[0]] if lines else []
-    if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
-        raise OutputError(f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?")
-    try:
-        values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(columns))
-    except ValueError as error:
-        raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
+    path = path_of(path)
+    with reading_errors(path, "history of a run"):
+        if path.is_dir():
+            path = path / HISTORY
+        if not path.is_file():
+            raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
+        text = read_text(path)
+        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+        columns = [RENAMED.get(name, name) for name in lines[0]] if lines else []
+        if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
+            raise OutputError(
+                f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?"
+            )
+        try:
+            values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(columns))
+        except ValueError as error:
+            raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
     return RenamedKeys("read_history()", {name: values[:, k] for k, name in enumerate(columns)}, RENAMED)

@@ -14,7 +14,6 @@ Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN 
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import replacing
+from membrane_rs._files import check_regular, path_of, reading_errors, replacing
 from membrane_rs.analysis.strain import triangle_strains
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.queries import find_pairs, petal_of_triangles
@@ -101,26 +100,30 @@ class FrameWriter:
             mesh.write(part, file_format="vtu", compression=None)
 
 
-def write_frame(path: Path, sim: Motion) -> None:
+def write_frame(path: str | Path, sim: Motion) -> None:
     """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError."""
-    FrameWriter(sim).write(path, Frame.of(sim))
+    FrameWriter(sim).write(path_of(path), Frame.of(sim))
 
 
-def read_frame(path: Path) -> Floats:
+def read_frame(path: str | Path) -> Floats:
     """Positions (N, 3) [m] of a frame. Raises MissingFileError, and OutputError for what is no VTU file."""
     import meshio
 
-    if not path.is_file():
-        raise MissingFileError(f"no frame at {path}; name a .vtu file of a run's folder")
-    try:
+    path = path_of(path)
+    with reading_errors(path, "VTU file of a run"):
+        if not path.is_file():
+            raise MissingFileError(f"no frame at {path}; name a .vtu file of a run's folder")
+        check_regular(path)
         # Not meshio.read: that prints, and ends the process, where a file cannot be read.
-        return np.asarray(meshio.vtu.read(path).points, dtype=np.float64)
-    except (meshio.ReadError, SyntaxError, LookupError, TypeError, ValueError, zlib.error) as error:
-        raise OutputError(f"{path} is no VTU file of a run: {error}; run the scene again") from error
+        points = np.asarray(meshio.vtu.read(path).points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise OutputError(f"{path} holds points of shape {points.shape}, not (N, 3); run the scene again")
+        return points
 
 
-def write_pvd(path: Path, frames: Sequence[tuple[float, str]]) -> None:
+def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
     """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError."""
+    path = path_of(path)
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(root, "Collection")
     for time, file in frames:
@@ -130,12 +133,17 @@ def write_pvd(path: Path, frames: Sequence[tuple[float, str]]) -> None:
         ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
 
 
-def read_pvd(path: Path) -> list[tuple[float, Path]]:
+def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
     """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError."""
-    if not path.is_file():
-        raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
-    try:
-        entries = ElementTree.parse(path).getroot().iter("DataSet")
+    path = path_of(path)
+    with reading_errors(path, "PVD file"):
+        if path.is_dir():
+            path /= "frames.pvd"
+        if not path.is_file():
+            raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
+        check_regular(path)
+        root = ElementTree.parse(path).getroot()
+        if root.tag != "VTKFile":
+            raise OutputError(f"{path} is no PVD file: it begins with {root.tag!r}, not 'VTKFile'; run the scene again")
+        entries = root.iter("DataSet")
         return [(float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]) for entry in entries]
-    except (ElementTree.ParseError, KeyError, ValueError) as error:
-        raise OutputError(f"{path} is no PVD file: {error}; run the scene again to write it anew") from error

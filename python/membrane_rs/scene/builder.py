@@ -11,15 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import ContactSet, Cords, Creases, Links
 from membrane_rs.scene.cords import cord_positions
-
-MOST_CORD_NODES = 10**7
-"""More nodes than this in the cords of a scene would not fit into memory."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +98,8 @@ class Builder:
 
     def check_room(self, where: str, segments: int, new_nodes: int) -> None:
         """Refuse cords too fine to be held in memory, before anything is allocated. Raises SceneError."""
-        total = self.node_count - self.mesh_count + new_nodes
-        if total > MOST_CORD_NODES:
-            raise SceneError(
-                f"{where}.segments = {segments}: makes {total} cord nodes in this scene; "
-                f"must be at most {MOST_CORD_NODES}; take fewer segments"
-            )
+        where, remedy = f"{where}.segments = {segments}", "take fewer segments"
+        check_nodes(self.node_count + new_nodes, where, remedy, SceneError, "cord nodes with those of the mesh")
 
     def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.

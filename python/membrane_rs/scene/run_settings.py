@@ -10,6 +10,8 @@ from membrane_rs._renamed import Renamed
 from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
 from membrane_rs.errors import InputError
 
+SHORTEST, LONGEST = 1e-15, 1e12
+"""Times at the end of a run [s] beyond which steps cannot be counted."""
 MOST_INSTANTS = 10**7
 """More frames or samples than this would not fit into memory."""
 
@@ -21,7 +23,7 @@ class RunSettings:
     Parameters
     ----------
     until : float
-        Time at the end [s], above 0.
+        Time at the end [s], from 1e-15 to 1e12.
     integrator : str
         Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
@@ -81,6 +83,8 @@ class RunSettings:
     settle_rate = Renamed("relax_rate")
 
     def __post_init__(self) -> None:
-        """Check the step against the end."""
+        """Check the end, and the step against it."""
+        if not SHORTEST <= self.until <= LONGEST:
+            raise InputError(f"RunSettings.until = {self.until}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         if self.dt is not None and self.dt > self.until:
             raise InputError(f"RunSettings.dt = {self.dt}: must be greater than 0 and at most until = {self.until} (s)")

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeVar, overload
 
-from membrane_rs._files import output_errors, write_text
-from membrane_rs._validation import show
+from membrane_rs._files import output_errors, path_of, write_text
+from membrane_rs._validation import check_text, computable, show
 from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
@@ -19,7 +19,7 @@ from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
-from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, save_mesh, write_scene
+from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
 
 SCENE_FILE = "scene.toml"
 LONGEST_NAME = 100
@@ -94,7 +94,7 @@ class Scene:
         SceneError
             Anything in it that is wrong, with file, key, value and allowed range.
         """
-        path = Path(path)
+        path = path_of(path)
         content = read_scene(path)
         try:
             return cls(**vars(content))
@@ -115,11 +115,11 @@ class Scene:
         OutputError
             The folder cannot be written.
         """
-        folder = Path(folder)
+        folder = path_of(folder, "folder")
         with output_errors(folder):
             folder.mkdir(parents=True, exist_ok=True)
         if self.mesh is not None and pattern_name(self.mesh) is None:
-            save_mesh(self.mesh, folder / MESH_FILE)
+            self.mesh.save(folder / MESH_FILE)
         write_text(folder / SCENE_FILE, self.to_toml())
 
     @overload
@@ -173,13 +173,15 @@ class Scene:
     def _assembly(self) -> Assembly:
         builder = Builder(self.mesh)
         for k, part in enumerate(self.parts):
-            part.add_nodes(builder, f"parts[{k}]")
+            with computable(f"parts[{k}]", SceneError):
+                part.add_nodes(builder, f"parts[{k}]")
         for k, part in enumerate(self.parts):
             part.add_loads(builder, f"parts[{k}]")
         builder.check_links()
         for law in self.laws:
             law.add_contacts(builder)
-        return builder.assembly()
+        with computable("parts", SceneError):
+            return builder.assembly()
 
 
 def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:
@@ -188,7 +190,8 @@ def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) 
 
 
 def _check_name(name: str) -> None:
-    """The name becomes a folder's, so it must be one plain component of a path."""
+    """The name becomes a folder's, so it must be one plain component of a path, which files can hold."""
+    check_text(name, "Scene.name =", SceneError)
     if name in ("", ".", "..") or len(name) > LONGEST_NAME or any(sign in name for sign in "/\\\0"):
         raise SceneError(
             f"Scene.name = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "

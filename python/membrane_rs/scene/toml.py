@@ -20,11 +20,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from membrane_rs._files import BAD_ARCHIVE, replacing
-from membrane_rs._validation import build, nearest, show, unit_of
-from membrane_rs.errors import InputError, MeshError, MissingFileError, SceneError
+from membrane_rs._files import read_text
+from membrane_rs._validation import build, computable, nearest, show, unit_of
+from membrane_rs.errors import InputError, MissingFileError, SceneError
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
@@ -37,8 +35,10 @@ tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 MESH_FILE = "mesh.npz"
 """Where a scene's folder keeps a mesh that no folding pattern made."""
 
-_NODE_SET = "node_set:"
-_ARRAYS = ("reference", "triangles", "positions", "creases", "fold_angles", "bridges")
+MOST_TEXT = 10**7
+"""Bytes of the largest scene file that is read."""
+MOST_DOTS = 100
+"""Dots in the longest key that is read: the reader of TOML takes time with the square of their number."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +64,16 @@ def read_scene(path: Path) -> SceneContent:
         Anything in it that is wrong, with its key.
     """
     try:
-        text = path.read_bytes().decode()
+        text = read_text(path, MOST_TEXT)
     except FileNotFoundError:
         raise MissingFileError(f"{path}: there is no such scene file; give the path of a TOML file") from None
     except UnicodeDecodeError as error:
         raise SceneError(f"{path}: is no UTF-8 text ({error}); a scene file is TOML") from None
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a TOML file") from None
+    longest = max((key.count(".") for line in text.splitlines() for key in _keys(line)), default=0)
+    if longest > MOST_DOTS:
+        raise SceneError(f"{path}: holds a key of {longest + 1} parts; a scene file needs two, such as [laws.springs]")
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -83,6 +86,15 @@ def read_scene(path: Path) -> SceneContent:
         return _content(table, path)
     except InputError as error:
         raise SceneError(f"{path}: {error}") from None
+
+
+def _keys(line: str) -> list[str]:
+    """The parts of a line that may be keys: what stands before a sign of equality, or a heading."""
+    line = line.strip()
+    if line.startswith("#"):
+        return []
+    before = [part.rpartition(",")[2] for part in line.split("=")[:-1]]
+    return before or [line] * (line.startswith("[") and "," not in line)
 
 
 def write_scene(content: SceneContent) -> str:
@@ -109,45 +121,12 @@ def pattern_name(mesh: Mesh) -> str | None:
     return next((name for name, kind in PATTERNS.items() if type(mesh.source) is kind), None)
 
 
-def save_mesh(mesh: Mesh, path: Path) -> None:
-    """Write a mesh as a numpy archive, whole or not at all. Raises OutputError."""
-    arrays = {name: getattr(mesh, name) for name in _ARRAYS}
-    arrays |= {_NODE_SET + name: nodes for name, nodes in mesh.node_sets.items()}
-    with replacing(path) as part, part.open("wb") as file:
-        np.savez(file, **arrays)
-
-
-def load_mesh(path: Path) -> Mesh:
-    """Read a mesh that `save_mesh` wrote.
-
-    Raises
-    ------
-    MissingFileError
-        No such file.
-    MeshError
-        A file that holds no mesh, or a mesh that cannot be built.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except FileNotFoundError:
-        raise MissingFileError(f"{path}: there is no such mesh file") from None
-    except BAD_ARCHIVE as error:
-        raise MeshError(f"{path}: is no numpy archive of a mesh ({error})") from None
-    missing = [name for name in ("reference", "triangles") if name not in arrays]
-    if missing:
-        raise MeshError(f"{path}: holds no array {missing[0]!r}, so it is no mesh")
-    sets = {name.removeprefix(_NODE_SET): a for name, a in arrays.items() if name.startswith(_NODE_SET)}
-    known = {name: arrays[name] for name in _ARRAYS if name in arrays}
-    return Mesh(known.pop("reference"), known.pop("triangles"), node_sets=sets, **known)
-
-
 def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
     for key in table:
         if key not in ("name", "mesh", "material", "laws", "parts", "run"):
             known = ("name", "mesh", "material", "laws", "parts", "run")
             raise SceneError(f"{key}: no such key; {nearest(key, known)}")
-    name = table.get("name", path.stem)
+    name = table.get("name", path.stem.encode(errors="replace").decode())
     if not isinstance(name, str):
         raise SceneError(f"name = {show(name)}: must be a text")
     mesh = _mesh(_as_table(table["mesh"], "mesh"), path.parent) if "mesh" in table else None
@@ -176,9 +155,10 @@ def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
             raise SceneError(f"mesh.file = {show(file)}: must be the path of a .npz file")
         if values:
             raise SceneError(f"mesh.{next(iter(values))}: no such key beside file")
-        return load_mesh(folder / file)
+        return Mesh.load(folder / file)
     pattern = values.pop("pattern")
-    mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()
+    with computable("mesh"):
+        mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()
     return mesh
 
 

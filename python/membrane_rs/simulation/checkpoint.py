@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._files import BAD_ARCHIVE, replacing
+from membrane_rs._archives import ArchiveError, read_arrays
+from membrane_rs._files import replacing
 from membrane_rs.errors import InputError, MembraneError, MissingFileError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scene import SCENE_FILE
@@ -45,11 +46,10 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
         Not a saved state, or damaged.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {_RENAMED.get(name, name): file[name] for name in file.files}
+        arrays = {_RENAMED.get(name, name): array for name, array in read_arrays(path).items()}
     except FileNotFoundError:
         raise MissingFileError(f"{path}: there is no such saved state") from None
-    except BAD_ARCHIVE as error:
+    except ArchiveError as error:
         raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
     needed = {"integrator", "dt", "is_adaptive", "is_relaxed", "positions", "velocities", "work", _SCENE + SCENE_FILE}
     missing = sorted(needed - arrays.keys())

@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._renamed import Renamed, RenamedKeys
-from membrane_rs._validation import number_of, show
+from membrane_rs._validation import number_of, numeric, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
+
+SHORTEST_STEP = 1e-100
+"""A stable step below this comes of values beyond all nature [s]."""
 
 
 class Motion:
@@ -38,12 +41,17 @@ class Motion:
             step,
             self._settings(),
         )
-        if step is None and not self.is_adaptive:
-            interval = scene.run.until / (scene.run.samples - 1)
-            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
         self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
+        if step is None and not self._core.dt > SHORTEST_STEP:
+            raise InputError(
+                f"the largest stable step is {self._core.dt} s, set by {self.limiting_part}: nothing moves in so short "
+                "a time; check the values of that law, of the material and of the masses"
+            )
+        if step is None and not self.is_adaptive:
+            interval = scene.run.until / (scene.run.samples - 1)
+            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
 
     def _settings(self) -> Settings:
         """How the core runs the scene."""
@@ -298,15 +306,14 @@ class Motion:
 
     def _vectors(self, values: ArrayLike, name: str, unit: str) -> Floats:
         try:
-            given = np.asarray(values)
-            array = given.astype(np.float64) if given.dtype.kind in "fiu" else None
-        except (TypeError, ValueError):
-            array = None
-        if array is None:
-            raise InputTypeError(f"{name} = {show(values)}: must be numbers [{unit}], one row x, y, z per node")
+            array = numeric(values, name, "fiu", "numbers")
+        except InputTypeError as error:
+            what = f"{name} = {show(values)}: must be numbers [{unit}], one row x, y, z per node"
+            raise InputTypeError(f"{what}; {error}") from None
         if array.shape != (self.node_count, 3):
             raise InputTypeError(f"{name} has shape {array.shape}; it must be ({self.node_count}, 3), one row per node")
-        return array
+        with np.errstate(over="ignore"):
+            return array.astype(np.float64, order="C")
 
 
 def _step_of(dt: object) -> float | None:

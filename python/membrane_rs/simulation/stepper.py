@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from typing_extensions import Self
 
+from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene.run_settings import MOST_INSTANTS
@@ -161,7 +162,7 @@ class Stepper(Motion):
             "is_relaxed": self.is_relaxed,
             **self.state(),
         }
-        write_state(Path(path), self.scene, state)
+        write_state(path_of(path), self.scene, state)
 
     @classmethod
     def restore(cls, path: str | Path) -> Self:
@@ -174,7 +175,8 @@ class Stepper(Motion):
         InputError
             Not a saved state, or damaged.
         """
-        scene, state = read_state(Path(path))
+        path = path_of(path)
+        scene, state = read_state(path)
         try:
             dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
             if not isinstance(is_adaptive, bool):

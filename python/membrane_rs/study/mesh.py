@@ -17,8 +17,9 @@ from threading import Event
 
 import numpy as np
 
+from membrane_rs._archives import read_arrays
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors, replacing
+from membrane_rs._files import output_errors, reading_errors, replacing
 from membrane_rs._validation import show
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
@@ -273,6 +274,7 @@ def _write(path: Path, run: MeshRun) -> None:
 
 
 def _read(path: Path) -> MeshRun:
-    with np.load(path) as data:
+    with reading_errors(path, "run of a mesh study"):
+        data = read_arrays(path)
         facts = json.loads(str(data["facts"]))
         return MeshRun(**facts, table={name: data[name] for name in COLUMNS})

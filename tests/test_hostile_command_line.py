@@ -1,0 +1,136 @@
+"""Hostile options, names and outputs at the command line: one line that names the value, never a traceback."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from membrane_rs import InputError, RunSettings, Scene, SceneError, Simulation, Spin
+from membrane_rs.cli import app
+from membrane_rs.cli.application import TRACEBACK
+from small_scenes import cord, refused
+from typer.testing import CliRunner
+
+SCENE = """
+[laws.gravity]
+[[parts]]
+kind = "tether"
+start = [0, 0, 0]
+end = [1, 0, 0]
+segments = 4
+axial_stiffness = 10.0
+linear_density = 0.1
+[run]
+until = 0.01
+frames = 2
+samples = 2
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path / "scene.toml"
+
+
+def printed(*words: str | Path, code: int) -> str:
+    """What the command prints, in one line; it is no traceback."""
+    result = CliRunner(env={"COLUMNS": "300"}).invoke(app, [str(word) for word in words])
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    assert result.exit_code == code
+    return " ".join(result.output.split())
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--until", "1e308", "until = 1e+308: must be from 1e-15 to 1e+12 (s)"),
+        ("--until", "5e-324", "until = 5e-324: must be from 1e-15 to 1e+12 (s)"),
+        ("--until", "-1", "must be greater than 0"),
+        ("--until", "nan", "must be finite"),
+        ("--until", "1ms", "'--until': '1ms' is no number; write one in SI units without its unit, such as 0.001 (s)"),
+        ("--until", "soon", "'--until': 'soon' is no number"),
+        ("--dt", "20us", "such as 2e-05 (s)"),
+        ("--dt", "5e-324", "steps of dt"),
+        ("--frames", "1.5", "'--frames': '1.5' is no whole number"),
+        ("--frames", "1" * 30, "frames"),
+    ],
+)
+def test_numbers(option: str, value: str, words: str, scene: Path, tmp_path: Path) -> None:
+    assert words in printed("run", scene, option, value, "--out", tmp_path / "run", code=2)
+    assert not (tmp_path / "run").exists()
+
+
+def test_ends_that_no_step_can_count() -> None:
+    for until in (1e308, 5e-324, 1e-320, 1e13):
+        refused(lambda until=until: RunSettings(until=until), InputError, "must be from 1e-15 to 1e.12")  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("frequency", [1e155, 1e300])
+def test_a_hub_too_fast_for_any_step(frequency: float) -> None:
+    scene = Scene(None, None, [Spin(frequency)], [cord()])
+    refused(lambda: Simulation(scene), InputError, "the largest stable step is .* set by spin")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[mesh]\npattern = 'square-sail'\nspool_radius = 1e308",
+        "[mesh]\npattern = 'strip'\nlength = 1e200\nwidth = 1e155\ncolumns = 2",
+        "[mesh]\npattern = 'disc'\nradius = 1e308\nrings = 3\n[[parts]]\nkind = 'tethers'\nnodes = 'rim'",
+        SCENE.replace("end = [1, 0, 0]", "end = [1e308, 1e308, 1e308]"),
+        SCENE.replace("segments = 4", "segments = 4\nlength = 1e308"),
+    ],
+)
+def test_scenes_of_values_beyond_nature(text: str, scene: Path, recwarn: pytest.WarningsRecorder) -> None:
+    scene.write_text(text)
+    if "[mesh]" in text:
+        film = "youngs_modulus = 1e6\npoisson_ratio = 0.3\ndensity = 1e3\nthickness = 1e-4"
+        scene.write_text(f"{text}\n[material]\n{film}\n")
+    assert "Error: " in printed("check", scene, code=2)
+    assert [str(w.message) for w in recwarn if w.category is RuntimeWarning] == []
+
+
+def test_a_name_that_no_file_holds() -> None:
+    refused(lambda: Scene(None, None, [], [cord()], name="a\ud800"), SceneError, "half of a surrogate pair")
+
+
+def run(
+    *words: str | bytes | Path, stdout: int = subprocess.PIPE, **environment: str
+) -> subprocess.CompletedProcess[bytes]:
+    command = [sys.executable, "-m", "membrane_rs.cli", *map(os.fsencode, words)]
+    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, check=False, timeout=100)
+
+
+def test_a_file_name_that_is_no_text(scene: Path) -> None:
+    path = os.fsencode(scene.parent) + b"/\xff.toml"
+    scene.rename(os.fsdecode(path))
+    out = os.fsencode(scene.parent) + b"/\xfe"
+    done = run("run", path, "--out", out, "--no-pictures")
+    assert done.returncode == 0, done.stderr
+    assert b"Results are in" in done.stdout
+    assert Path(os.fsdecode(out), "summary.json").is_file()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("words", [("scenes",), ("--help",)])
+def test_a_full_disk_behind_the_standard_output(words: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("wb") as full:
+        done = run(*words, stdout=full.fileno())
+    assert done.returncode == 1
+    assert done.stderr.decode().splitlines() == ["Error: cannot write to the standard output: No space left on device"]
+
+
+def test_an_unexpected_error_asks_to_report_it(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Simulation) -> float:
+        raise LookupError("of a test")
+
+    monkeypatch.setattr(Simulation, "stable_dt", fail)
+    text = printed("check", scene, code=1)
+    assert "unexpected LookupError: of a test. This is a fault of membrane_rs; please report it" in text
+    assert "Traceback" not in text
+    monkeypatch.setenv(TRACEBACK, "1")
+    assert "Traceback" in printed("check", scene, code=1)
