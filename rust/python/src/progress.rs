@@ -1,6 +1,6 @@
 //! Conversion of a checkpoint to a Python dictionary and back.
 
-use membrane_core::evaluation::ledger::{EnergyTerms, Ledger};
+use membrane_core::evaluation::ledger::{EnergyTerms, Ledger, Scope};
 use membrane_core::integrators::Controller;
 use membrane_core::simulation::{AdaptiveProgress, Progress, SavedHistory};
 use numpy::PyArray1;
@@ -61,6 +61,7 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("positions", vectors(py, &progress.positions)?)?;
     saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
     saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
+    saved.set_item("start_internal_kinetic", progress.ledger.start.internal_kinetic)?;
     saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
     saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
     saved.set_item("swing", progress.ledger.largest_change)?;
@@ -85,6 +86,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
     let array = |key: &str| get::<Bound<'_, PyAny>>(saved, WHAT, key);
     let start = EnergyTerms {
         kinetic: get(saved, WHAT, "start_kinetic")?,
+        internal_kinetic: get(saved, WHAT, "start_internal_kinetic")?,
         stored: numbers("start_stored", &array("start_stored")?)?,
     };
     // Older checkpoints have the key "memory".
@@ -113,6 +115,8 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         positions: rows("positions", &array("positions")?)?,
         velocities: rows("velocities", &array("velocities")?)?,
         ledger: Ledger {
+            // Follows from the scene.
+            scope: Scope::default(),
             start,
             work: numbers("work", &array("work")?)?,
             largest_change: get(saved, WHAT, "swing")?,

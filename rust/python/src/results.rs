@@ -73,7 +73,7 @@ impl EnergyBalance {
             work_by_law: worked.unbind(),
             reference_energy: ledger.reference_energy(&now),
             residual: ledger.residual(&now),
-            error: ledger.error(&now),
+            error: core.energy_error(&now),
         })
     }
 }

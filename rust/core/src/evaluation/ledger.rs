@@ -5,8 +5,13 @@
 //! E is the kinetic energy in the turning frame plus the potential energy of every law. W is the work of forces without
 //! potential and of potentials that depend on time, integrated by the stages of the method. The reference energy is the
 //! largest exchange so far: the largest change of any single term (kinetic energy, potential energy of a law, work of a
-//! law) since the start. It counts no energy twice.
+//! law) since the start. It counts no energy twice, nor the translation of free pieces (see `free_pieces`).
+//!
+//! In an isolated scene nothing acts on the free pieces but internal forces, uniform fields and the frame. There the
+//! balance is that of the motion about each centre of mass in inertial space, K_int + U - W of the internal laws: the
+//! same however fast the whole flies or turns, and without a difference of large numbers.
 
+use super::free_pieces::FreePieces;
 use crate::arrays::state::columns;
 use crate::laws::Instant;
 use crate::laws::Law;
@@ -16,16 +21,19 @@ use crate::laws::Law;
 pub struct EnergyTerms {
     /// Kinetic energy in the turning frame.
     pub kinetic: f64,
+    /// Kinetic energy without the translation of free pieces, see `FreePieces::internal_kinetic`.
+    pub internal_kinetic: f64,
     /// Potential energy of each law, in their order; 0 for a law without potential.
     pub stored: Vec<f64>,
 }
 
 impl EnergyTerms {
     /// The terms at an instant.
-    pub fn of(laws: &[Box<dyn Law>], masses: &[f64], at: Instant<'_>) -> Self {
+    pub fn of(laws: &[Box<dyn Law>], masses: &[f64], pieces: &FreePieces, at: Instant<'_>) -> Self {
         let [u, v, w] = columns(at.velocities);
         let kinetic = (0..masses.len()).map(|i| 0.5 * masses[i] * (u[i] * u[i] + v[i] * v[i] + w[i] * w[i])).sum();
-        Self { kinetic, stored: laws.iter().map(|law| law.energy(at)).collect() }
+        let internal_kinetic = if pieces.is_empty() { kinetic } else { pieces.internal_kinetic(masses, at) };
+        Self { kinetic, internal_kinetic, stored: laws.iter().map(|law| law.energy(at)).collect() }
     }
 
     /// Kinetic plus potential energy.
@@ -34,9 +42,41 @@ impl EnergyTerms {
     }
 }
 
+/// The terms of the balance, a property of the scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Scope {
+    /// Kinetic energy in the turning frame, and all laws.
+    #[default]
+    Whole,
+    /// In an isolated scene: the motion about the centres of mass, and the laws that are internal.
+    Isolated {
+        /// Whether each law is internal.
+        is_internal: Vec<bool>,
+    },
+}
+
+impl Scope {
+    /// The scope of a scene.
+    pub fn of(laws: &[Box<dyn Law>], pieces: &FreePieces) -> Self {
+        let is_internal: Vec<bool> = laws.iter().map(|law| law.properties().is_internal).collect();
+        let is_isolated = laws.iter().all(|law| law.properties().is_internal || law.is_inertial());
+        if is_isolated && pieces.are_all() { Self::Isolated { is_internal } } else { Self::Whole }
+    }
+
+    /// Whether a law is part of the balance.
+    pub fn includes(&self, law: usize) -> bool {
+        match self {
+            Self::Whole => true,
+            Self::Isolated { is_internal } => is_internal[law],
+        }
+    }
+}
+
 /// The ledger: the record of the energy balance since the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
+    /// The terms of the balance.
+    pub scope: Scope,
     /// The terms at the start.
     pub start: EnergyTerms,
     /// Work of each law since the start \[J\].
@@ -49,21 +89,33 @@ pub struct Ledger {
 
 impl Ledger {
     /// Opens a ledger.
-    pub fn open(start: EnergyTerms) -> Self {
+    pub fn open(scope: Scope, start: EnergyTerms) -> Self {
         let work = vec![0.0; start.stored.len()];
-        Self { start, work, largest_change: 0.0, start_shift: 0.0 }
+        Self { scope, start, work, largest_change: 0.0, start_shift: 0.0 }
     }
 
     /// The reference energy, with the present terms \[J\].
     pub fn reference_energy(&self, now: &EnergyTerms) -> f64 {
-        let stored = now.stored.iter().zip(&self.start.stored).map(|(now, start)| (now - start).abs());
-        let changes = stored.chain(self.work.iter().map(|work| work.abs()));
-        changes.fold(self.largest_change.max((now.kinetic - self.start.kinetic).abs()), f64::max)
+        let kinetic = (now.internal_kinetic - self.start.internal_kinetic).abs();
+        let of_law = |k: usize| (now.stored[k] - self.start.stored[k]).abs().max(self.work[k].abs());
+        let laws = (0..self.work.len()).filter(|&k| self.scope.includes(k));
+        laws.map(of_law).fold(self.largest_change.max(kinetic), f64::max)
     }
 
     /// The residual E(t) - E(0) - W(t) \[J\]: positive for a gain, negative for a loss by the method.
     pub fn residual(&self, now: &EnergyTerms) -> f64 {
-        now.total() - self.start.total() - self.work.iter().sum::<f64>()
+        let Scope::Isolated { is_internal } = &self.scope else {
+            return now.total() - self.start.total() - self.work.iter().sum::<f64>();
+        };
+        let internal = (0..is_internal.len()).filter(|&k| is_internal[k]);
+        let of_laws = internal.map(|k| now.stored[k] - self.start.stored[k] - self.work[k]);
+        now.internal_kinetic - self.start.internal_kinetic + of_laws.sum::<f64>()
+    }
+
+    /// The largest energy that the motion has at present, without the translation of free pieces \[J\].
+    pub fn largest_energy(&self, now: &EnergyTerms) -> f64 {
+        let stored = (0..now.stored.len()).filter(|&k| self.scope.includes(k)).map(|k| now.stored[k].abs());
+        stored.fold(now.internal_kinetic, f64::max)
     }
 
     /// The residual relative to the reference energy.

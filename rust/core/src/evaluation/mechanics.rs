@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::deferral::Deferral;
-use super::ledger::EnergyTerms;
+use super::free_pieces::FreePieces;
+use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
@@ -23,6 +24,7 @@ pub struct Mechanics {
     pub(crate) masses: Vec<f64>,
     pub(crate) inverse_masses: Vec<f64>,
     pub(crate) evaluation_count: u64,
+    pub(crate) pieces: FreePieces,
     plan: Plan,
     /// For an implicit method.
     tangent: Option<Tangent>,
@@ -56,6 +58,7 @@ impl Mechanics {
         let history_dependent = (0..laws.len()).filter(|&row| laws[row].history_dependent().is_some()).collect();
         Self {
             history_dependent,
+            pieces: FreePieces::new(&laws, &inverse_masses),
             plan: Plan::with(&mut laws, &is_separate),
             deferrals,
             is_slow: vec![false; laws.len()],
@@ -130,9 +133,14 @@ impl Mechanics {
         Instant::new(point, self.spin)
     }
 
+    /// The terms of the energy balance.
+    pub(crate) fn scope(&self) -> Scope {
+        Scope::of(&self.laws, &self.pieces)
+    }
+
     /// The energy terms of a state at `time`.
     pub(crate) fn energy_terms(&self, time: f64, state: &State) -> EnergyTerms {
-        EnergyTerms::of(&self.laws, &self.masses, self.instant(state.at(time)))
+        EnergyTerms::of(&self.laws, &self.masses, &self.pieces, self.instant(state.at(time)))
     }
 }
 

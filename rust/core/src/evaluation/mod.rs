@@ -2,6 +2,7 @@
 
 mod damped_links;
 mod deferral;
+pub mod free_pieces;
 pub mod ledger;
 pub mod mechanics;
 pub mod plan;

@@ -95,6 +95,10 @@ impl Law for Gravity {
         Some(self)
     }
 
+    fn is_inertial(&self) -> bool {
+        true
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let (g, moment) = (self.in_frame(at.frame), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])

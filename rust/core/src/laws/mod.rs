@@ -122,6 +122,12 @@ pub trait Law: Send + Sync {
         None
     }
 
+    /// Whether its forces are those of a uniform field or of the frame: they act on a free piece as a whole, and leave
+    /// its motion about its centre of mass, in inertial space, as it is.
+    fn is_inertial(&self) -> bool {
+        false
+    }
+
     /// The potential energy \[J\]; 0 for a law without potential.
     fn energy(&self, _at: Instant<'_>) -> f64 {
         0.0

@@ -104,6 +104,10 @@ impl Law for RotatingFrame {
         Some(self)
     }
 
+    fn is_inertial(&self) -> bool {
+        true
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let rate = at.frame.rate;
         let [x, y, _] = columns(at.positions);

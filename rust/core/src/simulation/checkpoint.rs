@@ -96,7 +96,7 @@ impl Simulation {
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;
-        self.ledger = progress.ledger.clone();
+        self.ledger = Ledger { scope: self.mechanics.scope(), ..progress.ledger.clone() };
         let internal = |(vectors, numbers): &SavedHistory| History {
             vectors: vectors.iter().map(|rows| self.numbering.internal_vectors(rows)).collect(),
             numbers: numbers.clone(),

@@ -10,18 +10,6 @@ use crate::arrays::state::State;
 use crate::evaluation::ledger::EnergyTerms;
 use crate::laws::{Law, Properties, WorkClass};
 
-/// Energy error by rounding, relative to the largest energy term.
-const ROUNDING: f64 = 1e-9;
-/// Residual that is allowed at any reference energy, relative to the largest energy term: a disc in steady rotation
-/// exchanges no energy, but the work of its dashpots is of the order of (Omega dt)^2 of its energy in each revolution.
-const RESIDUAL_FLOOR: f64 = 1e-5;
-
-/// Vibration of nodes by rounding, in units in the last place of the largest coordinate.
-const VIBRATION_ULPS: f64 = 64.0;
-/// Speed of nodes of an adaptive run in a scene at rest, relative to the allowed error of a step: there the steps grow
-/// beyond the limit until the error reaches the tolerance.
-const REST_SPEED_FACTOR: f64 = 10.0;
-
 /// The description of a fault.
 pub(super) struct Fault {
     pub(super) what: String,
@@ -64,60 +52,46 @@ impl Simulation {
         Some(self.described(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
     }
 
-    /// Row and work \[J\] of each law that may dissipate: all but external loads independent of velocity.
-    fn damping_work(&self) -> impl Iterator<Item = (usize, f64)> {
-        let rows = self.mechanics.laws.iter().zip(&self.ledger.work).enumerate();
-        let is_load = |law: &dyn Law| {
+    /// Row and work \[J\] of each law whose work a step may hardly resolve: those that dissipate, and loads that depend
+    /// on velocity.
+    fn resisting_work(&self) -> impl Iterator<Item = (usize, f64)> {
+        let resists = |law: &dyn Law| {
             let Properties { work_class, depends_on_velocity, .. } = law.properties();
-            work_class == WorkClass::External && !depends_on_velocity
+            work_class == WorkClass::Dissipative || (work_class == WorkClass::External && depends_on_velocity)
         };
-        rows.filter(move |(_, (law, _))| !is_load(law.as_ref())).map(|(row, (_, work))| (row, *work))
+        let rows = self.mechanics.laws.iter().zip(&self.ledger.work).enumerate();
+        rows.filter(move |(_, (law, _))| resists(law.as_ref())).map(|(row, (_, work))| (row, *work))
     }
 
-    /// Energy error by rounding [J]: relative to the largest energy term, and, for a scene at rest whose energy terms
-    /// are themselves within rounding, the energy of nodes that vibrate by some last digits of their coordinates.
-    fn rounding(&self, largest: f64) -> f64 {
-        let digit = VIBRATION_ULPS * f64::EPSILON * self.state.positions.amax();
-        let vibration = self.kinetic_at(digit * self.start_limit.largest_frequency);
-        // A vibration that is not finite allows no error.
-        ROUNDING * largest + if vibration.is_finite() { vibration } else { 0.0 }
-    }
-
-    /// Whether the reference energy of an adaptive run is within the errors allowed for its steps.
-    fn is_within_tolerance(&self, reference_energy: f64) -> bool {
-        let allowed =
-            self.kinetic_at(REST_SPEED_FACTOR * self.settings.tolerance.relative * self.settings.tolerance.speed);
-        self.adaptive.is_some() && reference_energy <= self.step_count as f64 * allowed
-    }
-
-    /// Kinetic energy of all nodes at one speed [J].
-    fn kinetic_at(&self, speed: f64) -> f64 {
-        0.5 * self.mechanics.masses.iter().sum::<f64>() * speed * speed
-    }
-
-    /// Residual, reference energy and largest energy term [J].
+    /// Residual and reference energy [J].
     ///
     /// The energy of a method that conserves energy oscillates about its modified energy: below the limit of the step
     /// by less than the reference energy, above it by more. The modified energy does not oscillate. The smaller of both
     /// residuals counts, and none where their signs differ.
-    fn balance(&self, now: &EnergyTerms) -> (f64, f64, f64) {
+    fn balance(&self, now: &EnergyTerms) -> (f64, f64) {
         let (residual, reference_energy) = (self.ledger.residual(now), self.ledger.reference_energy(now));
-        let largest = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
         if !self.properties().conserves_energy
-            || residual.abs() > reference_energy + self.rounding(largest)
+            || residual.abs() > reference_energy + self.rounding(now)
             || residual.is_nan()
         {
-            return (residual, reference_energy, largest);
+            return (residual, reference_energy);
         }
         let modified = residual + self.energy_shift(self.dt) - self.ledger.start_shift;
         let smaller = if residual > 0.0 { residual.min(modified).max(0.0) } else { residual.max(modified).min(0.0) };
-        (smaller, reference_energy, largest)
+        (smaller, reference_energy)
+    }
+
+    /// Whether an error of the balance is beyond what is allowed, `share` of the reference energy and the floor.
+    fn exceeds(&self, error: f64, share: f64, now: &EnergyTerms) -> bool {
+        let allowed = share + self.resting_floor(now);
+        // The rigid motion is asked only where it decides. An error that is not a number exceeds.
+        !(error <= allowed || error <= allowed + self.turning_floor())
     }
 
     /// A spurious gain: a positive residual that exceeds the total work of damping.
     fn spurious_gain(&self, now: &EnergyTerms) -> Option<Fault> {
-        let (residual, reference_energy, largest) = self.balance(now);
-        let dissipated: f64 = self.damping_work().map(|(_, work)| work.min(0.0)).sum();
+        let (residual, reference_energy) = self.balance(now);
+        let dissipated: f64 = self.resisting_work().map(|(_, work)| work.min(0.0)).sum();
         let gain = residual + dissipated;
         if self.is_within_tolerance(reference_energy) {
             return None;
@@ -127,13 +101,10 @@ impl Simulation {
         // it damps them: the larger tolerance applies.
         let allowed =
             if self.properties().is_implicit { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
-        if !residual.is_nan() && gain <= allowed * reference_energy + self.rounding(largest) {
+        if !self.exceeds(gain, allowed * reference_energy, now) {
             return None;
         }
-        let what = format!(
-            "a spurious gain of {gain:.3e} J, {:.3} % of the reference energy (the largest exchange so far)",
-            100.0 * gain / reference_energy
-        );
+        let what = format!("a spurious gain of {gain:.3e} J, {}", share_of(gain, reference_energy));
         if self.properties().is_implicit {
             return Some(self.hardly_resolved(what, self.most_changed(now), "so that its energy is inaccurate"));
         }
@@ -143,33 +114,28 @@ impl Simulation {
     /// A residual of the energy balance beyond its tolerance: the method damps vibrations that the step hardly
     /// resolves, or the step hardly resolves the damping, whose work is then inaccurate.
     fn out_of_balance(&self, now: &EnergyTerms) -> Option<Fault> {
-        let (residual, reference_energy, largest) = self.balance(now);
-        if self.is_within_tolerance(reference_energy) {
+        let (residual, reference_energy) = self.balance(now);
+        let share = self.settings.loss_tolerance * reference_energy;
+        if self.is_within_tolerance(reference_energy) || !self.exceeds(residual.abs(), share, now) {
             return None;
         }
-        let percent = |energy: f64| 100.0 * energy.abs() / reference_energy;
-        let allowed =
-            self.settings.loss_tolerance * reference_energy + RESIDUAL_FLOOR * largest + self.rounding(largest);
-        if residual > allowed {
-            let law = self.damping_work().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(row, _)| row);
-            let what = format!(
-                "the work of damping exceeds the energy lost by {residual:.3e} J, {:.3} % of the reference energy \
-                 (the largest exchange so far)",
-                percent(residual)
-            );
-            return Some(self.hardly_resolved(what, law, "so that the work of damping is inaccurate"));
+        let of_reference = share_of(residual, reference_energy);
+        if residual > 0.0 {
+            let law = self.resisting_work().min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(row, _)| row);
+            let is_damping = |row: usize| self.mechanics.laws[row].properties().work_class == WorkClass::Dissipative;
+            let work = match law {
+                Some(row) if !is_damping(row) => format!("the work against {}", self.mechanics.laws[row].name()),
+                _ => "the work of damping".to_owned(),
+            };
+            let what = format!("{work} exceeds the energy lost by {residual:.3e} J, {of_reference}");
+            return Some(self.hardly_resolved(what, law, "so that this work is inaccurate"));
         }
-        if residual < -allowed {
-            let what = format!(
-                "a loss of {:.3e} J that is no law's work, {:.3} % of the reference energy (the largest exchange \
-                 so far)",
-                -residual,
-                percent(residual)
-            );
-            let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
-            return Some(self.hardly_resolved(what, law, "so that the method damps it"));
+        if !self.exceeds(-residual, share + self.overshoot(reference_energy), now) {
+            return None;
         }
-        None
+        let what = format!("a loss of {:.3e} J that is no law's work, {of_reference}", -residual);
+        let law = self.mechanics.laws.iter().position(|law| law.name() == self.start_limit.law);
+        Some(self.hardly_resolved(what, law, "so that the method damps it"))
     }
 
     /// A step too long for the fastest motion of the scene; `effect` says what follows. Above the limit, that is why.
@@ -302,4 +268,9 @@ impl Simulation {
             remedy_of(now.law)
         ))
     }
+}
+
+/// An energy as a share of the reference energy, in words.
+fn share_of(energy: f64, reference_energy: f64) -> String {
+    format!("{:.3} % of the reference energy (the largest exchange so far)", 100.0 * energy.abs() / reference_energy)
 }

@@ -7,6 +7,7 @@ mod implicit;
 mod monitor;
 mod rate_groups;
 mod settings;
+mod tolerance;
 
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
@@ -111,7 +112,7 @@ impl Simulation {
         let method = integrator.as_ref();
         let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method, instructions);
         let energy_terms = mechanics.energy_terms(0.0, &state);
-        let ledger = Ledger::open(energy_terms.clone());
+        let ledger = Ledger::open(mechanics.scope(), energy_terms.clone());
         let good = GoodState {
             time: 0.0,
             step_count: 0,
@@ -260,7 +261,7 @@ impl Simulation {
         self.integrator.restore_history(History::default());
         self.mechanics.restore_histories(&[]);
         self.restart_adaptive();
-        self.ledger = Ledger::open(self.energy_terms());
+        self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms());
         self.record_good(self.ledger.start.clone());
         Ok(())
     }

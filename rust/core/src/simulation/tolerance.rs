@@ -1,0 +1,112 @@
+//! What the energy balance may be off by: rounding, and the method's own error of a rigid motion.
+//!
+//!     |residual| <= share of the reference energy + floor
+//!     floor = 1e-5 (largest energy) + turning + rounding                                        [J]
+//!
+//! for gains and losses alike. None of the three grows with the speed at which the whole flies, except rounding.
+
+use super::Simulation;
+use crate::evaluation::free_pieces::RigidMotion;
+use crate::evaluation::ledger::{EnergyTerms, Scope};
+use crate::integrators::Tolerance;
+
+/// Error that is allowed at any reference energy, relative to the largest energy of the motion without the translation
+/// of free pieces: springs that become taut, and facets that shut, do so between two steps.
+const FLOOR: f64 = 1e-5;
+
+/// Rounding of a position or a velocity in a step, in units in the last place of the largest one.
+const ULPS: f64 = 4.0;
+/// Steps whose rounding is allowed from the start on.
+const FIRST_STEPS: f64 = 256.0;
+/// Rounding of the sums of energies and works, relative to the largest term.
+const SUMMATION: f64 = 1e-13;
+/// Reference energy that is no exchange, in units of its rounding.
+const NO_EXCHANGE: f64 = 100.0;
+
+/// Error of the balance of a turning piece in a step over K_rigid (omega dt)^4: the stages of a step lie on tangents to
+/// the circles, so that dashpots do work there. Largest measured value, at damping ratios from 0 to 3: 6.
+const TANGENTS: f64 = 10.0;
+/// Vibration about the widened shape of a piece that is set turning without strain, over the largest exchange. With x
+/// the widening and U = k x^2/2 the spring overshoots to 2 x, so that it exchanges 4 U, of which U is vibration: 1/4.
+const OVERSHOOT: f64 = 0.3;
+
+/// Speed of nodes of an adaptive run whose shape is at rest, relative to the allowed error of a step: there the steps
+/// grow beyond the limit until the error reaches the tolerance.
+const REST_SPEED_FACTOR: f64 = 10.0;
+
+impl Simulation {
+    /// The residual over the reference energy; 0 where both are rounding, so that nothing was exchanged.
+    pub fn energy_error(&self, now: &EnergyTerms) -> f64 {
+        let (residual, rounding) = (self.ledger.residual(now), self.rounding(now));
+        let is_exchange = self.ledger.reference_energy(now) > NO_EXCHANGE * rounding || residual.abs() > rounding;
+        if is_exchange || residual.is_nan() { self.ledger.error(now) } else { 0.0 }
+    }
+
+    /// Energy error by rounding \[J\]. In each step the velocities change by some last digits of their own, and by
+    /// those of the positions times the largest frequency: d v. That adds M d v^2/2 a step to nodes at rest, and as a
+    /// random walk (M d v^2/2 E n)^1/2 to a motion of the energy E in n steps.
+    pub(super) fn rounding(&self, now: &EnergyTerms) -> f64 {
+        let frame_rate = self.instant().frame.rate.abs();
+        let (length, speed) = (self.state.positions.amax(), self.state.velocities.amax());
+        let rate = self.start_limit.largest_frequency + frame_rate;
+        let vibration = self.kinetic_at(ULPS * f64::EPSILON * (rate * length + speed));
+        let whole = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
+        let largest = match self.ledger.scope {
+            Scope::Whole => whole,
+            Scope::Isolated { .. } => self.ledger.largest_energy(now),
+        };
+        let steps = FIRST_STEPS.max(self.step_count as f64);
+        let rounding = steps * vibration + 2.0 * (steps * vibration * largest).sqrt() + SUMMATION * largest;
+        // Rounding that is not finite allows no error.
+        if rounding.is_finite() { rounding } else { 0.0 }
+    }
+
+    /// The floor without what belongs to turning pieces \[J\].
+    pub(super) fn resting_floor(&self, now: &EnergyTerms) -> f64 {
+        FLOOR * self.ledger.largest_energy(now) + self.rounding(now)
+    }
+
+    /// The method's own error of the rigid motion of free pieces \[J\]: that of their rotation, and in a turning frame
+    /// that of the motion against the frame. At most `energy_loss` of the energy of this motion.
+    pub(super) fn turning_floor(&self) -> f64 {
+        if self.mechanics.pieces.is_empty() {
+            return 0.0;
+        }
+        let RigidMotion { translation, rotation, rate } = self.rigid_motion();
+        let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
+        let tangents = TANGENTS * (self.time() / dt) * (rate * dt).powi(4);
+        let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
+        let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
+        let seen_from_frame = match self.ledger.scope {
+            Scope::Whole => translation + rotation,
+            Scope::Isolated { .. } => rotation,
+        };
+        let floor = tangents.min(most) * rotation + against_frame.min(most) * seen_from_frame;
+        if floor.is_finite() { floor } else { 0.0 }
+    }
+
+    /// Vibration that a piece set turning without strain begins with, which a method damps in the long run \[J\].
+    pub(super) fn overshoot(&self, reference_energy: f64) -> f64 {
+        if self.mechanics.pieces.is_empty() {
+            return 0.0;
+        }
+        (OVERSHOOT * reference_energy).min(self.settings.loss_tolerance * self.rigid_motion().rotation)
+    }
+
+    fn rigid_motion(&self) -> RigidMotion {
+        self.mechanics.pieces.rigid_motion(&self.mechanics.masses, self.instant())
+    }
+
+    /// Whether the reference energy of an adaptive run is within the errors allowed for its steps, which grow with the
+    /// speed of the nodes.
+    pub(super) fn is_within_tolerance(&self, reference_energy: f64) -> bool {
+        let Tolerance { relative, speed, .. } = self.settings.tolerance;
+        let allowed = self.kinetic_at(REST_SPEED_FACTOR * relative * speed.hypot(self.state.velocities.amax()));
+        self.adaptive.is_some() && reference_energy <= self.step_count as f64 * allowed
+    }
+
+    /// Kinetic energy of all nodes at one speed [J].
+    fn kinetic_at(&self, speed: f64) -> f64 {
+        0.5 * self.mechanics.masses.iter().sum::<f64>() * speed * speed
+    }
+}
