@@ -8,7 +8,6 @@ from annotated_types import Ge, Le
 
 from membrane_rs._renamed import Renamed
 from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
-from membrane_rs.errors import InputError
 
 MOST_INSTANTS = 10**7
 """More frames or samples than this would not fit into memory."""
@@ -25,8 +24,8 @@ class RunSettings:
     integrator : str
         Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
-        Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
-        its error.
+        Step [s]. None: from the stability limit, with a margin; "dopri5" then chooses each step by its error. The end
+        and all outputs are met, also where they lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
         sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity.
@@ -78,8 +77,3 @@ class RunSettings:
     short_steps = Renamed("substeps")
     settle = Renamed("relax")
     settle_rate = Renamed("relax_rate")
-
-    def __post_init__(self) -> None:
-        """Check the step against the end."""
-        if self.dt is not None and self.dt > self.until:
-            raise InputError(f"RunSettings.dt = {self.dt}: must be greater than 0 and at most until = {self.until} (s)")
