@@ -385,8 +385,8 @@ class Simulation:
     def step(self, count: int) -> None:
         """Take steps; Ctrl-C stops between two."""
 
-    def reach(self, time: float) -> None:
-        """Step a run whose steps are chosen by their error to a time [s]."""
+    def reach(self, time: float, seconds: float | None = None) -> bool:
+        """Step to a time [s] and show the state there; whether it was reached within about `seconds` of wall time."""
 
     def check(self) -> None:
         """Look for a fault now, beside the regular checks."""

@@ -33,8 +33,8 @@ class Simulation(Stepper):
     dt : float, optional
         Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
         the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
-        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps, and
-        at least one, lies between two samples of the scene's history.
+        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps makes a
+        power of ten of a second. The step depends neither on the end of a run nor on its outputs.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class Simulation(Stepper):
         InputError
             After the first step, or with a duration or rate that is not above zero.
         """
-        if self.step_count:
+        if self.step_count or self.time:
             raise InputError(
                 f"relax at t = {self.time:.6g} s: it must come before the first step; build a new Simulation"
             )
@@ -111,7 +111,7 @@ class Simulation(Stepper):
         observers : sequence of observers, optional
             Further observers.
         progress : callable, optional
-            Called with this simulation now and then.
+            Called with this simulation at each output, and about every 0.1 s of wall time.
         overwrite, pictures : bool
             For the folder: replace an earlier run; draw pictures at the end.
 
@@ -136,7 +136,7 @@ class Simulation(Stepper):
         if out is not None:
             folder = RunFolder(out, overwrite, pictures=pictures)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        if self.scene.run.relax > 0 and not self.is_relaxed and self.step_count == 0:
+        if self.scene.run.relax > 0 and not self.is_relaxed and self.time == 0.0:
             self.relax()
         settings = self.scene.run
         self.march(

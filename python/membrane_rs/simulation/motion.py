@@ -59,7 +59,9 @@ class Motion:
 
     @property
     def time(self) -> float:
-        """Simulated time [s]: the start plus a whole number of steps, never a running sum, unless `is_adaptive`."""
+        """Simulated time [s]: the start plus a whole number of steps, never a running sum, unless `is_adaptive`; or
+        the time that was last reached, where it lies between two steps.
+        """
         return self._core.time
 
     @property
@@ -285,7 +287,8 @@ class Motion:
         """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
 
         Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
-        keeps from step to step, if it keeps anything.
+        keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
+        there where the time now is another.
         """
         return self._core.progress()
 

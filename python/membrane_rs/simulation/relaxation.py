@@ -51,7 +51,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
     held = FrozenStepper(held_scene(scene, rate), start.integrator, start.time)
     held.positions = start.positions
-    held.reach(time if held.is_adaptive else max(1, round(time / held.dt)))
+    held.reach(time)
     positions, speeds = held.positions, np.linalg.norm(held.velocities, axis=1)
     held.velocities = np.zeros_like(positions)
     _warn_of_motion(held, speeds, rate, time)

@@ -72,7 +72,11 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
             save_history(&saved, &of_law(law), history)?;
         }
     }
-    if let Some(AdaptiveProgress { step_end_time, output_time, controller }) = progress.adaptive {
+    if let Some(time) = progress.output_time {
+        saved.set_item("output_time", time)?;
+    }
+    if let Some(AdaptiveProgress { step_end_time, controller }) = progress.adaptive {
+        let output_time = progress.output_time.unwrap_or(step_end_time);
         let numbers = [step_end_time, output_time, controller.dt, controller.last_error];
         saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
         saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
@@ -96,15 +100,18 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         if saved.contains(format!("{name}_count"))? { history_of(saved, &name) } else { Ok(SavedHistory::default()) }
     });
     let law_histories = of_laws.collect::<PyResult<Vec<_>>>()?;
+    let mut output_time = if saved.contains("output_time")? { Some(get(saved, WHAT, "output_time")?) } else { None };
     let adaptive = if saved.contains("adaptive_numbers")? {
         let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
-        let &[step_end_time, output_time, dt, last_error] = numbers.as_slice() else {
+        let &[step_end_time, time, dt, last_error] = numbers.as_slice() else {
             return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
         };
         let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
         let rejected_count = get(saved, WHAT, "rejected_count")?;
         let controller = Controller { dt, last_error, was_rejected, rejected_count };
-        Some(AdaptiveProgress { step_end_time, output_time, controller })
+        // Older checkpoints have the output time here alone.
+        output_time = output_time.or(Some(time).filter(|time| *time != step_end_time));
+        Some(AdaptiveProgress { step_end_time, controller })
     } else {
         None
     };
@@ -125,5 +132,6 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         history,
         law_histories,
         adaptive,
+        output_time,
     })
 }

@@ -12,7 +12,6 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{checked, matrix, rows, vectors};
 use crate::components::{model_of, settings_of};
-use crate::errors::wrong_value;
 use crate::laws::law_of;
 use crate::progress::{progress_of, saved_of};
 use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
@@ -40,20 +39,23 @@ impl Simulation {
     }
 }
 
-/// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true.
+/// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
+/// Whether it returned true.
 ///
 /// `chunk` is kept from call to call: each check needs the interpreter lock, for which the core may wait.
 fn in_chunks(
     py: Python<'_>,
     chunk: &mut u64,
+    longest: Duration,
     mut advance: impl FnMut(u64) -> Result<bool, Error> + Send,
-) -> PyResult<()> {
+) -> PyResult<bool> {
+    let began = Instant::now();
     loop {
         let start = Instant::now();
         let is_done = checked(py.detach(|| advance(*chunk)))?;
         py.check_signals()?;
-        if is_done {
-            return Ok(());
+        if is_done || began.elapsed() >= longest {
+            return Ok(is_done);
         }
         let taken = start.elapsed();
         if taken < SIGNAL_INTERVAL / 2 {
@@ -234,20 +236,21 @@ impl Simulation {
     fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
         let Self { core, chunk } = self;
-        in_chunks(py, chunk, |chunk| {
+        in_chunks(py, chunk, Duration::MAX, |chunk| {
             let now = chunk.min(left);
             left -= now;
             core.step(now).map(|()| left == 0)
-        })
+        })?;
+        Ok(())
     }
 
-    /// Steps an adaptive run until `time` [s] and interpolates at that time; Ctrl-C as in `step`.
-    fn reach(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
-        if !self.core.is_adaptive() {
-            return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
-        }
+    /// Steps to `time` [s] and shows the state there, or stops after about `seconds` of wall time at the end of a step;
+    /// Ctrl-C as in `step`. Whether `time` was reached.
+    #[pyo3(signature = (time, seconds=None))]
+    fn reach(&mut self, py: Python<'_>, time: f64, seconds: Option<f64>) -> PyResult<bool> {
+        let longest = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or(Duration::MAX);
         let Self { core, chunk } = self;
-        in_chunks(py, chunk, |chunk| core.reach(time, chunk))
+        in_chunks(py, chunk, longest, |chunk| core.reach(time, chunk))
     }
 
     /// Checks for a fault, between the regular checks.
