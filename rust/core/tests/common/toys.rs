@@ -162,3 +162,64 @@ impl Integrator for SemiImplicitEuler {
         work.iter_mut().zip(&self.powers).for_each(|(work, power)| *work += dt * power);
     }
 }
+
+/// A circulatory load F = c m (-y, x, 0): it depends on positions alone and has no potential.
+pub struct Circulation {
+    /// c m of each node \[N/m\].
+    coefficients: Vec<f64>,
+    /// Factor of the power: 1, except in the test of a faulty law.
+    fault: f64,
+}
+
+impl Circulation {
+    pub fn new(assembly: &Assembly, rate: f64, fault: f64) -> Self {
+        Self { coefficients: assembly.masses.iter().map(|mass| rate * mass).collect(), fault }
+    }
+}
+
+impl NodalLaw for Circulation {
+    fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, _]: [&mut [f64]; 3]) -> f64 {
+        let [x, y, _] = rows(at.positions, range.clone());
+        let [u, v, _] = rows(at.velocities, range.clone());
+        let mut power = 0.0;
+        for (i, c) in self.coefficients[range].iter().enumerate() {
+            let force = [-c * y[i], c * x[i]];
+            fx[i] += force[0];
+            fy[i] += force[1];
+            power += self.fault * (force[0] * u[i] + force[1] * v[i]);
+        }
+        power
+    }
+}
+
+impl Law for Circulation {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::External;
+        Properties { name: "circulation", work_class, depends_on_velocity: false, is_internal: false }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
+    }
+
+    fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
+        Some(self)
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt"
+    }
+}
+
+impl Linearisation for Circulation {
+    fn add_jacobian(&self, _at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        for (node, c) in self.coefficients.iter().enumerate() {
+            let block = Block::new(0.0, -c, 0.0, *c, 0.0, 0.0, 0.0, 0.0, 0.0);
+            jacobian.by_position(node as u32, node as u32, &block);
+        }
+    }
+}
