@@ -7,8 +7,13 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
+from membrane_rs.check.film_law import film_law
+from membrane_rs.check.material_values import material_values
 from membrane_rs.check.mesh_faults import growing_modes, mesh_faults
 from membrane_rs.check.redundancy import laws_without_effect
+from membrane_rs.check.scene_values import law_and_part_values
+from membrane_rs.check.spool import spool
+from membrane_rs.check.supports import supports
 from membrane_rs.errors import AuditWarning
 from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.scene import Scene
@@ -18,6 +23,11 @@ Check: TypeAlias = Callable[[Scene], Iterator[Finding]]
 
 CHECKS: list[Check] = [
     mesh_faults,
+    film_law,
+    supports,
+    spool,
+    material_values,
+    law_and_part_values,
     laws_without_effect,
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""

@@ -118,7 +118,7 @@ def check(
 ) -> None:
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     with reported_errors():
-        from membrane_rs.check import audit
+        from membrane_rs.check import audit, facts
         from membrane_rs.check.net_of_springs import net_lines
         from membrane_rs.check.redundancy import step_savings
         from membrane_rs.runs import Simulation
@@ -128,6 +128,8 @@ def check(
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
             typer.echo(f"  {name:<10} {count:>9,}")
+        for name, words in facts(chosen).items():
+            typer.echo(f"  {name:<10} {words}")
         found = audit(chosen)
         typer.echo(f"\nAudit\n{_indented(str(found))}")
         sim = Simulation(chosen)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
 from typing_extensions import Self
 
 from membrane_rs._validation import validated
-from membrane_rs.mesh import Mesh
+from membrane_rs.material import Material
+from membrane_rs.mesh import Finding, Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.spool import Spool
 
 StiffThrough: TypeAlias = Literal["law", "film"] | None
@@ -19,11 +21,19 @@ StiffThrough: TypeAlias = Literal["law", "film"] | None
 
 
 class Surroundings(Protocol):
-    """The properties of a scene that its laws use."""
+    """The properties of a scene that its laws and parts use."""
 
     @property
     def mesh(self) -> Mesh | None:
         """The membrane."""
+
+    @property
+    def material(self) -> Material | None:
+        """Of the membrane."""
+
+    @property
+    def run(self) -> RunSettings:
+        """How the scene is run."""
 
     @property
     def laws(self) -> Sequence[Law]:
@@ -45,6 +55,8 @@ class Law:
     """Whether it is the law of the film's in-plane elasticity, of which a scene has one at most."""
     turns_hub: ClassVar[bool] = False
     """Whether it turns the hub, and the frame of the scene with it."""
+    accelerates_all: ClassVar[bool] = False
+    """Whether it is a field that accelerates all nodes alike, so that a scene without support falls."""
     acts_while_relaxing: ClassVar[bool] = True
     """Whether it acts while a scene is damped to rest before its start: False where it vanishes at rest."""
     length_fields: ClassVar[Mapping[str, str]] = {}
@@ -65,6 +77,11 @@ class Law:
         return None
 
     @property
+    def hub_frequency(self) -> float | None:
+        """Turns of the hub per second at the start [Hz]; None: the law does not turn it."""
+        return None
+
+    @property
     def spool(self) -> Spool | None:
         """The spool, where the law describes it."""
         return None
@@ -75,6 +92,10 @@ class Law:
     def why_idle(self, scene: Surroundings) -> str | None:
         """Why it has no effect in this scene; None where it may have one."""
         return None
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
+        yield from ()
 
     def step_advice(self, gain: float) -> str:
         """What would take it out of the limit of the step, which grows by the factor `gain` without it."""

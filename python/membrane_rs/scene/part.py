@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 from membrane_rs._validation import validated
+from membrane_rs.mesh import Finding
 from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.spool import Spool
 
 
@@ -27,6 +29,10 @@ class Part:
     def spool(self) -> Spool | None:
         """The spool, where the part describes it."""
         return None
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
+        yield from ()
 
     @property
     def numbers_nodes(self) -> bool:

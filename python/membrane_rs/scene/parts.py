@@ -6,7 +6,7 @@ Parts are plain checked values, which add nodes, masses and cords to a scene's a
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, ClassVar
 
@@ -14,14 +14,22 @@ import numpy as np
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError, SceneError
+from membrane_rs.mesh import Finding
 from membrane_rs.scene.builder import Builder, Cord
+from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
+from membrane_rs.scene.plausible import implausible
 from membrane_rs.scene.spool import Spool
 
 __all__ = ["PARTS", "Bridges", "Fixed", "Part", "Tether", "Tethers", "TipMasses"]
 
 SHORTEST = 1e-12
 """Ends of a cord that are nearer to each other than this are one point [m]."""
+HEAVY_TIP, HEAVIEST_TIP = 100.0, 100.0
+"""Mass at a tip over that of the whole film [-], and by itself [kg], from which it is hardly meant: in the deployment
+experiments it is a sixth of the film, and 0.5 kg on the sail of 14 m that has flown."""
+SLOWEST_WAVE, FASTEST_WAVE = 20.0, 3e4
+"""sqrt(EA/mu) of a cord [m/s]: some 30 m/s in soft rubber, 18 km/s in carbon fibres."""
 ALONE = 20.0
 """Gain of step from which cords count as the only stiff part."""
 
@@ -45,6 +53,10 @@ class TipMasses(Part):
     def add_loads(self, builder: Builder, where: str) -> None:
         """Add the masses. Raises SceneError for nodes that are not there."""
         builder.add_mass(builder.nodes(self.nodes, where), self.mass)
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """Each is lighter than `HEAVY_TIP` times the film, which else would be a thread without mass."""
+        yield from _heavy_tip(f"{where}.mass", self.mass, scene)
 
     def resized(self, sizes: Mapping[str, tuple[int, int]]) -> TipMasses:
         """Masses on a node set keep their sum."""
@@ -113,6 +125,23 @@ class Tethers(Part):
         """The spool whose rim the cords start on."""
         return Spool(self.anchor_radius)
 
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """A wave runs along a cord as it does along some material, and the spinning sail does not tear its cords."""
+        yield from _wave_speed(self, where)
+        if scene.mesh is None or scene.material is None:
+            return
+        hub = next((law.hub_frequency for law in scene.laws if law.hub_frequency is not None), 0.0)
+        n = scene.mesh.node_count
+        masses = scene.mesh.masses(scene.material) + scene.assemble().extra_masses[:n]
+        radii = np.hypot(scene.mesh.reference[:, 0], scene.mesh.reference[:, 1])
+        count = np.size(scene.assemble().node_sets[self.nodes] if isinstance(self.nodes, str) else self.nodes)
+        tension = (2.0 * math.pi * hub) ** 2 * float(masses @ radii) / count
+        reason = f"the flat sail, at {hub:g} Hz, pulls each cord by about {tension:.3g} N and so stretches it beyond "
+        reason += f"its strain_limit = {self.strain_limit:g}"
+        least = tension / self.strain_limit
+        place = f"{where}.axial_stiffness"
+        yield from implausible(place, self.axial_stiffness, "N", reason, least=least, units={"kN": 1e3})
+
     def softened(self, factor: float) -> Tethers:
         """Cords of `factor` times the axial stiffness."""
         return replace(self, axial_stiffness=self.axial_stiffness * factor)
@@ -180,6 +209,11 @@ class Tether(Part):
             builder.fix(nodes[:1])
         builder.add_mass(nodes[-1:], self.tip_mass)
 
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """A wave runs along a cord as it does along some material; a mass at its end is lighter than `HEAVIEST_TIP`."""
+        yield from _wave_speed(self, where)
+        yield from _heavy_tip(f"{where}.tip_mass", self.tip_mass, scene)
+
     def softened(self, factor: float) -> Tether:
         """A cord of `factor` times the axial stiffness."""
         return replace(self, axial_stiffness=self.axial_stiffness * factor)
@@ -235,6 +269,25 @@ class Bridges(Part):
     def step_advice(self, gain: float) -> str:
         """A smaller stiffness."""
         return f"a stiffness of {self.stiffness / gain**2:.3g} N/m or less would take it out of the limit"
+
+
+def _heavy_tip(place: str, mass: float, scene: Surroundings) -> Iterator[Finding]:
+    reason, most = f"a mass at a tip is lighter than {HEAVIEST_TIP:g} kg", HEAVIEST_TIP
+    if scene.mesh is not None and scene.material is not None:
+        film = float(scene.mesh.areas().sum()) * scene.material.density * scene.material.thickness
+        reason, most = f"that is {mass / film:.3g} times the mass of the film, {film:.3g} kg", HEAVY_TIP * film
+    yield from implausible(place, mass, "kg", reason, most=most, units={"g": 1e-3, "mg": 1e-6})
+
+
+def _wave_speed(part: Tether | Tethers, where: str) -> Iterator[Finding]:
+    if part.linear_density == 0.0:
+        return
+    speed = math.sqrt(part.axial_stiffness / part.linear_density)
+    reason = f"with axial_stiffness = {part.axial_stiffness:g} N a wave would run along the cord at {speed:.3g} m/s, "
+    reason += f"and in cords it runs at {SLOWEST_WAVE:g} to {FASTEST_WAVE:g} m/s"
+    heaviest, lightest = (part.axial_stiffness / bound**2 for bound in (SLOWEST_WAVE, FASTEST_WAVE))
+    place, units = f"{where}.linear_density", {"g/m": 1e-3, "mg/m": 1e-6}
+    yield from implausible(place, part.linear_density, "kg/m", reason, least=lightest, most=heaviest, units=units)
 
 
 def _cord(part: Tether | Tethers, length: float) -> Cord:

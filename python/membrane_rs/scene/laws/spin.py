@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
+import numpy as np
+
 from membrane_rs._validation import Finite, Unit, validated
+from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+from membrane_rs.scene.plausible import implausible
+
+FASTEST = 300.0
+"""Speed of the rim [m/s]: about that at which rotors of strong plastics burst."""
+STRETCHED = 0.1
+"""Strain by spinning at which films are torn; rho v^2/E is that of a ring of speed v."""
+TURNS = (1e-4, 1e4)
+"""In a run: below, the frame hardly moves; above, it takes days."""
+RPM = {"turns per minute": 1.0 / 60.0}
 
 
 @validated
@@ -27,6 +41,38 @@ class Spin(Law):
     turns_hub: ClassVar[bool] = True
     frequency: Annotated[Finite, Unit("Hz")] = 3.0
     acceleration: Annotated[Finite, Unit("Hz/s")] = 0.0
+
+    @property
+    def hub_frequency(self) -> float:
+        """That at the start."""
+        return self.frequency
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """The rim of the flat shape moves more slowly than `FASTEST`, and a film is stretched by less than `STRETCHED`
+        as a ring of this speed would be; a run has a number of turns within `TURNS`.
+        """
+        points = scene.assemble().reference
+        radius = float(np.hypot(points[:, 0], points[:, 1]).max())
+        end = self.frequency + self.acceleration * scene.run.until
+        highest, fastest = max(abs(self.frequency), abs(end)), FASTEST
+        if scene.material is not None and scene.mesh is not None:
+            tearing = math.sqrt(STRETCHED * scene.material.youngs_modulus / scene.material.density)
+            fastest = min(FASTEST, tearing)
+        speed = 2.0 * math.pi * highest * radius
+        if speed > fastest:
+            reason = f"the rim, {radius:.4g} m from the axis, would move at {speed:.4g} m/s; beyond {fastest:.4g} m/s "
+            reason += "it is torn" if fastest < FASTEST else "rotors burst"
+            most = fastest / (2.0 * math.pi * radius)
+            at_start = abs(self.frequency) >= highest
+            place, unit = (f"{where}.frequency", "Hz") if at_start else (f"{where}.acceleration (at the end)", "Hz")
+            yield from implausible(place, highest, unit, reason, most=most, units=RPM)
+        turns = 0.5 * (abs(self.frequency) + abs(end)) * scene.run.until
+        if turns > 0.0:
+            reason = f"the hub turns by {turns:.3g} turns in this run"
+            least, most = (bound * scene.run.until / turns for bound in TURNS)
+            yield from implausible(
+                "run.until", scene.run.until, "s", reason, least=least, most=most, units={"ms": 1e-3}
+            )
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A hub at rest."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
+from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+from membrane_rs.scene.plausible import implausible
 
 
 @validated
@@ -31,6 +33,11 @@ class SpringDamping(Law):
     length_fields: ClassVar[Mapping[str, str]] = {"damping": "length"}
     ratio: NonNegative = 0.02
     length: Annotated[Positive | None, Unit("m")] = None
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+        """From 1 on a pair of masses no longer vibrates along its spring: it creeps."""
+        reason = "from 1 on a spring and its masses creep, and do not vibrate; films have some hundredths"
+        yield from implausible(f"{where}.ratio", self.ratio, "(a ratio)", reason, most=1.0, units={"%": 0.01})
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Without springs, or a ratio, there is no dashpot."""

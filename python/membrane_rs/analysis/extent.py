@@ -1,0 +1,12 @@
+"""The extent of a shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+
+
+def span(points: Floats) -> float:
+    """The largest side of the box around points (n, 3), along the axes [m]; 0 without points."""
+    return float(np.ptp(points, axis=0).max()) if len(points) else 0.0

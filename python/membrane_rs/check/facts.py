@@ -1,0 +1,27 @@
+"""Size, masses and spin of a scene, in which a slip of a unit shows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from membrane_rs.scene import Scene
+
+
+def facts(scene: Scene) -> dict[str, str]:
+    """What a scene is, by name, each with its unit: size, area, thickness, masses, spin."""
+    assembly = scene.assemble()
+    found: dict[str, str] = {}
+    for name, points in (("size", assembly.reference), ("at start", assembly.positions)):
+        sides = " x ".join(f"{side:.4g}" for side in np.ptp(points, axis=0))
+        found[name] = f"{sides} m"
+    masses = {"tips and cords": float(assembly.extra_masses.sum())}
+    if scene.mesh is not None and scene.material is not None:
+        area = float(scene.mesh.areas().sum())
+        found["area"] = f"{area:.4g} m2"
+        found["thickness"] = f"{scene.material.thickness:.4g} m"
+        masses = {"film": area * scene.material.thickness * scene.material.density} | masses
+    shares = ", ".join(f"{name} {mass:.4g} kg" for name, mass in masses.items() if mass > 0.0)
+    found["mass"] = f"{sum(masses.values()):.4g} kg ({shares})"
+    turns = [law.hub_frequency for law in scene.laws if law.hub_frequency is not None]
+    found["spin"] = f"{turns[0]:g} Hz" if turns else "none"
+    return found

@@ -1,0 +1,58 @@
+"""Whether all that lies round the spool agrees on its size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.mesh import Finding
+from membrane_rs.scene import Scene
+
+APART = 0.05
+"""Difference of radii, over the smaller, from which they are two: cords start on the rim of the spool."""
+
+
+def spool(scene: Scene) -> Iterator[Finding]:
+    """Laws and parts describe one spool, which fits into the hole of the flat sail and into the stowed one."""
+    found = [(f"laws.{law.kind}", law.spool) for law in scene.laws if law.spool is not None]
+    rims = [(f"parts[{k}]", part.spool) for k, part in enumerate(scene.parts) if part.spool is not None]
+    unlike = [
+        (place, rim.radius, other, round_it.radius)
+        for place, rim in rims
+        for other, round_it in found
+        if abs(rim.radius - round_it.radius) > APART * min(rim.radius, round_it.radius)
+    ]
+    for place, rim_radius, other, radius in unlike:
+        yield Finding(
+            "warning",
+            "spool",
+            1,
+            f"{place} starts its cords {rim_radius:g} m from the axis, and the spool of {other} has a radius of "
+            f"{radius:g} m",
+            "cords start on the rim of the spool: give both the same radius (m)",
+        )
+    if scene.mesh is None or not rims or unlike:
+        return
+    place, widest = max((*found, *rims), key=lambda item: item[1].radius)
+    for shape, points in (("flat", scene.mesh.reference), ("stowed", scene.mesh.positions)):
+        least = _inner_radius(points[scene.mesh.edges])
+        if least < (1.0 - APART) * widest.radius:
+            yield Finding(
+                "warning",
+                "spool",
+                1,
+                f"the {shape} sail comes as near to the axis as {least:.4g} m, inside the spool of {place}, "
+                f"{widest.radius:g} m in radius",
+                "make the hole of the sail wider or the spool thinner; check the units of both (m)",
+            )
+
+
+def _inner_radius(ends: Floats) -> float:
+    """The least distance from the z axis of segments with these ends, (e, 2, 3) [m]."""
+    a, d = ends[:, 0, :2], ends[:, 1, :2] - ends[:, 0, :2]
+    square = np.maximum(np.einsum("ij,ij->i", d, d), np.finfo(float).tiny)
+    at = np.clip(-np.einsum("ij,ij->i", a, d) / square, 0.0, 1.0)
+    nearest = a + at[:, None] * d
+    return float(np.hypot(nearest[:, 0], nearest[:, 1]).min())

@@ -1,0 +1,142 @@
+"""The audit names values that are hardly meant, with the unit that probably was; sound scenes hold none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from membrane_rs import (
+    Fixed,
+    Gravity,
+    Mesh,
+    Pressure,
+    Scene,
+    Spin,
+    SpringDamping,
+    Springs,
+    Tether,
+    TipMasses,
+    scenes,
+)
+from membrane_rs.check import audit, facts
+from membrane_rs.cli import app
+from membrane_rs.folding import Disc, Strip
+from membrane_rs.mesh import Finding
+from membrane_rs.study.common.variation import varied
+from small_scenes import RUBBER, cord, hanging_strip
+from typer.testing import CliRunner
+
+MODEL = scenes.load("okuizumi-model-1")
+
+
+def warnings_of(scene: Scene) -> dict[str, Finding]:
+    """Warnings of a scene by kind, or by place for values."""
+    found = audit(scene, costly=False)
+    assert not found.errors, str(found)
+    return {f.message.split(" = ")[0] if f.kind == "implausible_value" else f.kind: f for f in found.warnings}
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "meant"),
+    [
+        ("material.thickness", 12.5, "was 12.5 um meant? That is 1.25e-05 m"),
+        ("material.thickness", 0.0075, "was 0.0075 mm meant? That is 7.5e-06 m"),
+        ("material.thickness", 50.0, "was 50 um meant? That is 5e-05 m"),
+        ("material.youngs_modulus", 3.2, "was 3.2 GPa meant? That is 3.2e+09 Pa"),
+        ("material.density", 1.42, "was 1.42 g/cm3 meant? That is 1420 kg/m3"),
+        ("laws.spin.frequency", 180.0, "was 180 turns per minute meant? That is 3 Hz"),
+        ("laws.air_drag.pressure", 101325.0, "check the value and its unit (Pa)"),
+        ("laws.air_drag.temperature", 20.0, "were 20 degrees Celsius meant? That is 293.1 K"),
+        ("laws.air_drag.temperature", 1000.0, "check the value and its unit (K)"),
+        ("laws.spring_damping.ratio", 2.0, "was 2 % meant? That is 0.02"),
+        ("run.until", 5000.0, "was 5000 ms meant? That is 5 s"),
+        ("parts.0.mass", 300.0, "was 300 mg meant? That is 0.0003 kg"),
+        ("parts.0.mass", 0.36, "was 0.36 g meant? That is 0.00036 kg"),
+        ("parts.1.linear_density", 0.1, "was 0.1 g/m meant? That is 0.0001 kg/m"),
+        ("parts.1.axial_stiffness", 0.017, "was 0.017 kN meant? That is 17 N"),
+    ],
+)
+def test_a_slip_of_a_unit_is_named(parameter: str, value: float, meant: str) -> None:
+    found = warnings_of(varied(MODEL, parameter, value))
+    place = parameter.replace("parts.0", "parts[0]").replace("parts.1", "parts[1]")
+    assert place in found, found
+    assert f"{place} = {value:g}" in found[place].message
+    assert meant in found[place].remedy
+
+
+def test_strong_gravity_and_a_wide_mesh() -> None:
+    strong = replace(hanging_strip(), laws=[Springs(), Gravity((0.0, 0.0, -98.1))])
+    assert "no planet" in warnings_of(strong)["laws.gravity.acceleration"].message
+    wide = Scene(Strip(455.0, 103.0, 4, 2).mesh(), RUBBER, [Springs()], [Fixed("start")])
+    assert "was 455 mm meant? That is 0.455 m" in warnings_of(wide)["mesh (its width)"].remedy
+
+
+def test_spools_that_disagree() -> None:
+    found = warnings_of(varied(varied(MODEL, "parts.1.anchor_radius", 0.05), "laws.spool_contact.radius", 0.02))
+    assert "parts[1] starts its cords 0.05 m from the axis" in found["spool"].message
+    assert "laws.spool_contact has a radius of 0.02 m" in found["spool"].message
+    for radius in (0.06, 2.5):
+        both = varied(varied(MODEL, "parts.1.anchor_radius", radius), "laws.spool_contact.radius", radius)
+        assert "inside the spool" in warnings_of(both)["spool"].message
+    assert "spool" not in warnings_of(varied(MODEL, "parts.1.anchor_radius", 0.0255))
+
+
+def test_a_sail_without_a_law_of_the_film() -> None:
+    bare = replace(MODEL, laws=[law for law in MODEL.laws if not law.is_film and not isinstance(law, SpringDamping)])
+    found = warnings_of(bare)["film_law"]
+    assert found.remedy == "add [laws.springs] or [laws.triangles]"
+
+
+def test_a_scene_that_nothing_holds() -> None:
+    disc = Disc(0.1, rings=2).mesh()
+    for laws, words in (
+        ([Springs()], "any push moves it"),
+        ([Springs(), Gravity()], "it falls"),
+        ([Springs(), Spin(1.0), Gravity()], "it falls"),
+        ([Springs(), Pressure(1.0)], "any push moves it"),
+    ):
+        assert words in warnings_of(Scene(disc, RUBBER, laws))["supports"].message
+    assert "supports" not in warnings_of(Scene(disc, RUBBER, [Springs(), Spin(1.0)]))
+    assert "supports" not in warnings_of(Scene(disc, RUBBER, [Springs(), Gravity()], [Fixed((0,))]))
+    aside = Mesh(disc.reference + np.array([0.05, 0.0, 0.0]), disc.triangles)
+    found = warnings_of(Scene(aside, RUBBER, [Springs(), Spin(1.0)]))["supports"]
+    assert "centre of mass lies 0.05 m from the axis" in found.message
+    free = cord(fixed=False, linear_density=0.1)
+    assert "nothing holds the scene" in warnings_of(Scene(None, None, [SpringDamping()], [free]))["supports"].message
+
+
+def test_a_heavy_tip_without_a_film() -> None:
+    heavy = Tether((0.1, 0, 0), (0.4, 0, 0), 1, 50.0, 0.0, tip_mass=300.0)
+    found = warnings_of(Scene(None, None, [Spin(1.0)], [heavy]))
+    assert "was 300 g meant?" in found["parts[0].tip_mass"].remedy
+
+
+def test_sound_variations_are_free_of_warnings() -> None:
+    for parameter, value in (
+        ("laws.spin.frequency", 10.0),
+        ("material.thickness", 2e-6),
+        ("material.youngs_modulus", 7e10),
+        ("run.until", 1e-3),
+        ("run.until", 60.0),
+        ("laws.air_drag.pressure", 100.0),
+        ("parts.0.mass", 1e-2),
+        ("parts.1.segments", 3.0),
+    ):
+        assert warnings_of(varied(MODEL, parameter, value)) == {}, parameter
+    assert warnings_of(replace(hanging_strip(), parts=[Fixed("start"), TipMasses(0.05, nodes=(5,))])) == {}
+
+
+def test_check_prints_size_masses_and_spin() -> None:
+    shown = CliRunner().invoke(app, ["check", "okuizumi-model-1", "--until", "0.001"]).output
+    for name, words in facts(MODEL).items():
+        assert f"  {name:<10} {words}\n" in shown
+    values = facts(MODEL)
+    area = 0.455**2 - 0.103**2
+    film = area * 1420.0 * 7.5e-6
+    assert values["size"].startswith("0.455 x 0.455 x 0 m")
+    assert values["area"] == f"{area:.4g} m2"
+    assert values["thickness"] == "7.5e-06 m"
+    assert f"film {film:.4g} kg" in values["mass"]
+    assert values["spin"] == "3 Hz"
+    assert facts(hanging_strip())["spin"] == "none"
