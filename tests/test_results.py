@@ -314,7 +314,7 @@ def test_curves_are_drawn(tmp_path: Path) -> None:
     compare_runs([tmp_path / "one", tmp_path / "two"], tmp_path / "both.png")
     for name in ("one.png", "both.png"):
         with Image.open(tmp_path / name) as image:
-            assert image.size == (840, 768)
+            assert image.size == (1400, 1280)
     with pytest.raises(InputError, match="1 labels for 2 runs"):
         compare_runs([tmp_path / "one", tmp_path / "two"], tmp_path / "c.png", ["only one"])
     with pytest.raises(OutputError, match="cannot write"):

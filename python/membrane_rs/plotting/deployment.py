@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from membrane_rs._arrays import Floats
-from membrane_rs._files import path_of, replacing
+from membrane_rs._files import path_of
 from membrane_rs.errors import InputError
-from membrane_rs.plotting.charts import chart_format, plain_text
 from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.figure import plain_text, save_figure
 from membrane_rs.results.history import read_history
-from membrane_rs.results.summary import curve_features
+from membrane_rs.results.summary import LEAST_PHASE, curve_features
 from membrane_rs.simulation.stepper import Stepper
 
 # Column, label, and the level that is full deployment.
@@ -35,17 +37,20 @@ class DeploymentPicture(Drawing):
             plot_deployment(self.record.table, self.record.path / "deployment.png", sim.scene.name)
 
 
-def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = "") -> None:
-    """Draw one run's deployment rate and phase difference as a picture (.png, .pdf or .svg).
+def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = "", dpi: float | None = None) -> None:
+    """Draw one run's deployment rate and phase difference as a PNG, PDF or SVG figure, by the ending of `path`.
 
-    `table` holds the columns of a history. Raises OutputError where `path` cannot be written, and InputError for
-    another ending.
+    `table` holds the columns of a history; without a hub that turns, or corners that turn relative to it, the phase
+    is left out. `dpi` are pixels per inch. Raises InputError for another ending, OutputError where `path` cannot be
+    written.
     """
-    _picture([("", table)], path_of(path), title)
+    _picture([("", table)], path_of(path), title, dpi)
 
 
-def compare_runs(folders: Sequence[Path | str], path: Path | str, labels: Sequence[str] | None = None) -> None:
-    """Draw the curves of several runs on one picture (.png, .pdf or .svg).
+def compare_runs(
+    folders: Sequence[Path | str], path: Path | str, labels: Sequence[str] | None = None, dpi: float | None = None
+) -> None:
+    """Draw the curves of several runs on one picture, as `plot_deployment` does.
 
     `labels` are the folders' names where not given. Raises InputError where their number differs from the
     folders', MissingFileError for a folder without history, OutputError where `path` cannot be written.
@@ -55,19 +60,26 @@ def compare_runs(folders: Sequence[Path | str], path: Path | str, labels: Sequen
     if len(names) != len(folders):
         raise InputError(f"{len(names)} labels for {len(folders)} runs; give one for each, or none at all")
     tables = [read_history(path) for path in paths]
-    _picture(list(zip(names, tables, strict=True)), path_of(path), "")
+    _picture(list(zip(names, tables, strict=True)), path_of(path), "", dpi)
 
 
-def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str) -> None:
-    """Runs, as (label, table), in two panels above each other that share the time axis."""
+def _turns(table: Mapping[str, Floats]) -> bool:
+    """Whether a hub turns, where the table says so, and corners turn relative to it by more than rounding."""
+    angle, phase = table.get("hub_angle"), table["phase_difference_deg"]
+    known = phase[np.isfinite(phase)]
+    return (angle is None or bool(np.any(angle != 0.0))) and bool(np.any(np.abs(known) > LEAST_PHASE))
+
+
+def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str, dpi: float | None) -> None:
+    """Runs, as (label, table), in one or two panels above each other that share the time axis."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    kind = chart_format(path)
-    figure = Figure(figsize=(7.0, 6.4), layout="constrained")
+    shown = PANELS if any(_turns(table) for _, table in runs) else PANELS[:1]
+    figure = Figure(figsize=(7.0, 0.4 + 3.0 * len(shown)), layout="constrained")
     FigureCanvasAgg(figure)
-    panels = list(figure.subplots(2, 1, sharex=True))
-    for axes, (column, label, level) in zip(panels, PANELS, strict=True):
+    panels = list(figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0])
+    for axes, (column, label, level) in zip(panels, shown, strict=True):
         for k, (name, table) in enumerate(runs):
             axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=plain_text(name))
         low, high = axes.get_ylim()
@@ -75,15 +87,14 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
         axes.axhline(level, color="0.5", linewidth=0.8)
         for k, (_, table) in enumerate(runs):
             crossing = curve_features(table)["zero_crossing_time"]
-            if crossing is not None:
+            if crossing is not None and len(shown) > 1:
                 axes.axvline(crossing, color=f"C{k}", linewidth=0.8, linestyle=":")
         axes.set_ylabel(label)
         axes.grid(color="0.9")
         axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
-    panels[1].set_xlabel("Time [s]")
-    panels[0].set_title(plain_text(title))
+    panels[-1].set_xlabel("Time [s]")
+    panels[0].set_title(plain_text(title), wrap=True)
     if len(runs) > 1:
         panels[0].legend(frameon=False, loc="lower center")
-    with replacing(path) as part:
-        figure.savefig(part, format=kind, dpi=120)
+    save_figure(figure, path, dpi)

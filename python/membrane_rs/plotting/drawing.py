@@ -6,8 +6,12 @@ from membrane_rs.errors import UnstableError
 from membrane_rs.plotting.painter import begin_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
 from membrane_rs.results.record import Record
+from membrane_rs.results.vtk import read_frame
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
+
+SHAPES = 24
+"""So many frames of a run, and one more, must fit into its pictures."""
 
 
 class Drawing(Writer):
@@ -40,4 +44,6 @@ class Drawing(Writer):
 
     def subject(self, sim: Stepper) -> Subject:
         """What all pictures of the run show, with one camera."""
-        return Subject.of(sim, self.record.shapes or [sim.positions])
+        frames = self.record.frames[:: max(1, len(self.record.frames) // SHAPES)]
+        shapes = [*self.record.shapes, *(read_frame(self.record.path / file) for _, file in frames)]
+        return Subject.of(sim, [*shapes, sim.positions])

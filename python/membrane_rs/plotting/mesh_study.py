@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import replacing
 from membrane_rs.plotting.deployment import PANELS
+from membrane_rs.plotting.figure import save_figure
 
 
 def plot_meshes(
@@ -15,7 +15,8 @@ def plot_meshes(
     path: Path,
     legend: str = "height of a cell",
 ) -> None:
-    """Draw, for each form of the parameters, its meshes as (label, tables), coarse to fine, as a PNG picture.
+    """Draw, for each form of the parameters, its meshes as (label, tables), coarse to fine, as a figure whose format
+    is that of the ending of `path`.
 
     Each table holds the columns of a history from one start; the first is drawn the strongest. Raises OutputError
     where `path` cannot be written.
@@ -44,5 +45,4 @@ def plot_meshes(
                 axes.legend(frameon=False, title=legend)
             else:
                 axes.set_xlabel("Time [s]")
-    with replacing(path) as part:
-        figure.savefig(part, format="png", dpi=120)
+    save_figure(figure, path)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh.queries import petal_of_triangles
+from membrane_rs.plotting.camera import Camera
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.motion import Motion
 
@@ -25,9 +26,13 @@ CREASE: Color = (0.25, 0.22, 0.20)
 CORD: Color = (0.10, 0.10, 0.10)
 SPOOL: Color = (0.55, 0.57, 0.60)
 TIP: Color = (0.75, 0.10, 0.12)
-# From where the camera looks, as a direction from the centre: from above and a little from the front.
-VIEW_DIRECTION = (0.0, -0.70, 1.0)
-VIEW_ANGLE_DEG = 24.0
+EDGE: Color = (0.30, 0.26, 0.20)
+EDGE_SHARE = 0.35
+"""Opacity of the edges of triangles."""
+MOST_EDGED = 30_000
+"""More triangles are drawn without their edges, which would hide them."""
+MARK = ((0.15, -0.08), (0.9, -0.08), (0.9, 0.08), (0.15, 0.08))
+"""Corners of the mark on the spool's top that shows how far it has turned, over the spool's radius."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class Subject:
     """What is drawn in every picture of a run, with one camera for all of them.
 
     triangles (m, 3), petals (m,) number or -1, creases (c, 2), cords (s, 2), tips (t,): node indices.
-    spool: radius, lowest and highest z [m], or None. centre (3,) [m] is looked at; reach [m] must fit in.
+    spool: radius, lowest and highest z [m], or None.
     """
 
     triangles: Ints
@@ -44,28 +49,37 @@ class Subject:
     cords: Ints
     tips: Ints
     spool: tuple[float, float, float] | None
-    reach: float
-    centre: Floats = field(default_factory=lambda: np.zeros(3))
+    camera: Camera
+    has_hub: bool = True
+    """Whether a hub turns, so that the turning frame is not the fixed one."""
 
     @classmethod
     def of(cls, sim: Motion, shapes: Sequence[Floats]) -> Subject:
         """The subject of a simulation; its `shapes`, (N, 3) [m] each and the first one first, will fit in."""
         assembly, scene = sim.assembly, sim.scene
-        points = np.concatenate([assembly.reference, *shapes])
-        centre = np.zeros(3)
-        if not any(law.turns_hub for law in scene.laws):
-            centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        reach = float(np.linalg.norm(points - centre, axis=1).max())
+        has_hub = any(law.turns_hub for law in scene.laws)
+        seen = [assembly.reference, *shapes] if has_hub else shapes
+        camera = Camera.of(seen, assembly.triangles, about_axis=has_hub)
         return cls(
             triangles=assembly.triangles,
             petals=petal_of_triangles(assembly.triangles, assembly.node_sets),
             creases=assembly.creases.nodes,
             cords=assembly.cords.nodes,
             tips=assembly.tips,
-            spool=_spool(scene, shapes[0], reach),
-            reach=reach,
-            centre=centre,
+            spool=_spool(scene, shapes[0], camera.reach),
+            camera=camera,
+            has_hub=has_hub,
         )
+
+    @property
+    def reach(self) -> float:
+        """What fits into the picture around its centre [m]."""
+        return self.camera.reach
+
+    @property
+    def has_edges(self) -> bool:
+        """Whether edges of triangles are drawn."""
+        return len(self.triangles) <= MOST_EDGED
 
     def colors(self, back: bool) -> Floats:
         """Colour of each triangle's upper or lower face, (m, 3) in 0..1."""

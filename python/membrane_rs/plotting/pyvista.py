@@ -7,20 +7,22 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.plotting.camera import ANGLE_DEG, with_scale_bar
 from membrane_rs.plotting.picture import (
     CORD,
     CREASE,
+    EDGE,
+    EDGE_SHARE,
+    MARK,
     SPOOL,
     TIP,
-    VIEW_ANGLE_DEG,
-    VIEW_DIRECTION,
     Color,
     Image,
     Subject,
     turned,
 )
 
-LIFT = 0.0015
+LIFT = 0.004
 """How far lines stand before the faces, as a share of what the picture reaches."""
 
 
@@ -32,13 +34,14 @@ class PyvistaPainter:
 
         _silence_vtk()
         self._points = np.zeros((_highest_node(subject) + 1, 3))
+        self._camera = subject.camera
         self._plotter = _plotter(size)
         self._plotter.set_background("white")
         self._plotter.enable_anti_aliasing("msaa", multi_samples=8)
         self._moving: list[Any] = []
         if len(subject.triangles):
             self._add_membrane(subject)
-        self._add_lines(subject.creases, CREASE, max(1.0, size / 500.0), subject.reach)
+        self._add_lines(subject.creases, CREASE, max(1.5, size / 280.0), subject.reach)
         self._add_lines(subject.cords, CORD, max(1.5, size / 300.0), subject.reach)
         if len(subject.tips):
             tips = self._cloud(np.column_stack([np.ones(len(subject.tips), np.int64), subject.tips]), "verts")
@@ -61,7 +64,8 @@ class PyvistaPainter:
                 resolution=60,
             )
             # A bar on the top shows how far the spool has turned.
-            bar = np.array((0.15, 0.9, -0.08, 0.08, 0.0, 0.05)) * radius + (0.0, 0.0, 0.0, 0.0, high, high)
+            (left, near), (right, far) = MARK[0], MARK[2]
+            bar = np.array((left, right, near, far, 0.0, 0.05)) * radius + (0.0, 0.0, 0.0, 0.0, high, high)
             mark = pyvista.Box(bounds=tuple(bar))
             self._spool = [
                 self._plotter.add_mesh(body, color=SPOOL, diffuse=0.7, ambient=0.35),
@@ -78,7 +82,7 @@ class PyvistaPainter:
             actor.orientation = (0.0, 0.0, float(np.degrees(hub_angle)))
         self._plotter.render()
         picture: Image = self._plotter.screenshot(return_img=True)[:, :, :3].copy()
-        return picture
+        return with_scale_bar(picture, self._camera)
 
     def close(self) -> None:
         """Free the plotter's window."""
@@ -110,6 +114,10 @@ class PyvistaPainter:
                 specular_power=12.0,
                 smooth_shading=False,
                 show_scalar_bar=False,
+                show_edges=subject.has_edges,
+                edge_color=EDGE,
+                edge_opacity=EDGE_SHARE,
+                line_width=1.0,
             )
 
     def _add_lines(self, pairs: Ints, color: Color, width: float, reach: float) -> None:
@@ -118,23 +126,26 @@ class PyvistaPainter:
             return
         lines = self._cloud(np.column_stack([np.full(len(pairs), 2), pairs]), "lines")
         actor = self._plotter.add_mesh(lines, color=color, line_width=width, lighting=False)
-        actor.position = tuple(LIFT * reach * np.array(VIEW_DIRECTION))
+        actor.position = tuple(LIFT * reach * self._camera.view)
 
     def _light_and_aim(self, subject: Subject) -> None:
         """A bright light from the left, a weak one from the right, and the one camera."""
         import pyvista
 
-        reach, centre = subject.reach, subject.centre
-        for direction, intensity in (((-1.0, 0.4, 1.0), 0.85), ((0.6, -1.0, 0.5), 0.40)):
-            light = pyvista.Light(position=tuple(centre + 10.0 * reach * np.array(direction)), intensity=intensity)
+        camera, seen = self._plotter.camera, subject.camera
+        reach, centre = seen.reach, seen.centre
+        right = np.cross(seen.up, seen.view)
+        for direction, intensity in (((-0.70, 0.70, 0.75), 0.85), ((0.45, -0.20, 0.90), 0.40)):
+            light = pyvista.Light(
+                position=tuple(centre + 10.0 * reach * (np.array(direction) @ np.stack([right, seen.up, seen.view]))),
+                intensity=intensity,
+            )
             light.focal_point = tuple(centre)
             self._plotter.add_light(light)
-        view = np.array(VIEW_DIRECTION) / np.linalg.norm(VIEW_DIRECTION)
-        distance = 1.04 * reach / np.sin(np.radians(0.5 * VIEW_ANGLE_DEG))
-        camera = self._plotter.camera
-        camera.position, camera.focal_point = tuple(centre + distance * view), tuple(centre)
-        camera.up, camera.view_angle = (0.0, 0.0, 1.0), VIEW_ANGLE_DEG
-        camera.clipping_range = (distance - 1.5 * reach, distance + 1.5 * reach)
+        distance = seen.distance
+        camera.position, camera.focal_point = tuple(centre + distance * seen.view), tuple(centre)
+        camera.up, camera.view_angle = tuple(seen.up), ANGLE_DEG
+        camera.clipping_range = (0.4 * distance, 1.6 * distance)
 
 
 def _highest_node(subject: Subject) -> int:

@@ -1,6 +1,7 @@
 """Pictures at chosen times, in the turning frame and as a fixed camera sees them, and their contact sheets.
 
-The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: rows of five, "(a) 0.0 sec" under each.
+The times are those that the scene names. Of a run that ends before most of them, frames are drawn that are spread over
+the run. The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: rows of five, "(a) 0.0 sec" under each.
 """
 
 from __future__ import annotations
@@ -9,18 +10,23 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
 from membrane_rs.results.record import Record
+from membrane_rs.results.vtk import read_frame
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.stepper import Stepper
 
 VIEWS = ("turning", "fixed")
 SIZE = 700
 COLUMNS = 5
+FEWEST, SPREAD = 4, 6
+"""With fewer snapshots than the first number, and others named for later, so many frames are drawn instead."""
 _TILE = 360
 _CAPTION = 44
 _TITLE = 56
@@ -43,6 +49,7 @@ class Snapshots(Drawing):
     def start(self, sim: Stepper, record: Record) -> None:
         """Wait for the times that are still to come."""
         super().start(sim, record)
+        self._views = VIEWS if any(law.turns_hub for law in sim.scene.laws) else VIEWS[1:]
         self._taker = SnapshotTaker(sim.scene.run.snapshots, sim.time)
 
     def sample(self, sim: Stepper) -> None:
@@ -52,14 +59,27 @@ class Snapshots(Drawing):
 
     def count(self) -> int:
         """One for each view and time."""
-        return len(VIEWS) * len(self._taker.taken)
+        return len(self._views) * (len(self._spread_frames()) or len(self._taker.taken))
 
     def draw(self, sim: Stepper) -> None:
         """Draw each, and the sheets."""
-        if self._taker.taken:
+        shots = [self._snapshot(*frame) for frame in self._spread_frames()] or self._taker.taken
+        if shots:
             with painter(self.subject(sim), SIZE) as artist:
                 folder = self.record.path / "snapshots"
-                write_snapshots(folder, self._taker.taken, artist, sim.scene.name, self.record.tick)
+                write_snapshots(folder, shots, artist, sim.scene.name, self.record.tick, views=self._views)
+
+    def _spread_frames(self) -> list[tuple[float, str]]:
+        """Frames spread over a run that came to few of its snapshots; none where it came to them."""
+        if not self._taker.wanted or len(self._taker.taken) >= FEWEST:
+            return []
+        frames = self.record.frames
+        return [frames[k] for k in sorted(set(np.linspace(0, len(frames) - 1, SPREAD).round().astype(int)))]
+
+    def _snapshot(self, time: float, file: str) -> Snapshot:
+        table = self.record.table
+        angle = float(np.interp(time, table["time"], table["hub_angle"]))
+        return Snapshot(time, angle, read_frame(self.record.path / file))
 
 
 class SnapshotTaker:
@@ -69,52 +89,64 @@ class SnapshotTaker:
     """
 
     def __init__(self, times: Iterable[float], start: float) -> None:
-        self._wanted = sorted(time for time in times if time >= start - 1e-9)
+        self.wanted = sorted(time for time in times if time >= start - 1e-9)
         self.taken: list[Snapshot] = []
 
     def offer(self, sim: Motion) -> bool:
         """Keep the state of `sim` if a wanted time has come, and say whether one has."""
-        if not self._wanted or sim.time < self._wanted[0] - 1e-9:
+        if not self.wanted or sim.time < self.wanted[0] - 1e-9:
             return False
-        self._wanted = [time for time in self._wanted if time > sim.time + 1e-9]
+        self.wanted = [time for time in self.wanted if time > sim.time + 1e-9]
         self.taken.append(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
         return True
 
 
 def write_snapshots(
-    folder: Path, snapshots: Sequence[Snapshot], artist: Painter, title: str, tick: Callable[[], None]
+    folder: Path,
+    snapshots: Sequence[Snapshot],
+    artist: Painter,
+    title: str,
+    tick: Callable[[], None],
+    *,
+    views: Sequence[str] = VIEWS,
 ) -> None:
     """Write <view>-<time>s.png for each snapshot and view, and one sheet <view>.png for each view.
 
-    `tick` is called after each picture. Raises OutputError.
+    Where no hub turns both views are one, `views` is ("fixed",), and the title does not name it. `tick` is called
+    after each picture. Raises OutputError.
     """
     from PIL import Image as Pillow
 
-    for view in VIEWS:
+    digits = _digits([shot.time for shot in snapshots])
+    for view in views:
         images = []
         for shot in snapshots:
             image = artist.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0)
-            with replacing(folder / f"{view}-{shot.time:.3f}s.png") as part:
+            with replacing(folder / f"{view}-{shot.time:.{digits}f}s.png") as part:
                 Pillow.fromarray(image).save(part, format="PNG")
             images.append(image)
             tick()
-        where = "turning frame" if view == "turning" else "fixed camera"
-        captions = [caption(k, shot.time) for k, shot in enumerate(snapshots)]
-        sheet = Pillow.fromarray(contact_sheet(images, captions, f"{title}, {where}"))
+        where = ", turning frame" if view == "turning" else ", fixed camera" if len(views) > 1 else ""
+        captions = [caption(k, shot.time, digits) for k, shot in enumerate(snapshots)]
+        sheet = Pillow.fromarray(contact_sheet(images, captions, f"{title}{where}"))
         with replacing(folder / f"{view}.png") as part:
             sheet.save(part, format="PNG")
 
 
-def caption(index: int, time: float) -> str:
+def _digits(times: Sequence[float]) -> int:
+    """Decimals by which times differ, three or more."""
+    return next((n for n in range(3, 12) if len({f"{time:.{n}f}" for time in times}) == len(times)), 12)
+
+
+def caption(index: int, time: float, decimals: int = 3) -> str:
     """The paper's caption of a picture: (a) 0.0 sec, (b) 0.05 sec ..."""
     letter = chr(ord("a") + index) if index < 26 else str(index + 1)
-    digits = f"{time:.3f}".rstrip("0")
+    digits = f"{time:.{decimals}f}".rstrip("0")
     return f"({letter}) {digits + '0' if digits.endswith('.') else digits} sec"
 
 
 def contact_sheet(images: Sequence[Image], captions: Sequence[str], title: str) -> Image:
     """All pictures on one sheet, in rows of five, each with its caption below, under a title."""
-    import numpy as np
     from PIL import Image as Pillow
     from PIL import ImageDraw, ImageFont
 
@@ -122,7 +154,10 @@ def contact_sheet(images: Sequence[Image], captions: Sequence[str], title: str) 
     rows = -(-len(images) // columns)
     sheet = Pillow.new("RGB", (columns * _TILE, _TITLE + rows * (_TILE + _CAPTION)), "white")
     draw = ImageDraw.Draw(sheet)
-    draw.text((sheet.width / 2, _TITLE / 2), title, "black", ImageFont.load_default(26), anchor="mm")
+    size = 26.0
+    while size > 9.0 and draw.textlength(title, ImageFont.load_default(size)) > 0.96 * sheet.width:
+        size -= 1.0
+    draw.text((sheet.width / 2, _TITLE / 2), title, "black", ImageFont.load_default(size), anchor="mm")
     for k, (image, text) in enumerate(zip(images, captions, strict=True)):
         left, top = k % columns * _TILE, _TITLE + k // columns * (_TILE + _CAPTION)
         sheet.paste(Pillow.fromarray(image).resize((_TILE, _TILE), Pillow.Resampling.LANCZOS), (left, top))

@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from membrane_rs._files import replacing
-from membrane_rs.plotting.charts import plain_text
+from membrane_rs.plotting.figure import plain_text, save_figure
 
 _COLOURS = ("#4c9f70", "#f2c14e", "#f08a4b", "#b23a48", "#8d99ae")
 """One for each outcome, from good to bad; the last for what was refused."""
@@ -20,7 +19,7 @@ def draw_map(
     parameter: str,
     title: str = "",
 ) -> None:
-    """Draw the map as a PNG picture.
+    """Draw the map as a PNG, PDF or SVG figure, by the ending of `path`.
 
     `cells` are (value, step [s], predicted limit [s], outcome, time of the end [s]). In each cell that ended early
     stands when, in ms. Raises OutputError where `path` cannot be written.
@@ -57,8 +56,7 @@ def draw_map(
     keys = [Patch(color=c, label=o) for o, c in zip(outcomes, _COLOURS, strict=True) if o in seen]
     line.set_label("predicted limit; in the cells: caught at [ms]")
     figure.legend(handles=[*keys, line], loc="outside lower center", ncols=2, frameon=False, fontsize=8)
-    with replacing(path) as part:
-        figure.savefig(part, format="png", dpi=120)
+    save_figure(figure, path)
 
 
 def _brief(number: float) -> str:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import replacing
-from membrane_rs.plotting.charts import plain_text
+from membrane_rs.plotting.figure import plain_text, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +58,7 @@ class Row:
 
 
 def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
-    """Draw the panels as a PNG picture. Raises OutputError where `path` cannot be written."""
+    """Draw the panels as PNG, PDF or SVG, by the ending of `path`. Raises OutputError where that cannot be written."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -87,8 +86,7 @@ def plot_work_precision(rows: Sequence[Row], path: Path, title: str) -> None:
     for axes, label in zip(panels[-1], COSTS.values(), strict=True):
         axes.set_xlabel(label)
     figure.suptitle(plain_text(title))
-    with replacing(path) as part:
-        figure.savefig(part, format="png", dpi=120)
+    save_figure(figure, path)
 
 
 def _span(row: Row) -> tuple[float, float]:

@@ -113,6 +113,10 @@ def outcome(error: BaseException | None) -> str:
     return f"failed: {type(error).__name__}: {error}"
 
 
+LEAST_PHASE = 1e-6
+"""Phase difference below which corners do not turn but by rounding [deg]."""
+
+
 def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
     """What the paper's Figs. 14 to 17 are read for; None where the run has not come that far.
 
@@ -140,7 +144,7 @@ def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
     peak = int(np.argmax(rate[: trough + 1]))
     if 0 < peak < last:
         features |= {"first_peak_rate": float(rate[peak]), "first_peak_time": float(time[peak])}
-    if 0 < trough < last:
+    if 0 < trough < last and phase[trough] < -LEAST_PHASE:
         features |= {"phase_trough_deg": float(phase[trough]), "phase_trough_time": float(time[trough])}
         rises = np.flatnonzero((phase[trough:-1] < 0.0) & (phase[trough + 1 :] >= 0.0))
         if len(rises):
