@@ -23,6 +23,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs.folding import SquareSail
 from membrane_rs.runs import RunFolder
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.simulation import FilmStress, HubLoad
 from numpy.typing import NDArray
 
 
@@ -90,6 +91,20 @@ class FakeSimulation:
 
     def crease_angles(self) -> Floats:
         return 0.1 * np.arange(len(self.assembly.creases), dtype=np.float64)
+
+    def film_stress(self) -> FilmStress:
+        count = len(self.assembly.triangles)
+        values = 1e3 * np.arange(2.0 * count).reshape(count, 2)[:, ::-1]
+        return FilmStress(values, np.tile(np.eye(3)[:2], (count, 1, 1)))
+
+    def largest_film_stress(self) -> float:
+        return float(self.film_stress().principal.max())
+
+    def cord_tensions(self) -> Floats:
+        return 0.01 * np.arange(len(self.assembly.cords), dtype=np.float64)
+
+    def hub_load(self) -> HubLoad:
+        return HubLoad(np.array([3.0, 4.0, 0.0]), np.array([0.0, 0.0, -0.5]), 0.25)
 
     def stable_dt(self) -> float:
         return 2e-5

@@ -64,6 +64,14 @@ def test_frame_reads_back_in_meshio_and_pyvista(tmp_path: Path) -> None:
     assert np.isnan(read.cell_data_dict["spring_strain"]["triangle"]).all()
     assert_array_equal(read.cell_data_dict["buckled"]["line"], sim.buckled())
     assert np.isfinite(read.cell_data_dict["triangle_strain"]["triangle"]).all()
+    stress = sim.film_stress()
+    assert_array_equal(read.cell_data_dict["stress_1"]["triangle"], stress.principal[:, 0].astype(np.float32))
+    assert_array_equal(read.cell_data_dict["stress_2"]["triangle"], stress.principal[:, 1].astype(np.float32))
+    assert_array_equal(read.cell_data_dict["von_mises"]["triangle"], stress.von_mises.astype(np.float32))
+    assert_array_equal(seen.cell_data["stress_direction"][:triangles], stress.directions[:, 0])
+    cords = len(sim.cord_tensions())
+    assert_array_equal(read.cell_data_dict["tension"]["line"][-cords:], sim.cord_tensions().astype(np.float32))
+    assert np.isnan(read.cell_data_dict["tension"]["line"][:-cords]).all()
     assert set(read.cell_data_dict["petal"]["triangle"].tolist()) == {0, 1, 2, 3}
 
 

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 __all__ = [
     "EnergyBalance",
+    "FilmStates",
+    "FilmStress",
+    "HubLoad",
+    "LinkReadings",
     "MethodFacts",
     "NewtonStatistics",
     "Simulation",
-    "SpringReadings",
     "StepLimit",
-    "TriangleReadings",
     "edges",
     "hinge_count",
     "integrators",
@@ -252,20 +254,24 @@ class NewtonStatistics:
         """Steps, or parts of steps, that were halved."""
 
 @final
-class SpringReadings:
-    """Readings of s springs."""
+class LinkReadings:
+    """Readings of s links."""
 
     @property
     def strain(self) -> NDArray[np.float64]:
         """(s,) engineering strain."""
 
     @property
+    def tension(self) -> NDArray[np.float64]:
+        """(s,) elastic tension, negative in compression [N]."""
+
+    @property
     def buckled(self) -> NDArray[np.bool_]:
         """(s,) whether shorter than the critical length."""
 
 @final
-class TriangleReadings:
-    """Readings of m triangles."""
+class FilmStates:
+    """States of m triangles with e edges."""
 
     @property
     def strain(self) -> NDArray[np.float64]:
@@ -274,6 +280,42 @@ class TriangleReadings:
     @property
     def state(self) -> NDArray[np.uint8]:
         """(m,) 0 taut, 1 wrinkled, 2 slack."""
+
+    @property
+    def buckled(self) -> NDArray[np.bool_]:
+        """(e,) whether shorter than flat beside a triangle that is wrinkled or slack."""
+
+@final
+class FilmStress:
+    """Stress of m triangles."""
+
+    @property
+    def principal(self) -> NDArray[np.float64]:
+        """(m, 2) principal values, the larger first [Pa]."""
+
+    @property
+    def first(self) -> NDArray[np.float64]:
+        """(m, 3) direction of the larger value."""
+
+    @property
+    def second(self) -> NDArray[np.float64]:
+        """(m, 3) direction of the smaller value."""
+
+@final
+class HubLoad:
+    """What the sail exerts on the hub, in the turning frame."""
+
+    @property
+    def force(self) -> list[float]:
+        """Three components [N]."""
+
+    @property
+    def torque(self) -> list[float]:
+        """Three components, about the origin [N m]."""
+
+    @property
+    def contact(self) -> float:
+        """Sum of the magnitudes of the forces of contact on the nodes [N]."""
 
 @final
 class Simulation:
@@ -370,14 +412,26 @@ class Simulation:
     def ledger(self) -> EnergyBalance:
         """The energy balance now."""
 
-    def spring_readings(self, law: str) -> SpringReadings | None:
-        """Readings of the springs of a law; None without it."""
+    def link_readings(self, law: str) -> LinkReadings | None:
+        """Readings of the links of a law; None without links."""
 
-    def triangle_readings(self) -> TriangleReadings | None:
-        """Readings of the triangles; None without the law."""
+    def film_states(self) -> FilmStates | None:
+        """States of a film of triangles; None without its law."""
+
+    def film_stress(self) -> FilmStress | None:
+        """Stress of the film; None without a law of the film."""
+
+    def largest_film_stress(self) -> float | None:
+        """The largest principal stress of the film, at least 0 [Pa]; None without a law of the film."""
 
     def crease_angles(self) -> NDArray[np.float64] | None:
         """(c,) [rad]: pi flat, 0 shut; None without the law."""
+
+    def contact_forces(self) -> NDArray[np.float64]:
+        """(n, 3) forces of contact that the hub exerts on the nodes [N]."""
+
+    def hub_load(self) -> HubLoad:
+        """What the sail exerts on the hub."""
 
     def limit(self) -> StepLimit:
         """The limit of the step at the current positions."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
+from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
 from membrane_rs.check.mesh_faults import growing_modes, mesh_faults
@@ -26,6 +27,8 @@ CHECKS: list[Check] = [
     film_law,
     supports,
     spool,
+    chord_sag,
+    start_inside,
     material_values,
     law_and_part_values,
     laws_without_effect,

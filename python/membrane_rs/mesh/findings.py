@@ -26,7 +26,8 @@ class Finding:
     kind : str
         Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
         "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
-        Of a scene: "film_law", "supports", "spool", "implausible_value", "idle_law" or "left_out".
+        Of a scene: "film_law", "supports", "spool", "chord_sag", "start_inside", "implausible_value", "idle_law" or
+        "left_out".
     count : int
         How many there are.
     message, remedy : str

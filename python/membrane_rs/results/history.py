@@ -10,6 +10,12 @@ hub_angle              [rad] turned by the hub so far
 reference_energy       [J] the largest change of a single term of the energy balance so far
 energy_<law>           [J] one per law with a potential: its potential energy
 work_<law>             [J] one per law of the scene: work done on the system, negative where it takes energy
+hub_force              [N] magnitude of the force of the sail on the hub, see `HubLoad`; where nodes are held, or meet a
+                       spool
+hub_torque             [N m] torque of the sail on the hub about its axis; likewise
+contact_force          [N] sum of the magnitudes of the forces between spool and nodes; where nodes meet a spool
+largest_cord_tension   [N] elastic tension of the tautest segment; with cords
+largest_film_stress    [Pa] largest principal stress, at least 0, see `Motion.film_stress`; with a law of the film
 """
 
 from __future__ import annotations
@@ -59,6 +65,7 @@ class History(Writer):
             *FIRST_COLUMNS,
             *(f"energy_{name}" for name in self._energies),
             *(f"work_{name}" for name in self._works),
+            *_readings(sim),
         ]
         self.rows: list[list[float]] = []
         with output_errors(self._path):
@@ -86,6 +93,7 @@ class History(Writer):
             ledger["reference_energy"],
             *(ledger["stored_by_law"][name] for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
+            *_readings(sim).values(),
         ]
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.rows.append([float(value) + 0.0 for value in row])
@@ -106,6 +114,21 @@ class History(Writer):
         with output_errors(self._path):
             self._writer.writerow(row)
             self._file.flush()
+
+
+def _readings(sim: Stepper) -> dict[str, float]:
+    """The largest stress and tension, and the load on the hub, as far as the scene has them."""
+    assembly, found = sim.assembly, {}
+    if len(assembly.fixed) or len(assembly.contacts):
+        load = sim.hub_load()
+        found = {"hub_force": float(np.linalg.norm(load.force)), "hub_torque": float(load.torque[2])}
+        if len(assembly.contacts):
+            found["contact_force"] = load.contact
+    if len(assembly.cords):
+        found["largest_cord_tension"] = float(sim.cord_tensions().max())
+    if len(assembly.triangles) and any(law.is_film for law in sim.scene.laws):
+        found["largest_film_stress"] = sim.largest_film_stress()
+    return found
 
 
 def read_history(path: Path | str) -> dict[str, Floats]:

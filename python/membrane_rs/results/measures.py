@@ -13,9 +13,17 @@ def deployment_rate(sim: Motion) -> float:
 
 
 def peak_stress(sim: Motion) -> float:
-    """The largest principal stress of the film [Pa], of `membrane_rs.analysis.strain.peak_stress`; NaN without film."""
+    """The largest principal stress of the film [Pa]; 0 where none of it is in tension, NaN without film.
+
+    Of a film of triangles it is that of its law, `Motion.largest_film_stress`. The triangles of a film of springs have
+    no law of their own, and the mean stress by their springs varies from triangle to triangle with the shape of the
+    mesh. So it is the stress of the film that the springs stand for, a tension field under the strain of each triangle,
+    `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh.
+    """
     mesh, film = sim.scene.mesh, sim.scene.material
     if mesh is None or film is None:
         return float("nan")
+    if (sim.film_states() >= 0).all():
+        return sim.largest_film_stress()
     strains = strain.triangle_strains(mesh.reference, sim.positions[: mesh.node_count], mesh.triangles)
     return strain.peak_stress(strains, film.youngs_modulus, film.poisson_ratio)

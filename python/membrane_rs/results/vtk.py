@@ -2,7 +2,8 @@
 
 A frame's cells are the triangles, then a line for each spring (membrane edges first, then tethers).
 
-Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN or -1 where a cell has none:
+Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN or -1 where a cell has none; those of
+the stress only with a law of the film, and the tension only with cords, both in single precision:
 
     spring_strain         lines      l / L - 1
     triangle_strain       triangles  (2,) principal Green-Lagrange strains, larger first
@@ -10,6 +11,10 @@ Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN 
     buckled               lines      1 below the critical length, else 0; with `Triangles` see
                                      `Motion.buckled`
     petal                 triangles  number of the petal, where the scene names petals
+    stress_1, stress_2    triangles  [Pa] principal stresses, larger first, see `Motion.film_stress`
+    stress_direction      triangles  (3,) direction of stress_1 in the present shape
+    von_mises             triangles  [Pa] von Mises's equivalent stress
+    tension               lines      [N] elastic tension of the segments of cords
 """
 
 from __future__ import annotations
@@ -29,13 +34,15 @@ from membrane_rs.analysis.strain import triangle_strains
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.queries import find_pairs, petal_of_triangles
 from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.readings import FilmStress
 
 
 @dataclass(frozen=True)
 class Frame:
     """What a frame shows of a simulation at `time` [s], copied: the simulation may go on while it is written.
 
-    positions (N, 3) [m], velocities (N, 3) [m/s], spring_strains (S,), buckled (S,), crease_angles (c,) [rad].
+    positions (N, 3) [m], velocities (N, 3) [m/s], spring_strains (S,), buckled (S,), crease_angles (c,) [rad],
+    film_stress of m triangles [Pa], cord_tensions (s,) [N].
     """
 
     time: float
@@ -44,12 +51,22 @@ class Frame:
     spring_strains: Floats
     buckled: NDArray[np.bool_]
     crease_angles: Floats
+    film_stress: FilmStress
+    cord_tensions: Floats
 
     @classmethod
     def of(cls, sim: Motion) -> Frame:
         """The state of `sim` now."""
-        shape = sim.positions.copy(), sim.velocities.copy()
-        return cls(sim.time, *shape, sim.spring_strains(), sim.buckled(), sim.crease_angles())
+        return cls(
+            time=sim.time,
+            positions=sim.positions.copy(),
+            velocities=sim.velocities.copy(),
+            spring_strains=sim.spring_strains(),
+            buckled=sim.buckled(),
+            crease_angles=sim.crease_angles(),
+            film_stress=sim.film_stress(),
+            cord_tensions=sim.cord_tensions(),
+        )
 
 
 class FrameWriter:
@@ -71,6 +88,7 @@ class FrameWriter:
         self._filled = [k for k, (_, block) in enumerate(blocks) if len(block)]
         self._cells = [(blocks[k][0], blocks[k][1].astype(index)) for k in self._filled]
         self._petals = petal_of_triangles(self._triangles, sim.assembly.node_sets)
+        self._has_stress = any(law.is_film for law in sim.scene.laws) and self._triangle_count > 0
 
     def write(self, path: Path, frame: Frame) -> None:
         """Write `frame` as a VTU file, whole or not at all. Raises OutputError.
@@ -89,6 +107,8 @@ class FrameWriter:
             "crease_angle": (on_triangles, crease_angle),
             "buckled": (np.full(self._triangle_count, -1, np.int8), frame.buckled.astype(np.int8)),
             "petal": (self._petals, np.full(self._spring_count, -1, np.int8)),
+            **self._stress(frame.film_stress),
+            **self._tension(frame.cord_tensions),
         }
         mesh = meshio.Mesh(
             frame.positions,
@@ -98,6 +118,30 @@ class FrameWriter:
         )
         with replacing(path) as part:
             mesh.write(part, file_format="vtu", compression=None)
+
+    def _stress(self, stress: FilmStress) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
+        """Fields of the stress on triangles, and NaN on lines; none without a law of the film."""
+        if not self._has_stress:
+            return {}
+        on_triangles = {
+            "stress_1": stress.principal[:, 0],
+            "stress_2": stress.principal[:, 1],
+            "stress_direction": stress.directions[:, 0],
+            "von_mises": stress.von_mises,
+        }
+        on_lines = {name: (self._spring_count, *values.shape[1:]) for name, values in on_triangles.items()}
+        return {
+            name: (values.astype(np.float32), np.full(on_lines[name], np.nan, np.float32))
+            for name, values in on_triangles.items()
+        }
+
+    def _tension(self, tensions: Floats) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
+        """The field of the tension on cords, the last of the lines, and NaN elsewhere; none without cords."""
+        if not len(tensions):
+            return {}
+        on_lines = np.full(self._spring_count, np.nan, np.float32)
+        on_lines[-len(tensions) :] = tensions
+        return {"tension": (np.full(self._triangle_count, np.nan, np.float32), on_lines)}
 
 
 def write_frame(path: str | Path, sim: Motion) -> None:

@@ -6,8 +6,9 @@ from membrane_rs._moved import Moved
 from membrane_rs.simulation.methods import IntegratorFacts, integrators
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.readings import FilmStress, HubLoad
 from membrane_rs.simulation.stepper import Stepper
 
-__all__ = ["IntegratorFacts", "Motion", "Observer", "Stepper", "integrators"]
+__all__ = ["FilmStress", "HubLoad", "IntegratorFacts", "Motion", "Observer", "Stepper", "integrators"]
 
 __getattr__ = Moved(__name__, {"membrane_rs": ("Simulation",)})

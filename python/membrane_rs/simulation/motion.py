@@ -18,12 +18,13 @@ from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
+from membrane_rs.simulation.readings import Readings
 
 SHORTEST_STEP = 1e-100
 """A stable step below this comes of values beyond all nature [s]."""
 
 
-class Motion:
+class Motion(Readings):
     """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
     """
@@ -215,19 +216,20 @@ class Motion:
         edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
         of_film = [(law.kind, slice(None, edges)) for law in self.scene.laws if law.is_film]
         for name, rows in (*of_film, ("tethers", slice(edges, None))):
-            readings = self._core.spring_readings(name)
+            readings = self._core.link_readings(name)
             if readings is not None:
                 found[rows] = readings.buckled
-        films = self._core.triangle_readings()
-        if films is not None and self.scene.mesh is not None:
-            beside = np.zeros(edges, dtype=np.bool_)
-            beside[self.scene.mesh.triangle_edges[films.state > 0]] = True
-            found[:edges] = beside & (self.spring_strains()[:edges] < 0)
+        films = self._core.film_states()
+        if films is not None:
+            found[:edges] = films.buckled
         return found
 
     def film_states(self) -> NDArray[np.int8]:
-        """(m,) what the film does in each triangle: 0 taut, 1 wrinkled, 2 slack; -1 without the law `Triangles`."""
-        films = self._core.triangle_readings()
+        """(m,) state of the film in each triangle, by the law `Triangles`: 0 taut, 1 wrinkled, 2 slack; -1 without it.
+
+        A film of springs has no such state: its springs buckle one by one, see `buckled`.
+        """
+        films = self._core.film_states()
         if films is None:
             return np.full(len(self.assembly.triangles), -1, np.int8)
         return films.state.astype(np.int8)

@@ -77,7 +77,7 @@ fn methods_agree_on_the_work_of_each_law_with_any_number_of_tiles() {
 fn a_sheet_in_rows_has_contiguous_batches() {
     for law in disturbed(InstructionSet::Baseline).laws() {
         let least = if law.name() == "tethers" || law.name() == "bridges" { 0.0 } else { 0.9 };
-        let share = law.inspection().map_or(1.0, |law| law.contiguous_share());
+        let share = law.inspection().and_then(|law| law.contiguous_share()).unwrap_or(1.0);
         assert!(share >= least, "{}: {share}", law.name());
     }
 }

@@ -92,7 +92,7 @@ fn a_load_independent_of_velocity_needs_no_forces_of_its_own() {
 fn the_sail_has_contiguous_batches() {
     for (fineness, least) in [(1, 0.97), (4, 0.99)] {
         for law in simulation(fineness, "rk4", Settings::default()).laws() {
-            let share = law.inspection().map_or(1.0, |law| law.contiguous_share());
+            let share = law.inspection().and_then(|law| law.contiguous_share()).unwrap_or(1.0);
             assert!(share >= least || law.name() == "tethers", "{}: {share}", law.name());
         }
     }

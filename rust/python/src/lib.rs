@@ -6,6 +6,7 @@ mod errors;
 mod laws;
 mod mesh;
 mod progress;
+mod readings;
 mod results;
 mod simulation;
 
@@ -21,7 +22,9 @@ mod _core {
     #[pymodule_export]
     use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
     #[pymodule_export]
-    use super::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
+    use super::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
+    #[pymodule_export]
+    use super::results::{EnergyBalance, MethodFacts, NewtonStatistics, StepLimit};
     #[pymodule_export]
     use super::simulation::{Simulation, integrators};
 }

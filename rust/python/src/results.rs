@@ -5,7 +5,6 @@ use membrane_core::integrators::{Method, Options, Properties, Statistics};
 use membrane_core::laws::WorkClass;
 use membrane_core::simulation::Simulation as Core;
 use membrane_core::stability::{Limit, axis_limits};
-use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -107,18 +106,4 @@ impl From<Statistics> for NewtonStatistics {
     fn from(Statistics { iterations, factorisations, fallbacks }: Statistics) -> Self {
         Self { iterations, factorisations, fallbacks }
     }
-}
-
-/// Engineering strain (s,) of each spring, and whether it is shorter than its critical length (s,).
-#[pyclass(frozen, get_all, module = "membrane_rs._core")]
-pub(crate) struct SpringReadings {
-    pub(crate) strain: Py<PyArray1<f64>>,
-    pub(crate) buckled: Py<PyArray1<bool>>,
-}
-
-/// Principal Green strains (m, 2), larger first, and state (m,) of each triangle: 0 taut, 1 wrinkled, 2 slack.
-#[pyclass(frozen, get_all, module = "membrane_rs._core")]
-pub(crate) struct TriangleReadings {
-    pub(crate) strain: Py<PyArray2<f64>>,
-    pub(crate) state: Py<PyArray1<u8>>,
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{Readings, WorkClass};
+use membrane_core::laws::WorkClass;
 use membrane_core::simulation::Simulation as Core;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -14,7 +14,8 @@ use crate::arrays::{checked, matrix, rows, vectors};
 use crate::components::{model_of, settings_of};
 use crate::laws::law_of;
 use crate::progress::{progress_of, saved_of};
-use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
+use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
+use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, StepLimit};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
@@ -31,12 +32,6 @@ pub(crate) struct Simulation {
     core: Core,
     /// Estimated number of steps in `SIGNAL_INTERVAL`.
     chunk: u64,
-}
-
-impl Simulation {
-    fn reading<T>(&self, law: &str, take: impl Fn(Readings) -> Option<T>) -> Option<T> {
-        self.core.readings().filter(|(name, _)| *name == law).find_map(|(_, readings)| take(readings))
-    }
 }
 
 /// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
@@ -143,8 +138,8 @@ impl Simulation {
     fn contiguous_shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let shares = PyDict::new(py);
         for law in self.core.laws() {
-            if let Some(inspected) = law.inspection() {
-                shares.set_item(law.name(), inspected.contiguous_share())?;
+            if let Some(share) = law.inspection().and_then(|law| law.contiguous_share()) {
+                shares.set_item(law.name(), share)?;
             }
         }
         Ok(shares)
@@ -198,32 +193,56 @@ impl Simulation {
         EnergyBalance::of(py, &self.core)
     }
 
-    /// Readings of the springs of one law, or None without it.
-    fn spring_readings(&self, py: Python<'_>, law: &str) -> Option<SpringReadings> {
-        let found = self.reading(law, |readings| {
-            if let Readings::Springs { strain, buckled } = readings { Some((strain, buckled)) } else { None }
-        });
-        found.map(|(strain, buckled)| SpringReadings {
-            strain: PyArray1::from_vec(py, strain).unbind(),
-            buckled: PyArray1::from_vec(py, buckled).unbind(),
+    /// Readings of the links of one law, or None without links.
+    fn link_readings(&self, py: Python<'_>, law: &str) -> Option<LinkReadings> {
+        self.core.links(law).map(|links| LinkReadings {
+            strain: PyArray1::from_vec(py, links.strain).unbind(),
+            tension: PyArray1::from_vec(py, links.tension).unbind(),
+            buckled: PyArray1::from_vec(py, links.buckled).unbind(),
         })
     }
 
-    /// Readings of the triangles, or None without the law.
-    fn triangle_readings(&self, py: Python<'_>) -> PyResult<Option<TriangleReadings>> {
-        let found = self.reading("triangles", |readings| {
-            if let Readings::Triangles { strain, state } = readings { Some((strain, state)) } else { None }
-        });
-        let Some((strain, state)) = found else { return Ok(None) };
-        let strain: Bound<'_, PyArray2<f64>> = matrix(py, &strain)?;
-        Ok(Some(TriangleReadings { strain: strain.unbind(), state: PyArray1::from_vec(py, state).unbind() }))
+    /// State of a film of triangles, or None without its law.
+    fn film_states(&self, py: Python<'_>) -> PyResult<Option<FilmStates>> {
+        let Some(film) = self.core.film_states() else { return Ok(None) };
+        Ok(Some(FilmStates {
+            strain: matrix(py, &film.strain)?.unbind(),
+            state: PyArray1::from_vec(py, film.state).unbind(),
+            buckled: PyArray1::from_vec(py, film.buckled).unbind(),
+        }))
+    }
+
+    /// Stress of each triangle of the film, or None without its law.
+    fn film_stress(&self, py: Python<'_>) -> PyResult<Option<FilmStress>> {
+        let Some(stresses) = self.core.film_stress() else { return Ok(None) };
+        let values: Vec<[f64; 2]> = stresses.iter().map(|stress| stress.values()).collect();
+        let directions: Vec<[[f64; 3]; 2]> = stresses.iter().map(|stress| stress.directions()).collect();
+        let [first, second] = [0, 1].map(|k| directions.iter().map(|pair| pair[k]).collect::<Vec<[f64; 3]>>());
+        Ok(Some(FilmStress {
+            principal: matrix(py, &values)?.unbind(),
+            first: vectors(py, &first)?.unbind(),
+            second: vectors(py, &second)?.unbind(),
+        }))
+    }
+
+    /// The largest principal stress of the film [Pa], at least 0, or None without its law.
+    fn largest_film_stress(&self) -> Option<f64> {
+        self.core.largest_film_stress()
     }
 
     /// Crease angles [rad], or None without the law.
     fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let found = self
-            .reading("creases", |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None });
-        found.map(|angle| PyArray1::from_vec(py, angle))
+        self.core.crease_angles().map(|angles| PyArray1::from_vec(py, angles))
+    }
+
+    /// Forces of contact that the hub exerts on the nodes.
+    fn contact_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.core.contact_forces())
+    }
+
+    /// The load of the sail on the hub.
+    fn hub_load(&mut self) -> HubLoad {
+        self.core.hub_load().into()
     }
 
     /// The limit of the step at the current positions.

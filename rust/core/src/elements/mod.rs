@@ -4,5 +4,6 @@
 pub(crate) mod facet;
 pub(crate) mod hinge;
 pub mod link;
+pub mod stress;
 pub(crate) mod triangle;
 pub(crate) mod triangle_tangent;

@@ -96,6 +96,16 @@ impl FlatTriangles {
         [scale(p, u), sum(scale(q, u), scale(r, v))]
     }
 
+    /// Green's strain along the side opposite each corner. In the frame of the gradient, p r times the sides v - u, v
+    /// and u are (-q - r, p), (-q, p) and (r, 0).
+    pub(crate) fn side_strains(&self, batch: usize, e: Tensor) -> [F64x8; 3] {
+        let (p, q, r) = (self.p[batch], self.q[batch], self.r[batch]);
+        [[-q - r, p], [-q, p], [r, F64x8::ZERO]].map(|[x, y]| {
+            let along = x * x * e[0] + y * y * e[1] + F64x8::all(2.0) * x * y * e[2];
+            along / (x * x + y * y)
+        })
+    }
+
     /// The nodal forces of a stress s over E_Y: the negative gradient of the strain energy [N].
     #[inline(always)]
     pub(crate) fn nodal_forces<V: SimdF64>(&self, batch: usize, [f1, f2]: [Vec3<V>; 2], s: Tensor<V>) -> [Vec3<V>; 3] {

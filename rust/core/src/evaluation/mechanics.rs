@@ -91,6 +91,21 @@ impl Mechanics {
         self.is_slow = is_slow;
     }
 
+    /// The forces \[N\] of all laws, and of those that the hub exerts by contact.
+    pub(crate) fn forces_with_contact(&mut self, at: Instant<'_>) -> [NodeVectors; 2] {
+        let is_contact = |law: &dyn Law| law.inspection().is_some_and(|law| law.is_contact_with_hub());
+        let is_contact: Vec<bool> = self.laws.iter().map(|law| is_contact(law.as_ref())).collect();
+        let mut powers = vec![0.0; self.laws.len()];
+        [false, true].map(|contact_only| {
+            let mut forces = NodeVectors::zeros(self.masses.len());
+            let is_selected = |row: usize| !contact_only || is_contact[row];
+            if (0..self.laws.len()).any(is_selected) {
+                self.plan.add_selected(&mut self.laws, is_selected, at, &mut forces, &mut powers);
+            }
+            forces
+        })
+    }
+
     /// The laws of a rate group.
     pub(crate) fn laws_of(&self, group: RateGroup) -> Vec<&dyn Law> {
         let laws = self.laws.iter().zip(&self.is_slow);
@@ -115,6 +130,17 @@ impl Mechanics {
             (!fits).then(|| law.name())
         });
         unfit.next()
+    }
+
+    /// Passes the initial state of a step to each law with a history.
+    #[inline]
+    pub(crate) fn begin(&mut self, point: PhasePoint<'_>) {
+        let at = self.instant(point);
+        for &row in &self.history_dependent {
+            if let Some(law) = self.laws[row].history_dependent_mut() {
+                law.begin(at);
+            }
+        }
     }
 
     /// Passes the end of an accepted step to each law with a history.

@@ -287,8 +287,8 @@ impl Inspection for AirDrag {
         self.facets.elements.lanes()
     }
 
-    fn contiguous_share(&self) -> f64 {
-        self.facets.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.facets.elements.contiguous_share())
     }
 }
 

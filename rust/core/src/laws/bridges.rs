@@ -119,7 +119,7 @@ impl Linearisation for Bridges {
 }
 
 impl Inspection for Bridges {
-    fn contiguous_share(&self) -> f64 {
-        self.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.elements.contiguous_share())
     }
 }

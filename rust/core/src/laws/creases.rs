@@ -19,9 +19,7 @@ mod tangent;
 
 use serde::Deserialize;
 
-use super::{
-    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, Readings, WorkClass,
-};
+use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
@@ -336,17 +334,17 @@ impl Linearisation for Creases {
 }
 
 impl Inspection for Creases {
-    fn readings(&self, at: Instant<'_>) -> Readings {
+    fn crease_angles(&self, at: Instant<'_>) -> Option<Vec<f64>> {
         let x = Columns::of(at.positions);
         let angles = (0..self.elements.batch_count()).map(|batch| self.facets(x, batch).1);
-        Readings::Creases { angle: self.elements.unpack(angles) }
+        Some(self.elements.unpack(angles))
     }
 
     fn lanes(&self) -> [usize; 2] {
         self.elements.lanes()
     }
 
-    fn contiguous_share(&self) -> f64 {
-        self.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.elements.contiguous_share())
     }
 }

@@ -6,6 +6,10 @@ use crate::arrays::history::History;
 /// A law that keeps data from step to step. Evaluations read them without change, since they also serve steps that are
 /// rejected, and forces that are only read.
 pub trait HistoryDependent {
+    /// Called before each step, with its initial state, which is that of the last `accept` unless the motion was set or
+    /// restored. Data that follow from this state need not be part of the history.
+    fn begin(&mut self, _at: Instant<'_>) {}
+
     /// Updates the history at the end of a step. It is called once after each accepted step, with the accepted state,
     /// and the new history is that of all later evaluations.
     fn accept(&mut self, at: Instant<'_>);

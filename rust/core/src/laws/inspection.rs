@@ -1,17 +1,38 @@
-//! Readings of the elements of a law.
+//! Readings of the elements of a law: each from the equations of the law itself.
 
 use super::Instant;
+use crate::elements::stress::TriangleStress;
 
-/// A law with elements that have readings or bounds.
+/// A law with elements that have readings or bounds. It gives the readings that it has, in external order.
 pub trait Inspection {
     /// The first element beyond its bound.
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
         None
     }
 
-    /// Readings of each element, in external order.
-    fn readings(&self, _at: Instant<'_>) -> Readings {
-        Readings::None
+    /// Readings of each link.
+    fn links(&self, _at: Instant<'_>) -> Option<LinkReadings> {
+        None
+    }
+
+    /// Stress of each triangle of the film.
+    fn film_stress(&self, _at: Instant<'_>) -> Option<Vec<TriangleStress>> {
+        None
+    }
+
+    /// State of each triangle of the film.
+    fn film_states(&self, _at: Instant<'_>) -> Option<FilmStates> {
+        None
+    }
+
+    /// Angle of each crease, pi flat, 0 shut \[rad\].
+    fn crease_angles(&self, _at: Instant<'_>) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Whether the hub exerts the forces of the law, by contact: their reaction acts on the hub.
+    fn is_contact_with_hub(&self) -> bool {
+        false
     }
 
     /// Number of elements of its own, and number of their lanes including padding lanes.
@@ -19,41 +40,39 @@ pub trait Inspection {
         [0, 0]
     }
 
-    /// Share of the elements in contiguous or split batches.
-    fn contiguous_share(&self) -> f64;
+    /// Share of the elements in contiguous or split batches; `None` without batches.
+    fn contiguous_share(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// An element beyond its bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excess {
-    /// Two nodes of the element, internal numbers.
-    pub nodes: [u32; 2],
+    /// One node or two of the element, internal numbers.
+    pub nodes: Vec<u32>,
     /// The message, with value and bound.
     pub what: String,
 }
 
-/// One number or two per element, in external order.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Readings {
-    /// No readings.
-    None,
-    /// Springs: engineering strain, and whether the spring is buckled (shorter than its critical length).
-    Springs {
-        /// Engineering strain.
-        strain: Vec<f64>,
-        /// Shorter than the critical length.
-        buckled: Vec<bool>,
-    },
-    /// Triangles of film: principal strains, and state of the film.
-    Triangles {
-        /// Principal Green strains, larger first.
-        strain: Vec<[f64; 2]>,
-        /// 0 taut, 1 wrinkled, 2 slack.
-        state: Vec<u8>,
-    },
-    /// Creases: the crease angle, pi flat, 0 shut \[rad\].
-    Creases {
-        /// Crease angle \[rad\].
-        angle: Vec<f64>,
-    },
+/// Readings of links, one entry per link.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LinkReadings {
+    /// Engineering strain.
+    pub strain: Vec<f64>,
+    /// Elastic tension, negative in compression; that of dashpots is not included \[N\].
+    pub tension: Vec<f64>,
+    /// Whether the link is buckled: shorter than its critical length.
+    pub buckled: Vec<bool>,
+}
+
+/// State of a film of triangles.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FilmStates {
+    /// Of each triangle: principal Green strains, larger first.
+    pub strain: Vec<[f64; 2]>,
+    /// Of each triangle: 0 taut, 1 wrinkled, 2 slack.
+    pub state: Vec<u8>,
+    /// Of each edge: whether it is shorter than its reference, beside a triangle that is wrinkled or slack.
+    pub buckled: Vec<bool>,
 }

@@ -31,7 +31,7 @@ use crate::simd::lanes::F64x8;
 
 pub use air_drag::AirMotion;
 pub use history_dependent::HistoryDependent;
-pub use inspection::{Excess, Inspection, Readings};
+pub use inspection::{Excess, FilmStates, Inspection, LinkReadings};
 pub use instant::Instant;
 pub use linearisation::Linearisation;
 pub use list::*;

@@ -130,7 +130,7 @@ impl Inspection for Pressure {
         self.facets.elements.lanes()
     }
 
-    fn contiguous_share(&self) -> f64 {
-        self.facets.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.facets.elements.contiguous_share())
     }
 }

@@ -258,9 +258,9 @@ impl Linearisation for SpringDamping {
 }
 
 impl Inspection for SpringDamping {
-    fn contiguous_share(&self) -> f64 {
+    fn contiguous_share(&self) -> Option<f64> {
         let film = self.film.as_ref().map(TriangleDamping::contiguous_share);
         let first = || self.networks.first().map_or(1.0, |dashpots| dashpots.links.elements.contiguous_share());
-        film.unwrap_or_else(first)
+        Some(film.unwrap_or_else(first))
     }
 }

@@ -15,6 +15,7 @@
 //! Source: Okuizumi et al., Trans. JSASS Aerospace Tech. Japan 10 (2012), sections 3.1 and 3.2.
 
 mod measures;
+mod stress;
 mod tangent;
 
 use std::sync::Arc;
@@ -22,16 +23,18 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use self::measures::{EnergyKernel, ExcessKernel, StiffnessKernel};
+use self::stress::FilmTriangles;
 use super::buckling::Buckling;
 use super::{
     Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce,
-    LinkResponse, Properties, Readings, WorkClass,
+    LinkReadings, LinkResponse, Properties, WorkClass,
 };
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::elements::link::{Links, Span};
+use crate::elements::stress::TriangleStress;
 use crate::error::Result;
 use crate::model::checks::positive;
 use crate::simd::dispatch::BatchKernel;
@@ -70,6 +73,8 @@ pub(crate) struct Springs {
     strain_limit: Vec<F64x8>,
     /// Whether any constant is negative.
     has_negative: bool,
+    /// The triangles of a film.
+    film: Option<FilmTriangles>,
 }
 
 /// Parameters of a batch of springs.
@@ -128,7 +133,8 @@ impl Springs {
             critical_length: rest_length - shortening,
             strain_limit,
         });
-        Ok(Self::in_batches("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>()))
+        let own = Self::in_batches("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>());
+        Ok(Self { film: FilmTriangles::new(assembly)?, ..own })
     }
 
     /// The tethers.
@@ -154,6 +160,7 @@ impl Springs {
             strain_limit: links.elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
             links,
             has_negative: springs.iter().any(|spring| spring.stiffness < 0.0),
+            film: None,
         }
     }
 }
@@ -253,24 +260,35 @@ impl Inspection for Springs {
             let length = rest.0[lane];
             let what =
                 format!("a spring of {length:.4e} m is stretched by {percent:.3} %, over its bound of {bound:.3} %");
-            Some(Excess { nodes: self.links.elements.nodes(batch, lane), what })
+            Some(Excess { nodes: self.links.elements.nodes(batch, lane).to_vec(), what })
         });
         excesses.find_map(|excess| excess)
     }
 
-    fn readings(&self, at: Instant<'_>) -> Readings {
-        let lengths = || self.links.lengths(Columns::of(at.positions)).zip(self.parameters.iter());
-        let strain = lengths().map(|(l, spring)| l / spring.rest_length - F64x8::all(1.0));
-        let buckled = lengths().map(|(l, spring)| l.below(spring.critical_length, F64x8::all(1.0), F64x8::ZERO));
-        let buckled = self.links.elements.unpack(buckled).into_iter().map(|flag| flag != 0.0).collect();
-        Readings::Springs { strain: self.links.elements.unpack(strain), buckled }
+    fn links(&self, at: Instant<'_>) -> Option<LinkReadings> {
+        let lengths = self.links.lengths(Columns::of(at.positions)).zip(self.parameters.iter());
+        let of_batch = |(l, spring): (F64x8, &Parameters)| {
+            let strain = l / spring.rest_length - F64x8::all(1.0);
+            let tension = spring.stiffness * (l.max(spring.critical_length) - spring.rest_length);
+            [strain, tension, l.below(spring.critical_length, F64x8::all(1.0), F64x8::ZERO)]
+        };
+        let rows = self.links.elements.unpack_rows(lengths.map(of_batch));
+        Some(LinkReadings {
+            strain: rows.iter().map(|&[strain, ..]| strain).collect(),
+            tension: rows.iter().map(|&[_, tension, _]| tension).collect(),
+            buckled: rows.iter().map(|&[.., buckled]| buckled != 0.0).collect(),
+        })
+    }
+
+    fn film_stress(&self, at: Instant<'_>) -> Option<Vec<TriangleStress>> {
+        self.film.as_ref().map(|film| self.triangle_stress(at, film))
     }
 
     fn lanes(&self) -> [usize; 2] {
         self.links.elements.lanes()
     }
 
-    fn contiguous_share(&self) -> f64 {
-        self.links.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.links.elements.contiguous_share())
     }
 }

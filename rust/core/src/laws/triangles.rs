@@ -27,26 +27,28 @@
 //! Sources: Pipkin, IMA J. Appl. Math. 36 (1986), and Le Dret and Raoult, J. Math. Pures Appl. 74 (1995), for P = 0;
 //! the stress P, with eq. (2) of Okuizumi et al. (2012) as a special case, is added here.
 
+mod measures;
 mod tangent;
 mod wrinkles;
 
 use serde::Deserialize;
 
-use self::wrinkles::{Wrinkles, principal};
+use self::wrinkles::principal;
 use super::buckling::Buckling;
 use super::{
-    Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties,
-    Readings, WorkClass,
+    Context, Excess, FilmElements, FilmStates, Inspection, Instant, Kernels, Law, LawParameters, Linearisation,
+    Properties, WorkClass,
 };
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
+use crate::elements::stress::TriangleStress;
 use crate::elements::triangle::{Corners, FlatTriangles, Tensor, strain, strain_rate};
 use crate::error::Result;
 use crate::model::checks::{positive, within};
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, Vec3, negate};
+use crate::simd::lanes::{SimdF64, Vec3, negate};
 
 /// Parameters of the triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -94,6 +96,11 @@ struct Triangles {
     critical_strain: Vec<Tensor>,
     compression: f64,
     strain_limit: f64,
+    /// E_Y [Pa].
+    youngs_modulus: f64,
+    /// The edges opposite the corners of each triangle, and the number of edges, in external order.
+    sides: Vec<[u32; 3]>,
+    edge_count: usize,
     instructions: InstructionSet,
 }
 
@@ -117,8 +124,10 @@ impl Triangles {
         };
         let (plain, creased) = (strains(buckling)?, strains(buckling_on_creases)?);
         let flat = FlatTriangles::new(assembly)?;
+        let mut sides = Vec::with_capacity(assembly.mesh.triangles.len());
         let critical_strains: Vec<[f64; 3]> = Corners::all(assembly)
             .map(|corners| {
+                sides.push(corners.edges);
                 let edges = corners.edges.map(|edge| edge as usize);
                 let mean = edges.iter().map(|&edge| plain[edge].min(creased[edge])).sum::<f64>() / 3.0;
                 let mut critical = [mean, mean, 0.0];
@@ -132,7 +141,16 @@ impl Triangles {
             .collect();
         let [a, b, c] = [0, 1, 2].map(|i| flat.elements.pack(0.0, |row| critical_strains[row][i]));
         let critical_strain = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]).collect();
-        Ok(Self { flat, critical_strain, compression, strain_limit, instructions: assembly.instructions })
+        Ok(Self {
+            flat,
+            critical_strain,
+            compression,
+            strain_limit,
+            youngs_modulus: assembly.model.film.map_or(0.0, |film| film.youngs_modulus),
+            sides,
+            edge_count: assembly.mesh.edges.len(),
+            instructions: assembly.instructions,
+        })
     }
 
     /// Number and deformation gradients of every batch.
@@ -262,32 +280,24 @@ impl Inspection for Triangles {
                 "a triangle is stretched by {percent:.3} %, over its bound of {:.3} %",
                 100.0 * self.strain_limit
             );
-            Some(Excess { nodes: [a, b], what })
+            Some(Excess { nodes: vec![a, b], what })
         });
         excesses.next()
     }
 
-    fn readings(&self, at: Instant<'_>) -> Readings {
-        let films = self.gradients(Columns::of(at.positions)).map(|(batch, f)| {
-            let e = strain(f);
-            let (mean, spread) = principal(e);
-            let Wrinkles { second, first, .. } = self.wrinkles(batch, self.flat.stress(e));
-            let (zero, one) = (F64x8::ZERO, F64x8::all(1.0));
-            [mean + spread, mean - spread, second.below(zero, one, zero) + first.below(zero, one, zero)]
-        });
-        let films: Vec<[F64x8; 3]> = films.collect();
-        let [larger, smaller, state] = [0, 1, 2].map(|k| self.flat.elements.unpack(films.iter().map(|film| film[k])));
-        Readings::Triangles {
-            strain: larger.into_iter().zip(smaller).map(|(larger, smaller)| [larger, smaller]).collect(),
-            state: state.into_iter().map(|state| state as u8).collect(),
-        }
+    fn film_stress(&self, at: Instant<'_>) -> Option<Vec<TriangleStress>> {
+        Some(self.triangle_stress(at))
+    }
+
+    fn film_states(&self, at: Instant<'_>) -> Option<FilmStates> {
+        Some(self.states(at))
     }
 
     fn lanes(&self) -> [usize; 2] {
         self.flat.elements.lanes()
     }
 
-    fn contiguous_share(&self) -> f64 {
-        self.flat.elements.contiguous_share()
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.flat.elements.contiguous_share())
     }
 }

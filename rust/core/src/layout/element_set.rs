@@ -139,6 +139,17 @@ impl<const N: usize> ElementSet<N> {
         numbers
     }
 
+    /// Some numbers per element, from lanes to external order.
+    pub fn unpack_rows<const K: usize>(&self, values: impl Iterator<Item = [F64x8; K]>) -> Vec<[f64; K]> {
+        let mut unpacked = vec![[0.0; K]; self.count];
+        for (rows, values) in self.rows.iter().zip(values) {
+            for (lane, &row) in rows.iter().enumerate().filter(|(_, row)| **row != PADDING) {
+                unpacked[row as usize] = values.map(|lanes| lanes.0[lane]);
+            }
+        }
+        unpacked
+    }
+
     /// The batches of one kind in one tile, for columns of `rows` rows. A sweep takes one kind after the other, so that
     /// the loop over contiguous batches has contiguous loads and stores only.
     #[inline(always)]

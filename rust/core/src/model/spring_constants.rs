@@ -19,21 +19,36 @@ impl Mesh {
     pub fn spring_constants(&self, youngs_modulus: f64, poisson_ratio: f64, thickness: f64) -> Result<Vec<f64>> {
         let mut constants = vec![0.0; self.edges.len()];
         for (triangle, edges) in self.triangle_edges.iter().enumerate() {
-            let area = self.area(triangle)?;
-            let squares = self.side_lengths(triangle).map(|side| side * side);
-            let a = Matrix3::from_fn(|i, j| {
-                let off_diagonal = if i == j { 0.0 } else { 1.0 };
-                let root = 1.0 - off_diagonal * 4.0 * (1.0 + poisson_ratio) * area * area / (squares[i] * squares[j]);
-                root * root
-            });
-            let sums = a.lu().solve(&Vector3::repeat(1.0)).filter(|sums| sums.iter().all(|sum| sum.is_finite()));
-            let nodes = self.triangles[triangle];
-            let sums = sums.ok_or(Error::SingularTriangle { triangle, nodes, poisson_ratio })?;
+            let shares = self.side_constants(triangle, youngs_modulus, poisson_ratio, thickness)?;
             for side in 0..3 {
-                constants[edges[side] as usize] += youngs_modulus * thickness * area / squares[side] * sums[side];
+                constants[edges[side] as usize] += shares[side];
             }
         }
         Ok(constants)
+    }
+
+    /// Spring constants of the sides of a triangle by eq. (1), side k opposite corner k \[N/m\].
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`, `SingularTriangle`.
+    pub fn side_constants(
+        &self,
+        triangle: usize,
+        youngs_modulus: f64,
+        poisson_ratio: f64,
+        thickness: f64,
+    ) -> Result<[f64; 3]> {
+        let area = self.area(triangle)?;
+        let squares = self.side_lengths(triangle).map(|side| side * side);
+        let a = Matrix3::from_fn(|i, j| {
+            let off_diagonal = if i == j { 0.0 } else { 1.0 };
+            let root = 1.0 - off_diagonal * 4.0 * (1.0 + poisson_ratio) * area * area / (squares[i] * squares[j]);
+            root * root
+        });
+        let sums = a.lu().solve(&Vector3::repeat(1.0)).filter(|sums| sums.iter().all(|sum| sum.is_finite()));
+        let nodes = self.triangles[triangle];
+        let sums = sums.ok_or(Error::SingularTriangle { triangle, nodes, poisson_ratio })?;
+        Ok([0, 1, 2].map(|side| youngs_modulus * thickness * area / squares[side] * sums[side]))
     }
 }
 

@@ -53,8 +53,8 @@ impl Simulation {
             .iter()
             .enumerate()
             .find_map(|(k, law)| law.inspection()?.first_excess(self.instant()).map(|excess| (k, excess)))?;
-        let [i, j] = excess.nodes.map(|node| self.numbering.to_external(node as usize));
-        Some(self.described(excess.what, format!("between nodes {i} and {j}"), Some(k), now))
+        let nodes: Vec<String> = excess.nodes.iter().map(|&node| self.node(node as usize)).collect();
+        Some(self.described(excess.what, nodes.join(" and "), Some(k), now))
     }
 
     /// Row and work \[J\] of each law whose work a step may hardly resolve: those that dissipate, and loads that depend

@@ -8,6 +8,7 @@ mod implicit;
 mod monitor;
 mod output;
 mod rate_groups;
+mod readings;
 mod settings;
 mod tolerance;
 
@@ -20,7 +21,7 @@ use crate::evaluation::mechanics::Mechanics;
 use crate::evaluation::plan::Plan;
 use crate::integrators::{self, Integrator, Method, Options, Properties};
 use crate::laws::Instant;
-use crate::laws::{self, Law, LawSpec, Readings};
+use crate::laws::{self, Law, LawSpec};
 use crate::layout::Renumbering;
 use crate::linear::tangent::Tangent;
 use crate::model::checks::{finite, non_negative, positive, within};
@@ -31,6 +32,7 @@ use crate::simd::dispatch::InstructionSet;
 use crate::stability::Limit;
 
 pub use checkpoint::{AdaptiveProgress, Progress, SavedHistory};
+pub use readings::HubLoad;
 pub use settings::{Settings, Setup};
 
 /// A step is refused at once above this multiple of the limit.
@@ -308,12 +310,6 @@ impl Simulation {
         Ok(self.numbering.external_vectors(&forces))
     }
 
-    /// Readings of the elements of each law.
-    pub fn readings(&self) -> impl Iterator<Item = (&'static str, Readings)> {
-        let inspected = self.mechanics.laws.iter().filter_map(|law| Some((law.name(), law.inspection()?)));
-        inspected.map(|(name, law)| (name, law.readings(self.instant())))
-    }
-
     /// The limit of the step at the current positions.
     ///
     /// # Errors
@@ -362,6 +358,7 @@ impl Simulation {
     }
 
     fn start_if_needed(&mut self) {
+        self.mechanics.begin(self.state.at(self.time()));
         if !self.integrator.is_started() {
             let time = self.time();
             self.integrator.start(&mut self.mechanics, time, &self.state);

@@ -7,7 +7,8 @@
 
 use nalgebra::Matrix3;
 
-use super::{Triangles, Wrinkles};
+use super::Triangles;
+use super::wrinkles::Wrinkles;
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
 use crate::laws::Instant;
 use crate::simd::lanes::{F64x8, SimdF64};

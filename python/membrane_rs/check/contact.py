@@ -1,0 +1,81 @@
+"""Contact with the spool: segments that sink into it between their nodes, and nodes that start inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from membrane_rs.mesh import Finding
+from membrane_rs.scene import Scene
+
+SAG_SHARE = 0.01
+"""Depth to which a segment may sink between its nodes, as a share of the spool's radius, before a scene is warned of.
+
+A segment of length l between two nodes on the surface sinks R - sqrt(R^2 - l^2/4), about l^2 / (8 R).
+"""
+
+ROUNDING = 1e-9
+"""Depth by rounding, as a share of the spool's radius."""
+
+
+def chord_sag(scene: Scene) -> Iterator[Finding]:
+    """Segments that may sink deep into the spool between their nodes, since only nodes have contact.
+
+    Of all cord segments and edges of the membrane between two nodes that have contact, or of which one is held, the
+    longest without load counts. Nothing: at most `SAG_SHARE` of the spool's radius, or no node can meet the spool.
+    """
+    found = next(((law, law.spool) for law in scene.laws if law.spool is not None), None)
+    if found is None or found[0].why_idle(scene) is not None:
+        return
+    radius, assembly = found[1].radius, scene.assemble()
+    touches = np.zeros(assembly.node_count, dtype=np.bool_)
+    touches[assembly.contacts.nodes] = True
+    held = np.zeros_like(touches)
+    held[assembly.fixed] = True
+    pairs, lengths = assembly.cords.nodes, assembly.cords.rest_length
+    if scene.mesh is not None:
+        pairs = np.concatenate([pairs, scene.mesh.edges])
+        lengths = np.concatenate([lengths, scene.mesh.edge_lengths])
+    near = touches[pairs].any(axis=1) & (touches | held)[pairs].all(axis=1)
+    if not near.any():
+        return
+    longest = float(lengths[near].max())
+    sag = radius - float(np.sqrt(max(radius**2 - longest**2 / 4.0, 0.0)))
+    if sag <= SAG_SHARE * radius:
+        return
+    enough = 2.0 * radius * float(np.sqrt(2.0 * SAG_SHARE - SAG_SHARE**2))
+    yield Finding(
+        "warning",
+        "chord_sag",
+        int((near & (lengths > enough)).sum()),
+        f"segments of {longest:.4g} m may sink {sag:.3g} m into the spool of radius {radius:g} m between their nodes, "
+        "which alone have contact",
+        f"take more segments, of {enough:.3g} m or less, to stay below {SAG_SHARE:.0%} of the radius",
+    )
+
+
+def start_inside(scene: Scene) -> Iterator[Finding]:
+    """Nodes with contact that start inside the spool: the contact throws them out."""
+    spool = next((law.spool for law in scene.laws if law.spool is not None), None)
+    if spool is None:
+        return
+    assembly = scene.assemble()
+    nodes = assembly.contacts.nodes
+    x, y, z = assembly.positions[nodes].T
+    depths = spool.radius - np.hypot(x, y)
+    if spool.half_height is not None:
+        depths = np.minimum(depths, spool.half_height - np.abs(z))
+    inside = depths > ROUNDING * spool.radius
+    if not inside.any():
+        return
+    deepest = int(np.argmax(depths))
+    yield Finding(
+        "warning",
+        "start_inside",
+        int(inside.sum()),
+        f"{int(inside.sum())} nodes start inside the spool of radius {spool.radius:g} m, node {nodes[deepest]} deepest "
+        f"by {depths[deepest]:.3g} m, and are thrown out at the start",
+        "move them outside, or hold them fixed",
+        tuple(nodes[inside][:10].tolist()),
+    )

@@ -1,0 +1,121 @@
+"""What is read off the laws of a scene: stress of the film, tension of the cords, load on the hub."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from membrane_rs import _core
+from membrane_rs._arrays import Floats
+from membrane_rs.scene import Scene
+from membrane_rs.scene.assembly import Assembly
+
+
+@dataclass(frozen=True, eq=False)
+class FilmStress:
+    """Stress of the film by its law, for each of m triangles: the second Piola-Kirchhoff stress, per reference area.
+
+    Attributes
+    ----------
+    principal : (m, 2) float
+        Principal stresses, the larger first [Pa].
+    directions : (m, 2, 3) float
+        Their directions in the present shape, unit vectors in the plane of the triangle; 0 where a triangle that has
+        collapsed to a line or a point leaves them undefined.
+    """
+
+    principal: Floats
+    directions: Floats
+
+    @property
+    def von_mises(self) -> Floats:
+        """(m,) von Mises's equivalent stress in plane stress, sqrt(s1^2 - s1 s2 + s2^2) [Pa]."""
+        large, small = self.principal.T
+        equivalent: Floats = np.sqrt(large * large - large * small + small * small)
+        return equivalent
+
+
+@dataclass(frozen=True, eq=False)
+class HubLoad:
+    """What the sail exerts on the hub, in the frame that turns with the hub.
+
+    The sail is all nodes, held ones included. The hub holds these, and touches others at the spool. The load is
+
+        sum over held nodes of (forces of all laws, inertial forces of the turning frame included)
+        - sum over all nodes of the forces of contact with the spool,
+
+    so that it balances the rate of change of the sail's momentum and of its angular momentum in an inertial frame,
+    less the loads from outside: gravity, air, pressure, friction.
+
+    Attributes
+    ----------
+    force : (3,) float
+        Components along the axes of the turning frame [N].
+    torque : (3,) float
+        About the origin, along the same axes; the third is about the hub's axis [N m].
+    contact : float
+        Sum of the magnitudes of the forces between the spool and the nodes [N].
+    """
+
+    force: Floats
+    torque: Floats
+    contact: float
+
+
+class Readings:
+    """Readings of a scene in motion, each by the laws of the scene."""
+
+    _core: _core.Simulation
+    scene: Scene
+    assembly: Assembly
+
+    def film_stress(self) -> FilmStress:
+        """Stress of the film now, elastic, by its law; that of dashpots is not included.
+
+        Of a film of triangles it is the law's own stress, with wrinkles. Of a film of springs it is the mean stress
+        of a triangle by the tensions along its sides, each side with the triangle's own part of its spring constant.
+
+        Returns
+        -------
+        FilmStress
+            One row per triangle [Pa]; NaN without a law of the film.
+        """
+        found = self._core.film_stress()
+        if found is None:
+            count = len(self.assembly.triangles)
+            return FilmStress(np.full((count, 2), np.nan), np.full((count, 2, 3), np.nan))
+        return FilmStress(found.principal, np.stack([found.first, found.second], axis=1))
+
+    def largest_film_stress(self) -> float:
+        """The largest principal stress of the film now [Pa]; 0 where none of it is in tension, NaN without its law."""
+        found = self._core.largest_film_stress()
+        return float("nan") if found is None else found
+
+    def cord_tensions(self) -> Floats:
+        """(s,) elastic tension of each segment of the cords now [N], in the order of `assembly.cords`; 0 where slack.
+
+        That of dashpots is not included.
+        """
+        found = self._core.link_readings("tethers")
+        return np.zeros(0) if found is None else found.tension
+
+    def hub_load(self) -> HubLoad:
+        """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws."""
+        load = self._core.hub_load()
+        return HubLoad(np.array(load.force), np.array(load.torque), load.contact)
+
+    def hub_force(self) -> Floats:
+        """(3,) force of the sail on the hub now [N], in the turning frame; see `HubLoad`."""
+        return self.hub_load().force
+
+    def hub_torque(self) -> Floats:
+        """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`."""
+        return self.hub_load().torque
+
+    def contact_forces(self) -> Floats:
+        """(N, 3) forces of contact of the spool on each node now [N], in the turning frame; 0 without contact.
+
+        The force on the spool is the negative sum over the nodes.
+        """
+        return self._core.contact_forces()

@@ -1,0 +1,55 @@
+"""Contact with the spool: a node that cannot pass it, and what `check` says of segments and starts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from membrane_rs import InputError, Scene, Simulation, SpoolContact, Tether, UnstableError, scenes
+from membrane_rs.check.contact import SAG_SHARE, chord_sag, start_inside
+
+
+def tip() -> Scene:
+    """A tip mass of 10 g on a long slack cord from beside the spool."""
+    cord = Tether((0.2, 0.0, 0.0), (0.19, 0.02, 0.3), 2, 50.0, 1e-4, length=1.0, tip_mass=0.01)
+    return Scene(None, None, [SpoolContact(0.05)], [cord])
+
+
+@pytest.mark.parametrize("speed", [10.0, 100.0, 1000.0])
+@pytest.mark.parametrize("dt", [1e-5, None])
+def test_a_fast_tip_does_not_pass_the_spool_without_a_word(speed: float, dt: float | None) -> None:
+    sim = Simulation(tip(), dt=dt)
+    end = sim.assembly.node_count - 1
+    positions, velocities = sim.positions, sim.velocities
+    positions[end], velocities[end] = [0.2, 0.002, 0.0], [-speed, 0.0, 0.0]
+    sim.positions, sim.velocities = positions, velocities
+    with pytest.raises(UnstableError) as stopped:
+        sim.step(int(np.ceil(0.5 / speed / sim.dt)) + 100)
+    assert sim.positions[end, 0] > 0.0
+    if "deep into the spool" in str(stopped.value):
+        assert f"node {end}" in str(stopped.value)
+        assert "spool_contact" in str(stopped.value)
+        assert "stiffer spool" in str(stopped.value)
+
+
+def test_a_start_deep_inside_is_refused_and_one_less_deep_is_warned_of() -> None:
+    def scene(x: float) -> Scene:
+        return Scene(None, None, [SpoolContact(0.05)], [Tether((0.06, 0, 0), (x, 0, 0), 1, 50.0, 1e-3)])
+
+    with pytest.raises(InputError, match=r"node 1 starts 4\.0000e-2 m deep in the spool"):
+        Simulation(scene(0.01))
+    assert Simulation(scene(0.04)).contact_forces()[1, 0] == pytest.approx(2.0)
+    assert "node 1 deepest by 0.01 m" in str(*start_inside(scene(0.04)))
+    assert not list(start_inside(scene(0.05)))
+    assert not list(start_inside(scenes.load("spinning-disc")))
+
+
+def test_coarse_segments_are_warned_of() -> None:
+    def scene(segments: int) -> Scene:
+        return Scene(None, None, [SpoolContact(0.05)], [Tether((0.05, 0, 0), (0.25, 0, 0), segments, 50.0, 1e-3)])
+
+    sag = 0.05 - np.sqrt(0.05**2 - (0.2 / 3) ** 2 / 4)
+    assert f"may sink {sag:.3g} m" in str(*chord_sag(scene(3)))
+    assert not list(chord_sag(scene(16)))
+    assert 0.05 - np.sqrt(0.05**2 - (0.2 / 16) ** 2 / 4) < SAG_SHARE * 0.05
+    assert "may sink 0.05 m" in str(*chord_sag(scene(1)))
+    assert not list(chord_sag(scenes.load("okuizumi-model-1")))
