@@ -1,13 +1,14 @@
 """The command line: translates options into calls of the package, and nothing else.
 
-Exit codes: 0 success; 1 the run failed, or `check` found errors; 2 wrong usage or an invalid scene file; 130
-interrupted. Heavy imports stand inside the commands, so that `--help` is quick.
+Exit codes: 0 success; 1 the run failed, or `check` found errors; 2 wrong usage or an invalid scene file; 128 and the
+number of the signal where one ended it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP. Heavy imports stand inside the
+commands, so that `--help` is quick.
 """
 
 from __future__ import annotations
 
 from membrane_rs.cli import runs, studies
-from membrane_rs.cli.application import INTERRUPTED, app
+from membrane_rs.cli.application import app, exit_code
 
 __all__ = ["app", "main", "runs", "studies"]
 
@@ -16,5 +17,5 @@ def main() -> None:
     """Entry point of the command `membrane-rs`."""
     try:
         app()
-    except KeyboardInterrupt:
-        raise SystemExit(INTERRUPTED) from None
+    except KeyboardInterrupt as stop:
+        raise SystemExit(exit_code(stop)) from None

@@ -17,3 +17,8 @@ class SceneFile(Writer):
     def start(self, sim: Stepper, record: Record) -> None:
         """Write it."""
         sim.scene.save(record.path)
+
+    def resume(self, sim: Stepper, record: Record) -> None:
+        """Write it where the run was killed before that."""
+        if not (record.path / SCENE_FILE).is_file():
+            self.start(sim, record)

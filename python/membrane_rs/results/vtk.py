@@ -1,4 +1,4 @@
-"""Frames for ParaView: one VTU file per frame, and a PVD file that lists them with their times.
+"""Frames for ParaView: one VTU file per frame.
 
 A frame's cells are the triangles, then a line for each spring (membrane edges first, then tethers).
 
@@ -15,11 +15,9 @@ Point data: velocity [m/s], displacement [m] from the reference. Cell data, NaN 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,25 +115,3 @@ def read_frame(path: Path) -> Floats:
         return np.asarray(meshio.vtu.read(path).points, dtype=np.float64)
     except (meshio.ReadError, SyntaxError, LookupError, TypeError, ValueError, zlib.error) as error:
         raise OutputError(f"{path} is no VTU file of a run: {error}; run the scene again") from error
-
-
-def write_pvd(path: Path, frames: Sequence[tuple[float, str]]) -> None:
-    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError."""
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = ElementTree.SubElement(root, "Collection")
-    for time, file in frames:
-        ElementTree.SubElement(collection, "DataSet", timestep=repr(float(time)), group="", part="0", file=file)
-    ElementTree.indent(root)
-    with replacing(path) as part:
-        ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
-
-
-def read_pvd(path: Path) -> list[tuple[float, Path]]:
-    """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError."""
-    if not path.is_file():
-        raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
-    try:
-        entries = ElementTree.parse(path).getroot().iter("DataSet")
-        return [(float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]) for entry in entries]
-    except (ElementTree.ParseError, KeyError, ValueError) as error:
-        raise OutputError(f"{path} is no PVD file: {error}; run the scene again to write it anew") from error
