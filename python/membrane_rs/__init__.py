@@ -15,6 +15,7 @@ from membrane_rs import folding, scenes
 from membrane_rs.errors import (
     InputError,
     InputTypeError,
+    Interrupted,
     MembraneError,
     MeshError,
     MissingFileError,
@@ -24,7 +25,7 @@ from membrane_rs.errors import (
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.runs import Simulation
+from membrane_rs.runs import Simulation, resume
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import (
     AirDrag,
@@ -53,6 +54,7 @@ __all__ = [
     "InputError",
     "InputTypeError",
     "IntegratorFacts",
+    "Interrupted",
     "MassDamping",
     "Material",
     "MembraneError",
@@ -77,5 +79,6 @@ __all__ = [
     "__version__",
     "folding",
     "integrators",
+    "resume",
     "scenes",
 ]

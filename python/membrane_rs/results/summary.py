@@ -266,8 +266,8 @@ def versions() -> dict[str, str]:
 
 
 def write_summary(path: Path, summary: dict[str, Any]) -> None:
-    """Write `summary` as JSON, whole or not at all; NaN and infinities become null. Raises OutputError."""
-    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n")
+    """Write `summary` as JSON onto the disk, whole or absent; NaN and infinities become null. Raises OutputError."""
+    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n", synced=True)
 
 
 def _plain(value: Any) -> Any:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
-from membrane_rs._files import PART, output_errors
+from membrane_rs._files import PART, output_errors, sync
 from membrane_rs.errors import MembraneError, OutputError
 from membrane_rs.results.lock import LOCK, FolderLock, is_locked
 from membrane_rs.results.summary import SUMMARY, read_summary
@@ -142,6 +142,7 @@ class Place:
                 if not folder.is_dir():
                     folder.mkdir()
                     made.append(folder)
+                    sync(folder.parent)
 
     def _own_files(self) -> list[Path]:
         """The files in the folder that a run writes, complete or partial."""
