@@ -201,11 +201,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--write", action="store_true", help="put the table into docs/interruption.md")
     parser.add_argument("--quick", action="store_true", help="few kills of a small scene, without pictures")
+    parser.add_argument("--share", type=float, default=1.0, help="share of the kills, where time is short")
     parser.add_argument("--seed", type=int, default=1, help="of the moments")
     chosen = parser.parse_args()
-    moments, command = list(MOMENTS), COMMAND
+    moments = [replace(m, kills=max(2 * m.in_a_row, round(m.kills * chosen.share))) for m in MOMENTS]
+    command = COMMAND
     if chosen.quick:
-        moments = [replace(moment, kills=2 * moment.in_a_row) for moment in MOMENTS[:4]]
+        moments = [replace(m, kills=2 * m.in_a_row) for m in MOMENTS[:4]]
         command = ["run", "single-crease", *COMMAND[4:]]
     with tempfile.TemporaryDirectory() as place:
         found = measured(moments, command, Path(place), chosen.seed)

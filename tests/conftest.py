@@ -14,7 +14,7 @@ def interruptible() -> Iterator[None]:
     """Ctrl-C interrupts, and SIGTERM and SIGHUP end, here and in child processes, also where a shell's background or
     nohup has them ignored.
     """
-    handlers = {
+    handlers: dict[signal.Signals, Any] = {
         signal.SIGINT: signal.default_int_handler,
         signal.SIGTERM: signal.SIG_DFL,
         signal.SIGHUP: signal.SIG_DFL,
