@@ -135,8 +135,10 @@ class Trial:
     """Without its folder."""
     moment: Moment
     signum: int
+    begun: float
+    """After what time the folder of the run that nobody stops holds a run [s]; half of it is the first moment."""
     life: float
-    """How long the run takes that nobody stops [s]."""
+    """After what time that run ends [s]."""
     chance: random.Random
     tally: Tally = field(default_factory=Tally)
 
@@ -146,7 +148,8 @@ class Trial:
         command = [*self.command, folder]
         pid = begin(command)
         for _ in range(moment.in_a_row):
-            delay = self.chance.uniform(0.0, self.life * min(1.0, 2.0 / moment.in_a_row))
+            span = (self.life - self.begun / 2) * min(1.0, 2.0 / moment.in_a_row)
+            delay = self.begun / 2 + self.chance.uniform(0.0, span)
             code = kill(pid, self.signum, delay, folder, moment.file)
             tally.kills += 1
             tally.ended += code == 0
@@ -165,12 +168,16 @@ def measured(moments: Sequence[Moment], command: Sequence[object], place: Path, 
     for moment in moments:
         whole = [*command, *moment.words, "--out"]
         reference, folder = place / f"reference {moment.name}", place / "run"
-        began = time.monotonic()
-        if (code := end_of(begin([*whole, reference]))) != 0:
+        start = time.monotonic()
+        pid = begin([*whole, reference])
+        while not is_over(pid) and not (reference / "summary.json").exists():
+            time.sleep(0.001)
+        begun = time.monotonic() - start
+        if (code := end_of(pid)) != 0:
             raise SystemExit(f"the run that nobody stops ended with code {code}")
-        life = time.monotonic() - began
+        life = time.monotonic() - start
         for signum in ENDING:
-            trial = Trial(whole, moment, signum, life, chance)
+            trial = Trial(whole, moment, signum, begun, life, chance)
             tally = found[moment.name, signal.Signals(signum).name] = trial.tally
             while tally.kills < moment.kills // len(ENDING):
                 rmtree(folder, ignore_errors=True)

@@ -80,14 +80,17 @@ class FolderLock:
 
 
 def is_locked(folder: Path) -> bool:
-    """Whether a run holds the lock of `folder`, in this process or another, and so goes on."""
+    """Whether a run holds the lock of `folder`, in this process or another, and so goes on.
+
+    True where this user may not ask, since the file belongs to another one.
+    """
     path = folder / LOCK
     if not path.is_file():
         return False
     lock = _lock(path)
     try:
         lock.acquire(blocking=False)
-    except Timeout:
+    except (Timeout, PermissionError):
         return True
     except OSError:
         return False
