@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from membrane_rs._files import output_errors, sync
+from membrane_rs._files import output_errors, sync_all
 from membrane_rs.results.pvd import PvdWriter, read_pvd
 from membrane_rs.results.record import Record
 from membrane_rs.results.vtk import Frame, FrameWriter
@@ -58,8 +58,7 @@ class Frames(Writer):
     def sync(self) -> None:
         """Frames since the last time, and their list."""
         if self._unsynced:
-            for path in (*self._unsynced, self._unsynced[-1].parent, self._list.path):
-                sync(path)
+            sync_all([*self._unsynced, self._unsynced[-1].parent, self._list.path])
             self._unsynced.clear()
 
     def _write(self, frame: Frame, file: str) -> None:
