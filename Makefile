@@ -15,7 +15,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 # What the module is built from: neither tests nor benches.
 RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml rust/python -type f)
 
-.PHONY: demo test test-rust check lint lint-rust lint-python golden bench peers readme accuracy clean
+.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy clean
 
 # Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
 demo: $(VENV)/built
@@ -59,6 +59,11 @@ golden: $(VENV)/built
 PART_OF_BENCH := model_1 kernels steps building output
 bench: $(VENV)/built
 	@for part in $(or $(PART),$(PART_OF_BENCH)); do $(BIN)/python benchmarks/$$part.py --write $(QUICK) || exit 1; done
+
+# Kills model 1's run 200 times, resumes each, and compares all bits with those of a run that nobody stopped: the table
+# of docs/interruption.md. QUICK=--quick: few kills of a small scene.
+kill: $(VENV)/built
+	$(BIN)/python benchmarks/interruption.py $(or $(QUICK),--write)
 
 # MuJoCo and Newton, an optional extra, on the same membrane: docs/peers.md and its picture.
 peers: $(VENV)/built

@@ -16,6 +16,7 @@ from membrane_rs.errors import (
     AuditWarning,
     InputError,
     InputTypeError,
+    Interrupted,
     MembraneError,
     MeshError,
     MissingFileError,
@@ -25,7 +26,7 @@ from membrane_rs.errors import (
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.runs import Simulation
+from membrane_rs.runs import Simulation, resume
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import (
     AirDrag,
@@ -55,6 +56,7 @@ __all__ = [
     "InputError",
     "InputTypeError",
     "IntegratorFacts",
+    "Interrupted",
     "MassDamping",
     "Material",
     "MembraneError",
@@ -79,5 +81,6 @@ __all__ = [
     "__version__",
     "folding",
     "integrators",
+    "resume",
     "scenes",
 ]

@@ -6,6 +6,8 @@ All share the base `MembraneError`, and each also derives from the nearest built
 
 from __future__ import annotations
 
+import signal
+
 
 class MembraneError(Exception):
     """Base of all errors of membrane_rs."""
@@ -63,3 +65,23 @@ class AuditWarning(UserWarning):
 
     `warnings.simplefilter("error", AuditWarning)` makes each an exception, "ignore" leaves them out.
     """
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal ended a run: SIGINT, which is Ctrl-C, SIGTERM or SIGHUP. No error, so no `MembraneError`.
+
+    Attributes
+    ----------
+    signum : int
+        Number of the signal.
+    name : str
+        Its name, such as "SIGTERM".
+    """
+
+    def __init__(self, signum: int) -> None:
+        self.signum = int(signum)
+        self.name = signal.Signals(signum).name
+        super().__init__(f"ended by {self.name}")
+
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[int]]:
+        return type(self), (self.signum,)

@@ -1,13 +1,14 @@
 """The command line: translates options into calls of the package, and nothing else.
 
-Exit codes: 0 success; 1 the run failed, or `check` found errors; 2 wrong usage or an invalid scene file; 130
-interrupted. Heavy imports stand inside the commands, so that `--help` is quick.
+Exit codes: 0 success; 1 the run failed, or `check` found errors; 2 wrong usage or an invalid scene file; 128 and the
+number of the signal where one ended it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP. Heavy imports stand inside the
+commands, so that `--help` is quick.
 """
 
 from __future__ import annotations
 
 from membrane_rs.cli import runs, studies
-from membrane_rs.cli.application import FAILED, INTERRUPTED, app, print_anything, report_output
+from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output
 
 __all__ = ["app", "main", "runs", "studies"]
 
@@ -17,8 +18,8 @@ def main() -> None:
     print_anything()
     try:
         app()
-    except KeyboardInterrupt:
-        raise SystemExit(INTERRUPTED) from None
+    except KeyboardInterrupt as stop:
+        raise SystemExit(exit_code(stop)) from None
     except OSError as error:
         report_output(error)
         raise SystemExit(FAILED) from None

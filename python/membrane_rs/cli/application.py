@@ -32,14 +32,20 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 
 
+def exit_code(stop: KeyboardInterrupt) -> int:
+    """128 and the number of the signal, as a shell has it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
+    return 128 + int(getattr(stop, "signum", INTERRUPTED - 128))
+
+
 @contextmanager
 def reported_errors() -> Iterator[None]:
     """Report an error of membrane_rs in one red line, and any other one as a fault of the program."""
     from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
+    from membrane_rs.runs import signals
 
     print_anything()
     try:
-        with warnings.catch_warnings():
+        with signals.interruptible(), warnings.catch_warnings():
             warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
             warnings.simplefilter("ignore", AuditWarning)  # the commands report the audit themselves
             warnings.showwarning = _show_warning
@@ -47,9 +53,9 @@ def reported_errors() -> Iterator[None]:
     except MembraneError as error:
         typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         typer.echo("Stopped; nothing was written.", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(exit_code(stop)) from None
     except Exception as error:
         if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
             raise

@@ -76,6 +76,9 @@ Ensemble = Annotated[
 ]
 Rows = Annotated[str, typer.Option(help="Mesh densities: rows of cells of a petal, separated by commas.")]
 Jobs = Annotated[int | None, count_option(help="Number of parallel runs. Default: one on each core.")]
+Checkpoint = Annotated[
+    float, numeric_option(help="Seconds of wall time between two checkpoints, from which a killed run is resumed.")
+]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures at the end.")]
 
 

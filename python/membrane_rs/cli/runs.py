@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from membrane_rs.cli.application import FAILED, INTERRUPTED, app, reported_errors
+from membrane_rs.cli.application import FAILED, app, exit_code, reported_errors
 from membrane_rs.cli.options import (
+    Checkpoint,
     Dt,
     Frames,
     Integrator,
@@ -27,10 +31,12 @@ from membrane_rs.cli.options import (
     substeps_of,
     with_settings,
 )
-from membrane_rs.cli.progress import progress_bar, terminal
+from membrane_rs.cli.progress import Bar, progress_bar, terminal
 
 if TYPE_CHECKING:
     from membrane_rs.runs import Simulation
+
+NOBODY = dict.fromkeys(("pid", "host", "start"), "unknown")
 
 
 @app.command()
@@ -51,6 +57,7 @@ def run(
     despite_errors: Annotated[
         bool, typer.Option("--despite-errors", help="Run although the audit of the scene finds errors.")
     ] = False,
+    checkpoint: Checkpoint = 10.0,
 ) -> None:
     """Run a scene and write its results into a folder."""
     with reported_errors():
@@ -66,12 +73,14 @@ def run(
         sim = Simulation(chosen)
         if not (despite_errors or sim.audit().ok):
             _refuse(sim, folder, overwrite)
-        _run(sim, folder, overwrite, pictures=not no_pictures)
+        _run(sim, folder, overwrite, pictures=not no_pictures, checkpoint=checkpoint)
 
 
 @app.command()
 def resume(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A saved state, such as state.npz in a run's folder.")],
+    source: Annotated[
+        Path, typer.Argument(metavar="SOURCE", help="A run's folder, or a saved state, such as its state.npz.")
+    ],
     *,
     until: Until = None,
     out: Out = None,
@@ -79,18 +88,24 @@ def resume(
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
 ) -> None:
-    """Continue a saved state to the end, into a folder of its own."""
+    """Continue a run in its folder; or a saved state, into a folder of its own."""
     with reported_errors():
         from membrane_rs.errors import InputError
         from membrane_rs.runs import Simulation
 
-        sim = Simulation.restore(file)
+        if source.is_dir():
+            for option, value in (("--out", out), ("--frames", frames), ("--overwrite", overwrite or None)):
+                if value is not None:
+                    raise InputError(f"{option}: a run is continued in its own folder; leave it out, or name a state")
+            _resume(source, until, no_pictures=no_pictures)
+            return
+        sim = Simulation.restore(source)
         report_audit(sim.scene)
         settings = sim.scene.run
         end = settings.until if until is None else until
         if end <= sim.time:
             raise InputError(f"--until = {end}: the state is at {sim.time:.6g} s already; give a later time (s)")
-        folder = out or file.parent.with_name(f"{file.parent.resolve().name}-continued")
+        folder = out or source.parent.with_name(f"{source.parent.resolve().name}-continued")
         _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames)
 
 
@@ -181,28 +196,56 @@ def _run(
     pictures: bool,
     until: float | None = None,
     frames: int | None = None,
+    checkpoint: float = 10.0,
 ) -> None:
     """Run with a progress bar; report the folder of the results, or how to continue."""
     from membrane_rs.runs import RunFolder
 
     console = terminal()
     settings = sim.scene.run
-    with progress_bar(console, sim.time, settings.until if until is None else until) as show:
+    with progress_bar(console, sim.time, settings.until if until is None else until) as show, _stopped(show, folder):
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
         _warn_of_step(sim)
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
-            sim.relax()
-        try:
-            sim.run(until=until, frames=frames, progress=show.steps, observers=(results,))
-        except KeyboardInterrupt:
-            show.stop()
-            state = folder / "state.npz"
-            typer.echo(f"Stopped at {sim.time:.6g} s. The results so far are in {folder}", err=True)
-            if state.is_file() and sim.time < (settings.until if until is None else until):
-                typer.echo(f"Continue with: membrane-rs resume {state}", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+        sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
     typer.echo(f"Results are in {folder}")
+
+
+def _resume(folder: Path, until: float | None, *, no_pictures: bool) -> None:
+    """Continue a run in its folder with a progress bar; report what was there, and the results."""
+    from membrane_rs.results import read_summary
+    from membrane_rs.runs import resume
+
+    before = read_summary(folder)
+    come = before.get("time", before.get("start_time", 0.0))
+    if before["outcome"] == "finished" and (until is None or until <= come):
+        typer.echo(f"The run in {folder} is finished, at {come:.6g} s; nothing is left to do. Go on with --until.")
+        return
+    process = "process {pid} on {host}, since {start}".format(**NOBODY | before.get("process", {}))
+    typer.echo(f"{folder}: {before['outcome']} ({process}); its last checkpoint is at {come:.6g} s", err=True)
+    end = before.get("request", {}).get("until", come) if until is None else until
+    with progress_bar(terminal(), come, end) as show, _stopped(show, folder):
+        resume(folder, until, pictures=False if no_pictures else None, progress=show.steps, drawing=show.pictures)
+    typer.echo(f"Results are in {folder}")
+
+
+@contextmanager
+def _stopped(show: Bar, folder: Path) -> Iterator[None]:
+    """Say where the results of a run are that a signal ends, and how to continue it."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        from membrane_rs.results import read_summary
+
+        show.stop()
+        summary = read_summary(folder) if (folder / "summary.json").is_file() else {}
+        if summary.get("process", {}).get("pid") != os.getpid():
+            raise  # nothing was written yet
+        typer.echo(f"Stopped at {summary.get('time', 0.0):.6g} s. The results so far are in {folder}", err=True)
+        if summary["outcome"] != "finished":
+            typer.echo(f"Continue with: membrane-rs resume {folder}", err=True)
+        raise typer.Exit(exit_code(stop)) from None
 
 
 def _warn_of_step(sim: Simulation) -> None:

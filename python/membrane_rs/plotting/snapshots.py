@@ -7,7 +7,7 @@ the run. The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: r
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from membrane_rs._files import replacing
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
+from membrane_rs.plotting.shape_files import SHAPES, read_shapes, write_shape
 from membrane_rs.results.record import Record
 from membrane_rs.results.vtk import read_frame
 from membrane_rs.simulation.motion import Motion
@@ -44,7 +45,7 @@ class Snapshot:
 class Snapshots(Drawing):
     """Keeps the shapes at the times that the scene names, and draws them."""
 
-    own_files = tuple(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s"))
+    own_files = (*(f"snapshots/{view}{end}.png" for view in VIEWS for end in ("", "-*s")), SHAPES)
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Wait for the times that are still to come."""
@@ -52,10 +53,20 @@ class Snapshots(Drawing):
         self._views = VIEWS if any(law.turns_hub for law in sim.scene.laws) else VIEWS[1:]
         self._taker = SnapshotTaker(sim.scene.run.snapshots, sim.time)
 
+    def resume(self, sim: Stepper, record: Record) -> None:
+        """Take over the shapes up to now."""
+        super().start(sim, record)
+        self._taker = SnapshotTaker(sim.scene.run.snapshots, record.summary["start_time"])
+        for shape in (Snapshot(*content) for content in read_shapes(record.path, sim.time)):
+            record.shapes.append(self._taker.take(shape).positions)
+
     def sample(self, sim: Stepper) -> None:
-        """Keep the state if a snapshot is due."""
-        if self._taker.offer(sim):
-            self.record.shapes.append(self._taker.taken[-1].positions)
+        """Keep the state if a snapshot is due, in the folder too: a run that is resumed draws it."""
+        shape = self._taker.offer(sim)
+        if shape is not None:
+            self.record.shapes.append(shape.positions)
+            folder, number = self.record.path, len(self._taker.taken) - 1
+            self.record.background.add(lambda: write_shape(folder, number, astuple(shape)))
 
     def count(self) -> int:
         """One for each view and time."""
@@ -92,13 +103,17 @@ class SnapshotTaker:
         self.wanted = sorted(time for time in times if time >= start - 1e-9)
         self.taken: list[Snapshot] = []
 
-    def offer(self, sim: Motion) -> bool:
-        """Keep the state of `sim` if a wanted time has come, and say whether one has."""
+    def offer(self, sim: Motion) -> Snapshot | None:
+        """Keep the state of `sim` and give it if a wanted time has come."""
         if not self.wanted or sim.time < self.wanted[0] - 1e-9:
-            return False
-        self.wanted = [time for time in self.wanted if time > sim.time + 1e-9]
-        self.taken.append(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
-        return True
+            return None
+        return self.take(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
+
+    def take(self, shape: Snapshot) -> Snapshot:
+        """Keep a shape: times up to its own are no longer wanted."""
+        self.wanted = [time for time in self.wanted if time > shape.time + 1e-9]
+        self.taken.append(shape)
+        return shape
 
 
 def write_snapshots(

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from membrane_rs.results.history import read_history
 from membrane_rs.results.measures import deployment_rate, peak_stress
-from membrane_rs.results.vtk import read_frame, read_pvd, write_frame, write_pvd
+from membrane_rs.results.pvd import read_pvd, write_pvd
+from membrane_rs.results.summary import read_summary
+from membrane_rs.results.vtk import read_frame, write_frame
 
 __all__ = [
     "deployment_rate",
@@ -15,6 +17,7 @@ __all__ = [
     "read_frame",
     "read_history",
     "read_pvd",
+    "read_summary",
     "write_frame",
     "write_pvd",
 ]

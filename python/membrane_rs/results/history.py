@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors, path_of, read_text, reading_errors
+from membrane_rs._files import output_errors, path_of, read_text, reading_errors, sync, write_text
 from membrane_rs._renamed import RenamedKeys
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
@@ -54,9 +54,35 @@ class History(Writer):
     """Writes history.csv and keeps its rows."""
 
     own_files = (HISTORY,)
+    rows: list[list[float]]
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Begin the file with the names of its columns."""
+        self._begin(sim, record)
+        self._open("w")
+        self._write(self.columns)
+
+    def resume(self, sim: Stepper, record: Record) -> None:
+        """Keep the lines up to now, and remove later ones. Raises OutputError where they are not this run's."""
+        self._begin(sim, record)
+        with output_errors(self._path):
+            text = self._path.read_text(encoding="utf-8") if self._path.is_file() else ""
+        lines = text[: text.rfind("\n") + 1].splitlines(keepends=True)
+        if not lines:
+            self._open("w")
+            self._write(self.columns)
+            return
+        table = read_history(self._path)
+        if list(table) != self.columns:
+            raise OutputError(f"{self._path} holds other columns than this run writes; run the scene again")
+        count = int(np.searchsorted(table["time"], sim.time, side="right"))
+        self.rows = np.stack(list(table.values()), axis=1)[:count].tolist()
+        record.table = self.table()
+        write_text(self._path, "".join(lines[: count + 1]))
+        self._open("a")
+
+    def _begin(self, sim: Stepper, record: Record) -> None:
+        """Name the columns."""
         self._record, self._path = record, record.path / HISTORY
         self._corners = Corners(sim.assembly)
         self._energies = list(sim.ledger()["stored_by_law"])
@@ -67,11 +93,12 @@ class History(Writer):
             *(f"work_{name}" for name in self._works),
             *_readings(sim),
         ]
-        self.rows: list[list[float]] = []
+        self.rows = []
+
+    def _open(self, mode: str) -> None:
         with output_errors(self._path):
-            self._file = self._path.open("w", encoding="utf-8", newline="")
+            self._file = self._path.open(mode, encoding="utf-8", newline="")
         self._writer = csv.writer(self._file, lineterminator="\n")
-        self._write(self.columns)
 
     def sample(self, sim: Stepper) -> None:
         """Write one sample.
@@ -109,6 +136,10 @@ class History(Writer):
         self._record.table = self.table()
         with output_errors(self._path):
             self._file.close()
+
+    def sync(self) -> None:
+        """The lines so far."""
+        sync(self._path)
 
     def _write(self, row: list[str] | list[float]) -> None:
         with output_errors(self._path):

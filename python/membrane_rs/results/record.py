@@ -24,6 +24,8 @@ class Record:
     """Reports pictures as they are drawn."""
     background: Background = field(default_factory=Background)
     """Does what takes longer than a copy, while the core steps."""
+    request: dict[str, Any] = field(default_factory=dict)
+    """What the run was asked for, as summary.json says it."""
     summary: dict[str, Any] = field(default_factory=dict)
     """What summary.json says; written again when all outputs have finished."""
     table: dict[str, Floats] = field(default_factory=dict)

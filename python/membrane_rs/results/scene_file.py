@@ -15,5 +15,5 @@ class SceneFile(Writer):
     own_files = (SCENE_FILE, MESH_FILE)
 
     def start(self, sim: Stepper, record: Record) -> None:
-        """Write it."""
+        """Write it; again where the run is resumed, since it may have been killed before that."""
         sim.scene.save(record.path)

@@ -5,7 +5,12 @@ At the start:
 audit                 what the audit of the scene found, errors first: for each finding its severity ("error",
                       "warning" or "info"), kind, count, message and remedy
 scene                 name of the scene
-outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ..."
+outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ...". `read_summary`
+                      gives "killed" in place of "running" where no process goes on with the run
+process               by which the run goes on, or went on last: pid, host, and start, its time and date
+request               what the run was asked for: until [s]; frames and samples, their numbers or times [s]; pictures;
+                      checkpoint, the seconds of wall time between two checkpoints
+resumed               how often the run was resumed in this folder; not there where it was not
 counts                size of the scene, as `Scene.counts` gives it
 integrator            name of the method
 dt                    [s] step; the first one where the method chooses its steps
@@ -15,14 +20,18 @@ start_time            [s] simulated time
 until                 [s] simulated time at which it is to end
 versions              of membrane_rs, python and numpy; and the platform
 
-At the end, too:
+At each checkpoint, and at the end:
 
 time                  [s] simulated time
 steps                 steps taken
+wall_time             [s] spent on the run, without what a killed process did after its last checkpoint
+
+At the end, too:
+
 rejected_steps        steps rejected because of their error
 evaluations           evaluations of the forces
 newton_iterations, factorisations, fallbacks    of an implicit method, as in `Motion.statistics`
-wall_time             [s]
+signal                "SIGINT", "SIGTERM" or "SIGHUP", where one interrupted the run
 frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
                       fraction of the reference energy
@@ -38,7 +47,7 @@ import json
 import math
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
@@ -48,7 +57,8 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import write_text
-from membrane_rs.errors import UnstableError
+from membrane_rs.errors import Interrupted, MissingFileError, OutputError, UnstableError
+from membrane_rs.results.lock import is_locked, this_process
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
@@ -63,10 +73,12 @@ class Summary(Writer):
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Write a first summary."""
-        self._record, self._began = record, perf_counter()
+        self._begin(record, 0.0)
         record.summary |= {
             "scene": sim.scene.name,
             "outcome": "running",
+            "process": this_process(),
+            "request": record.request,
             "counts": sim.scene.counts(),
             "integrator": sim.integrator,
             "dt": sim.dt,
@@ -78,28 +90,102 @@ class Summary(Writer):
         }
         self.write()
 
+    def resume(self, sim: Stepper, record: Record) -> None:
+        """Take over what the summary said at the start, and say who goes on."""
+        before = read_summary(record.path)
+        self._begin(record, before.get("wall_time") or 0.0)
+        at_end = ("signal", "frames", "samples", "energy_balance", "curves", "pictures")
+        record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
+            "outcome": "running",
+            "process": this_process(),
+            "request": record.request,
+            "until": sim.until,
+            "resumed": int(before.get("resumed") or 0) + 1,
+            "versions": versions(),
+        }
+        self.write()
+
+    def relaxed(self, sim: Stepper) -> None:
+        """Say what has changed since the start was relaxed."""
+        if sim.time == self._record.summary["start_time"]:
+            self._record.summary |= {"stable_dt": sim.stable_dt(), "limiting_part": sim.limiting_part}
+            self.write()
+
+    def at_checkpoint(self, sim: Stepper) -> Callable[[], None]:
+        """What adds how far the run has come, for the background."""
+        now = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
+
+        def write() -> None:
+            self._record.summary |= now
+            self.write()
+
+        return write
+
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Add how the run went, and what its curves show."""
         table = self._record.table
         self._record.summary |= {
-            "outcome": outcome(error),
             "time": sim.time,
             "steps": sim.step_count,
+            "wall_time": self._wall_time(),
             "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
             **({key: count for key, count in sim.statistics.items() if any(sim.statistics.values())}),
-            "wall_time": perf_counter() - self._began,
             "frames": len(self._record.frames),
             "samples": len(table["time"]),
             "energy_balance": energy_balance(table),
             "curves": curve_features(table),
             "pictures": "none",
         }
+
+    def close(self, error: BaseException | None) -> None:
+        """Say how the run ended, when all outputs have. Raises OutputError."""
+        self._record.summary["outcome"] = outcome(error)
+        if isinstance(error, Interrupted):
+            self._record.summary["signal"] = error.name
         self.write()
 
     def write(self) -> None:
         """Write what all outputs have added so far. Raises OutputError."""
         write_summary(self._record.path / SUMMARY, self._record.summary)
+
+    def _begin(self, record: Record, spent: float) -> None:
+        self._record, self._began = record, perf_counter() - spent
+
+    def _wall_time(self) -> float:
+        return perf_counter() - self._began
+
+
+def read_summary(path: Path | str) -> dict[str, Any]:
+    """What the summary.json of a run's folder says; its "outcome" is "killed" where it says that the run goes on, but
+    no process holds the folder's lock.
+
+    Parameters
+    ----------
+    path :
+        The folder, or its summary.json.
+
+    Raises
+    ------
+    MissingFileError
+        No summary there.
+    OutputError
+        The file is no summary of a run.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / SUMMARY
+    if not path.is_file():
+        raise MissingFileError(f"no summary at {path}; name a run's folder or its {SUMMARY}")
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise OutputError(f"{path} is no summary of a run: {error}; run the scene again") from error
+    if not isinstance(found, dict) or not isinstance(found.get("outcome"), str):
+        raise OutputError(f"{path} is no summary of a run: it has no outcome; run the scene again")
+    if found["outcome"] == "running" and not is_locked(path.parent):
+        found["outcome"] = "killed"
+    return found
 
 
 def outcome(error: BaseException | None) -> str:
@@ -186,8 +272,8 @@ def versions() -> dict[str, str]:
 
 
 def write_summary(path: Path, summary: dict[str, Any]) -> None:
-    """Write `summary` as JSON, whole or not at all; NaN and infinities become null. Raises OutputError."""
-    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n")
+    """Write `summary` as JSON onto the disk, whole or absent; NaN and infinities become null. Raises OutputError."""
+    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n", synced=True)
 
 
 def _plain(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Frames for ParaView: one VTU file per frame, and a PVD file that lists them with their times.
+"""Frames for ParaView: one VTU file per frame.
 
 A frame's cells are the triangles, then a line for each spring (membrane edges first, then tethers).
 
@@ -19,11 +19,9 @@ the stress only with a law of the film, and the tension only with cords, both in
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,31 +161,3 @@ def read_frame(path: str | Path) -> Floats:
         if points.ndim != 2 or points.shape[1] != 3:
             raise OutputError(f"{path} holds points of shape {points.shape}, not (N, 3); run the scene again")
         return points
-
-
-def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
-    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError."""
-    path = path_of(path)
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = ElementTree.SubElement(root, "Collection")
-    for time, file in frames:
-        ElementTree.SubElement(collection, "DataSet", timestep=repr(float(time)), group="", part="0", file=file)
-    ElementTree.indent(root)
-    with replacing(path) as part:
-        ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
-
-
-def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
-    """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError."""
-    path = path_of(path)
-    with reading_errors(path, "PVD file"):
-        if path.is_dir():
-            path /= "frames.pvd"
-        if not path.is_file():
-            raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
-        check_regular(path)
-        root = ElementTree.parse(path).getroot()
-        if root.tag != "VTKFile":
-            raise OutputError(f"{path} is no PVD file: it begins with {root.tag!r}, not 'VTKFile'; run the scene again")
-        entries = root.iter("DataSet")
-        return [(float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]) for entry in entries]

@@ -25,6 +25,16 @@ class Writer:
     def start(self, sim: Stepper, record: Record) -> None:
         """Before the first step, in a folder that holds nothing of an earlier run."""
 
+    def resume(self, sim: Stepper, record: Record) -> None:
+        """In place of `start`, where a run goes on from a checkpoint: the folder holds what was written before and, if
+        the run was killed, after that. What this output wrote after `sim.time` is to be removed, since it is written
+        again. By default as `start`.
+        """
+        self.start(sim, record)
+
+    def sync(self) -> None:
+        """Bring what is written so far onto the disk; in the background before each checkpoint, and at the end."""
+
     def sample(self, sim: Stepper) -> None:
         """At each instant of the history; after an error once more, at the last good state, which may be an old one."""
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from membrane_rs.runs.resuming import resume
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.simulation import Simulation
 
-__all__ = ["RunFolder", "Simulation"]
+__all__ = ["RunFolder", "Simulation", "resume"]

@@ -1,32 +1,37 @@
 """The folder of a run: what is in it, and when each file is written.
 
+.membrane_rs.lock   there and locked for as long as the run goes on
+state.npz       before the start is relaxed, after that, every few seconds of wall time, and at the end
+summary.json    before all other outputs ("running"), at each checkpoint, and at the end
 scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
-summary.json    first of all ("running"), and again at the end
 history.csv     a line per sample
 frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
-state.npz       at the end of a run that finished or was interrupted, to go on from
+shapes/*.npz    at the times of the snapshots, for a run that is resumed
 deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
 """
 
 from __future__ import annotations
 
-import os
-from contextlib import nullcontext, suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path, PurePath
+from time import monotonic
 
-from membrane_rs._files import PART, output_errors
-from membrane_rs.check import audit
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
 from membrane_rs.plotting.snapshots import Snapshots
+from membrane_rs.results.background import Background
 from membrane_rs.results.frames import Frames
 from membrane_rs.results.history import History
 from membrane_rs.results.record import Progress, Record
 from membrane_rs.results.scene_file import SceneFile
 from membrane_rs.results.state import State
-from membrane_rs.results.summary import SUMMARY, Summary
+from membrane_rs.results.summary import Summary
 from membrane_rs.results.writer import Writer
+from membrane_rs.runs import signals
+from membrane_rs.runs.place import Place
+from membrane_rs.runs.request import Request
 from membrane_rs.simulation.stepper import Stepper
 
 WRITERS: list[type[Writer]] = [SceneFile, Frames, History, Summary, State, DeploymentPicture, Snapshots, Animation]
@@ -54,7 +59,8 @@ def own_files() -> list[str]:
 class RunFolder:
     """An observer that writes a run's results into a folder. For one run.
 
-    The folder is valid after every frame: each file is whole or absent, and history.csv grows by whole lines.
+    The folder is valid after every frame: each file is whole or absent, and history.csv and frames.pvd grow by whole
+    lines. A run that was killed is resumed from its last checkpoint (`membrane_rs.runs.resume`).
 
     Parameters
     ----------
@@ -71,7 +77,7 @@ class RunFolder:
     ------
     OutputError
         If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
-        it cannot be written.
+        another run goes on there, or it cannot be written.
     """
 
     def __init__(
@@ -83,104 +89,175 @@ class RunFolder:
         progress: Progress | None = None,
     ) -> None:
         self.path = Path(path)
-        self._overwrite = overwrite
-        self._record = Record(self.path, progress)
-        self._summary = Summary()
-        kinds = [kind for kind in WRITERS if pictures or not kind.draws]
-        self._writers = [self._summary if kind is Summary else kind() for kind in kinds]
-        self._check()
+        self.pictures = pictures
+        self._place = Place(self.path, own_files(), overwrite=overwrite)
+        self._record = Record(self.path, progress, Background(self._place.check_held))
+        self._summary, self._state = Summary(), State()
+        own: dict[type[Writer], Writer] = {Summary: self._summary, State: self._state}
+        self._writers = [own.get(kind) or kind() for kind in WRITERS if pictures or not kind.draws]
+        self._is_prepared = self._is_started = self._is_ended = self._is_resumed = False
+        self._interval, self._last_checkpoint = float("inf"), 0.0
+        self._shown: dict[float, bool] = {}
+        self._first_shown: tuple[bool, bool] | None = None
+        self._is_frame_due = True
+        self._place.check()
+
+    @contextmanager
+    def reopened(self) -> Iterator[None]:
+        """Hold the folder of an earlier run to go on there inside, in place of an `overwrite`.
+
+        Raises OutputError where another run goes on there.
+        """
+        self._place.reopen()
+        self._is_resumed = True
+        try:
+            yield
+        finally:
+            self._place.release()
+
+    def prepare(self, sim: Stepper, request: Request) -> None:
+        """Make the folder, take its lock, clear it of an earlier run, and write a first checkpoint and summary.
+
+        A run that is prepared can be resumed, even if it is killed before `start`, which does what is left. Raises
+        OutputError, and then leaves no folder behind that was not there before, but for a summary where all that
+        cannot be written is the checkpoint.
+        """
+        unwritten: OutputError | None = None
+        with self._claimed():
+            self._record.request, self._interval = request.as_table(), request.checkpoint
+            self._state.start(sim, self._record)
+            if self._is_resumed:
+                self._summary.resume(sim, self._record)
+                self._shown = request.output_times(self._record.summary["start_time"], sim.scene)
+                self._first_shown = sim.time in self._shown, self._shown.get(sim.time, False)
+            else:
+                # Before the summary: where that is, a run can be resumed.
+                try:
+                    self._state.writing(sim)()
+                except OutputError as error:
+                    unwritten = error
+                self._start_summary(sim)
+            self._is_prepared = True
+        if unwritten is not None:
+            raise unwritten
 
     def start(self, sim: Stepper) -> None:
-        """Make the folder, clear it of an earlier run, write a first summary, and start all outputs.
+        """Prepare the folder where that is not done, and start all outputs. Raises OutputError as `prepare` does."""
+        with self._claimed():
+            if self._is_prepared:
+                self._summary.relaxed(sim)
+            else:
+                self._start_summary(sim)
+            for writer in self._writers:
+                if writer is not self._summary:
+                    (writer.resume if self._is_resumed else writer.start)(sim, self._record)
+            self._check_complete(sim.time)
+            self._is_started = True
+            if self._is_prepared:
+                self._checkpoint(sim)
 
-        Raises OutputError, and then leaves no folder behind that was not there before.
-        """
-        self._check()
-        made: list[Path] = []
-        is_cleared = False
-        try:
-            self._make_folders(made)
-            self._remove_own_files()
-            is_cleared = True
-            found = audit(sim.scene, costly=False)
-            self._record.summary["audit"] = [finding.as_dict() for finding in found.findings]
-            for writer in sorted(self._writers, key=lambda writer: writer is not self._summary):
-                writer.start(sim, self._record)
-        except BaseException:
-            if is_cleared:
-                self._remove_own_files()
-            for folder in reversed(made):
-                if not any(folder.iterdir()):
-                    folder.rmdir()
-            raise
+    def _start_summary(self, sim: Stepper) -> None:
+        found = audit(sim.scene, costly=False)
+        self._record.summary["audit"] = [finding.as_dict() for finding in found.findings]
+        self._summary.start(sim, self._record)
 
     def sample(self, sim: Stepper) -> None:
         """Show a sample to all outputs. Raises OutputError, also where the background could not write."""
-        self._record.background.look()
-        for writer in self._writers:
-            writer.sample(sim)
+        with signals.held():
+            self._place.check_held()
+            self._record.background.look()
+            # A run that is resumed shows its checkpoint, which is an instant of its history by chance alone.
+            is_due, self._is_frame_due = self._first_shown or (True, True)
+            self._first_shown = None
+            if is_due:
+                self._show(lambda writer: writer.sample(sim))
 
     def frame(self, sim: Stepper) -> None:
         """Show a frame to all outputs. Raises OutputError."""
-        for writer in self._writers:
-            writer.frame(sim)
+        with signals.held():
+            if self._is_frame_due:
+                self._show(lambda writer: writer.frame(sim))
+
+    def between(self, sim: Stepper) -> None:
+        """Write a checkpoint where it is time for one. Raises OutputError."""
+        is_due = monotonic() - self._last_checkpoint >= self._interval
+        if is_due and self._is_started and self._record.background.is_idle:
+            with signals.held():
+                self._place.check_held()
+                self._checkpoint(sim)
 
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Wait for the background, finish all outputs, and write the summary once more. Raises OutputError.
 
         The error that ended the run is the one raised: a file that cannot be written after that is ignored, but for
         a vital one. Each output is given the first error so far, the summary among them. An output that fails, in
-        whatever way, keeps no other from its end.
+        whatever way, keeps no other from its end. Where the folder is no longer this run's, nothing is written.
         """
-        unwritten = self._record.background.close()
-        first = error or unwritten
-        for writer in self._writers:
+        if self._is_ended or not (self._is_prepared or self._is_started):
+            return
+        self._is_ended = True
+        with signals.held():
+            unwritten = self._record.background.close()
+            first = error or unwritten
             try:
-                writer.finish(sim, first)
-            except Exception as failure:  # noqa: BLE001 - an output of a user may fail in any way
-                first = failure if writer.is_vital else first or failure
-        try:
-            self._summary.write()
-        except OutputError as failure:
-            first = first or failure
+                self._place.check_held()
+                first = self._finish(sim, first)
+            except OutputError as failure:
+                first = first or failure
+            finally:
+                self._place.release()
         if first is not None and first is not error:
             raise first
 
-    def _check(self) -> None:
-        """Refuse a folder that cannot be used, before anything is written."""
-        with output_errors(self.path):
-            nearest = next(folder for folder in (self.path, *self.path.absolute().parents) if folder.exists())
-            if not nearest.is_dir():
-                reason = f"{nearest} is a file; choose another folder"
-            elif nearest == self.path and not self._overwrite and any(self.path.iterdir()):
-                reason = "it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)"
-            elif nearest == self.path and not (nearest / SUMMARY).exists() and (own := self._own_files()):
-                reason = f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder"
-            elif folders := [path for path in self._own_files() if path.is_dir()]:
-                reason = f"{folders[0]} is a folder, where a run writes a file; move it, or choose another folder"
-            elif not os.access(nearest, os.W_OK | os.X_OK):
-                reason = f"no permission in {nearest}; choose another folder"
-            else:
-                return
-        raise OutputError(f"cannot write into {self.path}: {reason}")
+    @contextmanager
+    def _claimed(self) -> Iterator[None]:
+        """The place is this run's inside, and after an error inside as it was."""
+        with signals.held():
+            try:
+                with self._place.claimed():
+                    yield
+            except BaseException:
+                self._is_ended = True
+                raise
 
-    def _make_folders(self, made: list[Path]) -> None:
-        """Make the folders that are missing, and add them to `made`, outermost first."""
-        above = (*reversed(self.path.parents), self.path)
-        inner = {folder for name in own_files() for folder in (self.path / name).parents} - set(above)
-        for folder in (*above, *sorted(inner)):
-            # Another run may make the same parent at the same moment; then it is there, but not ours to remove.
-            with output_errors(folder), suppress(FileExistsError) if folder in self.path.parents else nullcontext():
-                if not folder.is_dir():
-                    folder.mkdir()
-                    made.append(folder)
+    def _finish(self, sim: Stepper, first: BaseException | None) -> BaseException | None:
+        """Finish all outputs. Returns the first error. Raises OutputError where the summary cannot be written."""
+        for writer in self._writers if self._is_started else ():
+            try:
+                with signals.released() if writer.draws else signals.held():
+                    writer.finish(sim, first)
+                    writer.sync()
+            except (Exception, KeyboardInterrupt) as failure:  # noqa: BLE001 - a user's output may fail in any way
+                first = failure if writer.is_vital else first or failure
+        self._summary.close(first)
+        return first
 
-    def _own_files(self) -> list[Path]:
-        """The files in the folder that a run writes, complete or partial."""
-        names = (name for pattern in own_files() for name in (pattern, pattern + PART))
-        return [file for name in names for file in self.path.glob(name)]
+    def _check_complete(self, now: float) -> None:
+        """Where the run is resumed, raise OutputError for an instant before `now` [s] that its files lack."""
+        frames, samples = {time for time, _ in self._record.frames}, self._record.table.get("time", ())
+        for file, known, wanted in (
+            ("frames.pvd", frames, {time for time, is_frame in self._shown.items() if is_frame}),
+            ("history.csv", set(samples), self._shown.keys()),
+        ):
+            lacking = sorted(time for time in wanted if time < now and time not in known)
+            if lacking:
+                raise OutputError(
+                    f"{self.path / file}: lacks the time {lacking[0]:.6g} s, which is before the checkpoint; continue "
+                    "state.npz into a folder of its own, or run the scene again"
+                )
 
-    def _remove_own_files(self) -> None:
-        for file in self._own_files():
-            with output_errors(file):
-                file.unlink()
+    def _show(self, call: Callable[[Writer], None]) -> None:
+        for writer in self._writers:
+            call(writer)
+
+    def _checkpoint(self, sim: Stepper) -> None:
+        """Copy the state, and have it written behind all that was written so far."""
+        self._last_checkpoint = monotonic()
+        tasks = [*(writer.sync for writer in self._writers), self._state.writing(sim), self._summary.at_checkpoint(sim)]
+
+        def write() -> None:
+            if not self._record.background.has_failed:
+                for task in tasks:
+                    task()
+
+        self._record.background.add(write)

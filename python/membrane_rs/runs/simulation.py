@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from membrane_rs._validation import number_of
 from membrane_rs.check import Audit, audit
 from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError
+from membrane_rs.runs import signals
+from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.observer import Observer
@@ -90,11 +93,12 @@ class Simulation(Stepper):
         frames: int | Sequence[float] | None = None,
         out: str | Path | None = None,
         *,
-        samples: int | None = None,
+        samples: int | Sequence[float] | None = None,
         observers: Sequence[Observer[Simulation]] = (),
         progress: Callable[[Simulation], None] | None = None,
         overwrite: bool = False,
         pictures: bool = True,
+        checkpoint: float = CHECKPOINT,
     ) -> RunFolder | None:
         """Step to `until`, and call the observers at frames and samples.
 
@@ -106,14 +110,17 @@ class Simulation(Stepper):
             How many shapes to keep, evenly spaced from time 0 to the end, or their times [s]. Default: the scene's.
         out : path, optional
             Folder of the results; see `membrane_rs.runs.RunFolder`. Default: nothing is written.
-        samples : int, optional
-            Rows of the history, evenly spaced. Default: the scene's.
+        samples : int or sequence of float, optional
+            Rows of the history, evenly spaced, or their times [s]. Default: the scene's.
         observers : sequence of observers, optional
             Further observers.
         progress : callable, optional
             Called with this simulation at each output, and about every 0.1 s of wall time.
         overwrite, pictures : bool
             For the folder: replace an earlier run; draw pictures at the end.
+        checkpoint : float, optional
+            For the folder: seconds of wall time between two checkpoints (state.npz), from which
+            `membrane_rs.runs.resume` goes on should the process be killed. Default: 10.
 
         Returns
         -------
@@ -124,26 +131,45 @@ class Simulation(Stepper):
         ------
         UnstableError
             The run stopped itself. What was written stays, with the last good frame.
-        KeyboardInterrupt
-            Ctrl-C. What was written stays; the simulation can go on.
+        Interrupted
+            Ctrl-C, SIGTERM or SIGHUP, in the main thread; a KeyboardInterrupt. What was written stays, the state
+            among it; the simulation can go on.
         OutputError
             Results cannot be written.
         """
-        end = number_of("until", self.scene.run.until if until is None else until)
+        settings = self.scene.run
+        end = number_of("until", settings.until if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
-        folder = None
-        if out is not None:
-            folder = RunFolder(out, overwrite, pictures=pictures)
-        all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        if self.scene.run.relax > 0 and not self.is_relaxed and self.time == 0.0:
-            self.relax()
-        settings = self.scene.run
-        self.march(
+        request = Request(
             end,
             settings.frames if frames is None else frames,
             settings.samples if samples is None else samples,
-            all_observers,
-            progress,
+            checkpoint=checkpoint,
         )
+        # Refused before anything is written.
+        self._check_end(end)
+        request.output_times(self.time, self.scene)
+        folder = None if out is None else RunFolder(out, overwrite, pictures=pictures)
+        all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
+        folders = [observer for observer in all_observers if isinstance(observer, RunFolder)]
+
+        def between(_: Simulation) -> None:
+            signals.look()
+            for each in folders:
+                each.between(self)
+
+        self.until = end
+        with signals.interruptible():
+            try:
+                for each in folders:
+                    each.prepare(self, replace(request, pictures=each.pictures))
+                if settings.relax > 0 and not self.is_relaxed and self.time == 0.0:
+                    self.relax()
+                with signals.held():
+                    self.march(end, request.frames, request.samples, all_observers, progress, between=between)
+            except BaseException as error:
+                for each in folders:
+                    each.finish(self, error)
+                raise
         return folder

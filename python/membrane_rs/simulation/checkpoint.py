@@ -1,10 +1,13 @@
 """A simulation in one file: the scene as its own files, and the state's numbers, in a numpy archive.
 
-Nothing in it is pickled, so that reading a stranger's file runs nothing.
+Nothing in it is pickled, so that reading a stranger's file runs nothing. The comment of the archive is the SHA-256 of
+all that stands before it; a file without one, such as an archive that another program wrote, is read as well.
 """
 
 from __future__ import annotations
 
+import hashlib
+import io
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -23,20 +26,49 @@ _RENAMED = {"is_settled": "is_relaxed"}
 """New names of entries by their old ones, which are read too."""
 
 
-def write_state(path: Path, scene: Scene, state: dict[str, Any]) -> None:
-    """Write scene and state, whole or not at all. Raises OutputError."""
-    with tempfile.TemporaryDirectory() as folder:
-        scene.save(folder)
-        arrays: dict[str, Any] = {
-            _SCENE + file.name: np.frombuffer(file.read_bytes(), np.uint8) for file in Path(folder).iterdir()
-        }
-    arrays |= {name: np.asarray(value) for name, value in state.items()}
-    with replacing(path) as part, part.open("wb") as file:
-        np.savez(file, **arrays)
+class StateFile:
+    """Writes states of one scene, which is worked out once.
+
+    It keeps nothing of the simulation that changes, so that it can write in another thread.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            scene.save(folder)
+            self._scene = {
+                _SCENE + file.name: np.frombuffer(file.read_bytes(), np.uint8) for file in Path(folder).iterdir()
+            }
+
+    def write(self, path: Path, state: dict[str, Any]) -> None:
+        """Write scene and state onto the disk, whole or not at all. Raises OutputError."""
+        archive = io.BytesIO()
+        arrays: dict[str, Any] = self._scene | {name: np.asarray(value) for name, value in state.items()}
+        np.savez(archive, **arrays)
+        with replacing(path, synced=True) as part:
+            part.write_bytes(_sealed(archive.getvalue()))
+
+
+_COMMENT = b"membrane_rs sha256 "
+_END = b"PK\5\6"
+_END_LENGTH = 22
+"""Bytes at the end of an archive: this mark first, the length of the comment last; only the comment is behind them."""
+
+
+def _sealed(archive: bytes) -> bytes:
+    """An archive without comment, with its checksum as one."""
+    comment = _COMMENT + hashlib.sha256(archive).hexdigest().encode()
+    return archive[:-2] + len(comment).to_bytes(2, "little") + comment
+
+
+def _is_damaged(content: bytes) -> bool:
+    """Whether the file has a comment, and is not what `_sealed` made."""
+    end = content.rfind(_END) + _END_LENGTH
+    has_comment = content[end - 2 : end] != b"\0\0"
+    return has_comment and content != _sealed(content[: end - 2] + b"\0\0")
 
 
 def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
-    """Scene and state of a file that `write_state` wrote.
+    """Scene and state of a file that `StateFile` wrote.
 
     Raises
     ------
@@ -45,12 +77,7 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
     InputError
         Not a saved state, or damaged.
     """
-    try:
-        arrays = {_RENAMED.get(name, name): array for name, array in read_arrays(path).items()}
-    except FileNotFoundError:
-        raise MissingFileError(f"{path}: there is no such saved state") from None
-    except ArchiveError as error:
-        raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
+    arrays = _arrays(path)
     needed = {"integrator", "dt", "is_adaptive", "is_relaxed", "positions", "velocities", "work", _SCENE + SCENE_FILE}
     missing = sorted(needed - arrays.keys())
     if missing:
@@ -79,3 +106,16 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
         except MembraneError as error:
             raise InputError(f"{path}: its scene cannot be read ({error}); the file is damaged") from None
     return scene, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
+
+
+def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """All entries of the archive, checked by its checksum. Raises as `read_state` does."""
+    try:
+        arrays = {_RENAMED.get(name, name): array for name, array in read_arrays(path).items()}
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: there is no such saved state") from None
+    except ArchiveError as error:
+        raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
+    if _is_damaged(path.read_bytes()):
+        raise InputError(f"{path}: its checksum is not that of its content; the file is damaged: give another one")
+    return arrays

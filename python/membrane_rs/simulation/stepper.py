@@ -6,13 +6,14 @@ import operator
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 from typing_extensions import Self
 
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
-from membrane_rs.simulation.checkpoint import read_state, write_state
+from membrane_rs.simulation.checkpoint import StateFile, read_state
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import output_times
@@ -159,14 +160,17 @@ class Stepper(Motion):
         OutputError
             It cannot be written.
         """
-        state = {
+        StateFile(self.scene).write(path_of(path), self.saved_state())
+
+    def saved_state(self) -> dict[str, Any]:
+        """All that `save` writes beside the scene, copied: the simulation may go on while it is written."""
+        return {
             "integrator": self.integrator,
             "dt": self.dt,
             "is_adaptive": self.is_adaptive,
             "is_relaxed": self.is_relaxed,
             **self.state(),
         }
-        write_state(path_of(path), self.scene, state)
 
     @classmethod
     def restore(cls, path: str | Path) -> Self:

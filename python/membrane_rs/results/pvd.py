@@ -1,0 +1,96 @@
+"""frames.pvd: frames and their times, for ParaView. A line for each, before the lines that close the list."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
+
+from membrane_rs._files import check_regular, output_errors, path_of, reading_errors, replacing
+from membrane_rs.errors import MissingFileError, OutputError
+
+_BEGIN = """<?xml version='1.0' encoding='utf-8'?>
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+"""
+_LINE = '    <DataSet timestep="{time!r}" group="" part="0" file={file} />\n'
+_END = """  </Collection>
+</VTKFile>
+"""
+
+
+class PvdWriter:
+    """A list that grows in place: the cost of a frame does not depend on the number of those before it.
+
+    A frame is one write, which replaces the closing lines by its own line and the closing lines. A process that is
+    killed, even by SIGKILL, ends before or after such a write, but for one that crosses into another page of the
+    system's memory; `read_pvd` then reads all lines that are whole.
+
+    Parameters
+    ----------
+    path :
+        The file.
+    frames :
+        What the list holds at first: time [s], and file relative to `path`. It is written, whole or not at all, with
+        the first call of `append` or `write`.
+    """
+
+    def __init__(self, path: Path, frames: Sequence[tuple[float, str]] = ()) -> None:
+        self.path = path
+        self.frames = list(frames)
+        self._end: int | None = None
+
+    def write(self) -> None:
+        """Write all, whole or not at all. Raises OutputError."""
+        lines = _BEGIN + "".join(_line(*frame) for frame in self.frames)
+        content = lines.encode()
+        with replacing(self.path) as part:
+            part.write_bytes(content + _END.encode())
+        self._end = len(content)
+
+    def append(self, time: float, file: str) -> None:
+        """Add a frame at `time` [s]. Raises OutputError."""
+        self.frames.append((time, file))
+        if self._end is None:
+            self.write()
+            return
+        line = _line(time, file).encode()
+        with output_errors(self.path), self.path.open("r+b", buffering=0) as stream:
+            stream.seek(self._end)
+            stream.write(line + _END.encode())
+        self._end += len(line)
+
+
+def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
+    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError."""
+    PvdWriter(path_of(path), frames).write()
+
+
+def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
+    """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError.
+
+    Where a killed process left the end unfinished, the lines that are whole.
+    """
+    path = path_of(path)
+    with reading_errors(path, "PVD file"):
+        if path.is_dir():
+            path /= "frames.pvd"
+        if not path.is_file():
+            raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
+        check_regular(path)
+        content = path.read_bytes()
+        try:
+            root = ElementTree.fromstring(content)
+        except ElementTree.ParseError:
+            if not content.startswith(_BEGIN.encode()):
+                raise
+            root = ElementTree.fromstring(content[: content.rfind(b"/>\n") + 3] + _END.encode())
+        if root.tag != "VTKFile":
+            raise OutputError(f"{path} is no PVD file: it begins with {root.tag!r}, not 'VTKFile'; run the scene again")
+        entries = root.iter("DataSet")
+        return [(float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]) for entry in entries]
+
+
+def _line(time: float, file: str) -> str:
+    return _LINE.format(time=float(time), file=quoteattr(file))

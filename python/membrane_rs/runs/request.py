@@ -1,0 +1,91 @@
+"""What a run was asked for: kept in its folder, so that it can be resumed from there alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._validation import number_of, show
+from membrane_rs.errors import InputError, OutputError
+from membrane_rs.scene import Scene
+from membrane_rs.scene.run_settings import MOST_INSTANTS
+from membrane_rs.simulation.output_times import output_times
+
+CHECKPOINT = 10.0
+"""Seconds of wall time between two checkpoints, unless the caller says otherwise."""
+Instants = int | Sequence[float]
+"""How many, evenly spaced from time 0 to the end, or their times [s]."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """Until when a run goes [s], at which instants it shows frames and samples, and what is written beside those."""
+
+    until: float
+    frames: Instants
+    samples: Instants
+    pictures: bool = True
+    checkpoint: float = CHECKPOINT
+
+    def __post_init__(self) -> None:
+        """Lists and arrays of times as plain lists."""
+        for name in ("frames", "samples"):
+            object.__setattr__(self, name, _plain(getattr(self, name), name))
+        seconds = number_of("checkpoint", self.checkpoint)
+        if seconds < 0:
+            raise InputError(f"checkpoint = {seconds}: must be at least 0 (s of wall time between two checkpoints)")
+        object.__setattr__(self, "checkpoint", seconds)
+
+    @classmethod
+    def of(cls, summary: Mapping[str, Any], where: str) -> Request:
+        """What a summary says. Raises OutputError, which names `where`."""
+        try:
+            return cls(**summary["request"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise OutputError(
+                f"{where} does not say what the run was asked for ({type(error).__name__}: {error}); continue its "
+                "state.npz into a folder of its own, or run the scene again"
+            ) from None
+
+    def as_table(self) -> dict[str, Any]:
+        """The same as a table."""
+        return asdict(self)
+
+    def output_times(self, start: float, scene: Scene) -> dict[float, bool]:
+        """The instants [s] that a run from `start` on shows, and whether each is a frame.
+
+        Raises InputError and InputTypeError for instants that are none.
+        """
+        return dict(output_times(start, self.until, self.frames, self.samples, scene.run.snapshots))
+
+    def until_later(self, until: float) -> Request:
+        """The same to another end: instants after the old one continue with the spacing before it.
+
+        A list of times is not continued; an end is an instant always.
+        """
+        return replace(
+            self, until=until, frames=self._extended(self.frames, until), samples=self._extended(self.samples, until)
+        )
+
+    def _extended(self, instants: Instants, until: float) -> Instants:
+        known = [time for time, _ in output_times(0.0, self.until, instants, [], [])]
+        after: list[float] = []
+        if isinstance(instants, int):
+            spacing = self.until / (instants - 1)
+            count = (until - self.until) / spacing
+            if count > MOST_INSTANTS:
+                raise InputError(f"until = {until} s: that is {count:.1e} instants; give an earlier time")
+            after = [float(f"{self.until + k * spacing:.12g}") for k in range(1, int(count + 1e-9) + 1)]
+        return [time for time in (*known, *after) if time < until] + [until]
+
+
+def _plain(instants: Any, name: str) -> Any:
+    """Times as a list of floats; anything else as it is, for `march` to check."""
+    if isinstance(instants, Sequence | np.ndarray) and not isinstance(instants, str | bytes):
+        if len(instants) > MOST_INSTANTS:
+            raise InputError(f"{name} = {show(instants)}: must be at most {MOST_INSTANTS} times")
+        return [number_of(name, time) for time in instants]
+    return instants

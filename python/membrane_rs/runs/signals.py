@@ -1,0 +1,124 @@
+"""Signals that end a run: SIGINT (Ctrl-C), SIGTERM (batch systems, `kill`) and SIGHUP (a terminal that closes).
+
+The first one raises `Interrupted`: at once, or, while a run keeps its results, between two chunks of steps, where all
+outputs are whole. Further ones change nothing while the run ends. A signal that the process ignores (`nohup`, the
+background of a shell) or for which the program has a handler of its own is left alone. Only the main thread can be
+interrupted; in others nothing here has an effect.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from membrane_rs.errors import Interrupted
+
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""The signals that end a run, where the system has them."""
+DEFAULTS = (signal.SIG_DFL, signal.default_int_handler)
+"""Handlers that are replaced for as long as a run goes on."""
+
+
+class _Signals:
+    """The state of this process: signals are the process's, so there is one."""
+
+    def __init__(self) -> None:
+        self.is_handled = False
+        """Whether `handle` is in place."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Before a run."""
+        self.depth = 0
+        """Signals wait where this is above 0."""
+        self.waiting: int | None = None
+        """The signal that waits."""
+        self.is_raised = False
+        """Whether `Interrupted` was raised: the run is ending, and further signals change nothing."""
+
+    def handle(self, signum: int, _: FrameType | None) -> None:
+        """The handler."""
+        if self.is_raised:
+            return
+        # Ctrl-C a second time is for an observer that does not return.
+        if self.depth == 0 or (self.depth == 1 and self.waiting is not None):
+            self.raise_(signum)
+        self.waiting = signum
+
+    def raise_(self, signum: int) -> None:
+        """Raise `Interrupted`, the only time."""
+        self.is_raised, self.waiting = True, None
+        raise Interrupted(signum)
+
+    def look(self) -> None:
+        """Raise the signal that waits."""
+        if self.waiting is not None:
+            self.raise_(self.waiting)
+
+
+_signals = _Signals()
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Signals that end a run raise `Interrupted` here; the handlers of before are put back afterwards.
+
+    Inside of another one, and in a thread that is not the main one, it has no effect.
+    """
+    if not _is_main() or _signals.is_handled:
+        yield
+        return
+    _signals.reset()
+    before = {number: signal.getsignal(number) for number in ENDING}
+    replaced = {number: handler for number, handler in before.items() if handler in DEFAULTS}
+    _signals.is_handled = True
+    try:
+        for number in replaced:
+            signal.signal(number, _signals.handle)
+        yield
+    finally:
+        _signals.depth += 1
+        for number, handler in replaced.items():
+            signal.signal(number, handler)
+        _signals.is_handled = False
+    _signals.look()
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Signals wait here, until `look` is called or the outermost `held` ends."""
+    yield from _shifted(1)
+
+
+@contextmanager
+def released() -> Iterator[None]:
+    """Signals raise at once here, inside of `held`, and the one that waits."""
+    yield from _shifted(-_signals.depth if _is_main() else 0)
+
+
+def look() -> None:
+    """Raise the signal that waits, if any."""
+    if _is_main():
+        _signals.look()
+
+
+def _shifted(change: int) -> Iterator[None]:
+    if not _is_main():
+        yield
+        return
+    _signals.depth += change
+    try:
+        if _signals.depth == 0:
+            _signals.look()
+        yield
+    finally:
+        _signals.depth -= change
+    if _signals.depth == 0:
+        _signals.look()
+
+
+def _is_main() -> bool:
+    return threading.current_thread() is threading.main_thread()
