@@ -60,6 +60,12 @@ PARTS = (
         [("tools/docs/mesh_parameters.py", "--write")],
         fills_cores=True,
     ),
+    Part(
+        "net",
+        "docs/net_of_springs.md: moduli of nets of springs, and what they change",
+        [("tools/docs/net_of_springs.py", "--write")],
+        fills_cores=True,
+    ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
     Part("limits", "docs/limits.md: limits predicted and measured", [("tests/limit_cases.py",)]),
     Part("faults", "docs/fault_injection.md: outcomes of faulty runs", [("tests/fault_injection.py",)]),

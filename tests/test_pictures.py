@@ -16,15 +16,14 @@ from membrane_rs.folding import Disc, Strip
 from membrane_rs.plotting import compare_runs, plot_deployment
 from membrane_rs.plotting.camera import Camera, bar_length, direction_of
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
-from membrane_rs.plotting.painter import pyvista_works
+from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
 from membrane_rs.plotting.picture import CREASE, Subject
-from membrane_rs.plotting.pyvista import PyvistaPainter
 from membrane_rs.plotting.snapshots import contact_sheet
 from membrane_rs.results import read_history
 from membrane_rs.results.summary import curve_features
 from PIL import Image
 
-PAINTERS = [MatplotlibPainter, *([PyvistaPainter] if pyvista_works() else [])]
+PAINTERS = [MatplotlibPainter, *([ProcessPainter] if pyvista_works() else [])]
 OBLIQUE = np.array((0.0, -0.7, 1.0)) / math.hypot(0.7, 1.0)
 
 

@@ -11,16 +11,15 @@ import pytest
 from fake_simulation import FakeSimulation, small_sail, turned_flat
 from membrane_rs.plotting.animation import MOST_FRAMES, chosen
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
-from membrane_rs.plotting.painter import Painter, forget_probe, pyvista_works
+from membrane_rs.plotting.painter import Painter, ProcessPainter, forget_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
-from membrane_rs.plotting.pyvista import PyvistaPainter
 from membrane_rs.plotting.snapshots import SnapshotTaker, caption, contact_sheet
 from membrane_rs.runs import RunFolder
 from membrane_rs.scene import Scene
 from membrane_rs.scene.parts import Tether, Tethers, TipMasses
 from PIL import Image
 
-PAINTERS = [MatplotlibPainter, *([PyvistaPainter] if pyvista_works() else [])]
+PAINTERS = [MatplotlibPainter, *([ProcessPainter] if pyvista_works() else [])]
 
 
 def sail() -> tuple[Any, Subject]:

@@ -7,7 +7,7 @@ from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
 from membrane_rs.scene import Scene
 
 _SAME = 0.002
-"""Difference of two moduli, over the film's, below which the second is not told."""
+"""Difference of two moduli, over the film's, below which the second is left out."""
 
 
 def net_lines(scene: Scene) -> list[tuple[str, str]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from membrane_rs._files import replacing
-from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.drawing import Drawing, decimals
 from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
 from membrane_rs.results.vtk import read_frame
@@ -60,9 +60,9 @@ def write_animation(
     """
     from PIL import Image as Pillow
 
-    images = []
+    images, digits = [], decimals([time for time, _ in frames], 2)
     for time, file in frames:
-        images.append(_labelled(artist.paint(read_frame(file)), time))
+        images.append(_labelled(artist.paint(read_frame(file)), f"{time:.{digits}f} s"))
         tick()
     # One palette for all, from pictures spread over the run: no flicker, and a small file.
     some = images[:: max(1, len(images) // 6)]
@@ -76,11 +76,11 @@ def write_animation(
         )
 
 
-def _labelled(image: Image, time: float) -> Pillow.Image:
-    """The picture with its time [s] in the upper left corner."""
+def _labelled(image: Image, text: str) -> Pillow.Image:
+    """The picture with a text in the upper left corner."""
     from PIL import Image as Pillow
     from PIL import ImageDraw, ImageFont
 
     picture = Pillow.fromarray(image)
-    ImageDraw.Draw(picture).text((12, 10), f"{time:.2f} s", "black", ImageFont.load_default(22))
+    ImageDraw.Draw(picture).text((12, 10), text, "black", ImageFont.load_default(22))
     return picture

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from membrane_rs.errors import UnstableError
 from membrane_rs.plotting.painter import begin_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
@@ -47,3 +49,8 @@ class Drawing(Writer):
         frames = self.record.frames[:: max(1, len(self.record.frames) // SHAPES)]
         shapes = [*self.record.shapes, *(read_frame(self.record.path / file) for _, file in frames)]
         return Subject.of(sim, [*shapes, sim.positions])
+
+
+def decimals(times: Sequence[float], least: int) -> int:
+    """Decimals by which all times differ [s], `least` or more."""
+    return next((n for n in range(least, 12) if len({f"{time:.{n}f}" for time in times}) == len(times)), 12)

@@ -14,7 +14,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
-from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.drawing import Drawing, decimals
 from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
 from membrane_rs.plotting.shape_files import SHAPES, read_shapes, write_shape
@@ -132,7 +132,7 @@ def write_snapshots(
     """
     from PIL import Image as Pillow
 
-    digits = _digits([shot.time for shot in snapshots])
+    digits = decimals([shot.time for shot in snapshots], 3)
     for view in views:
         images = []
         for shot in snapshots:
@@ -146,11 +146,6 @@ def write_snapshots(
         sheet = Pillow.fromarray(contact_sheet(images, captions, f"{title}{where}"))
         with replacing(folder / f"{view}.png") as part:
             sheet.save(part, format="PNG")
-
-
-def _digits(times: Sequence[float]) -> int:
-    """Decimals by which times differ, three or more."""
-    return next((n for n in range(3, 12) if len({f"{time:.{n}f}" for time in times}) == len(times)), 12)
 
 
 def caption(index: int, time: float, decimals: int = 3) -> str:

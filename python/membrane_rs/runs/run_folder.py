@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePath
 from time import monotonic
 
+from membrane_rs.check import audit
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture

@@ -14,6 +14,9 @@ from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 class Springs(Law):
     """Springs along the edges of the membrane, which buckle.
 
+    They represent the film in every direction only on equilateral triangles at nu = 1/3; on right triangles they are
+    soft in shear by nearly half (`membrane_rs.mesh.net_moduli`).
+
     N = k (max(l, l_cr) - L), with l_cr = L - alpha pi^2 h^2 / (12 L): below the critical length the
     force is constant (Euler's strain of a slender column).
 
