@@ -21,8 +21,8 @@ class Creases(Law):
 
         U = w_C w_D [ kappa (theta - theta0)^2 / 2 + (gamma - 1) kappa min(theta, 0)^2 / 2 ]
 
-    w = A^2 / (A^2 + (collapse A0)^2) for each of its two facets, A its current area, A0 its reference area: it takes
-    away the singular force of a facet that has collapsed to a line.
+    w = (1 + collapse^2) A^2 / (A^2 + (collapse A0)^2) for each of its two facets, A its current area, A0 its reference
+    area, where w = 1: it takes away the singular force of a facet that has collapsed to a line.
 
     Parameters
     ----------

@@ -5,10 +5,10 @@
 //!
 //!     kappa = beta E J L / H   [N m/rad]
 //!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 min(theta, 0)^2   [J]
-//!     U     = w_C w_D u,   w = A^2 / (A^2 + (c A0)^2)
+//!     U     = w_C w_D u,   w = (1 + c^2) A^2 / (A^2 + (c A0)^2)
 //!
 //! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
-//! A0 the reference area of a facet. Without the weights w the force on an apex, u'/height, is singular as a facet
+//! A0 the reference area of a facet, at which w = 1: a crease of unstrained facets has exactly kappa. Without the weights w the force on an apex, u'/height, is singular as a facet
 //! collapses, and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
 //! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
@@ -45,7 +45,7 @@ pub struct CreaseParameters {
     pub natural_angle: f64,
     /// H; `None`: the mean height of the two facets of each crease \[m\].
     pub length_scale: Option<f64>,
-    /// c: the area of a facet at which w = 1/2, relative to its reference area.
+    /// c: the area of a facet, relative to its reference area, at which w is half its value for a large area.
     pub collapse: f64,
 }
 
@@ -75,7 +75,7 @@ struct Creases {
 struct Parameters {
     /// +1 valley, -1 mountain.
     sign: F64x8,
-    /// kappa [N m/rad].
+    /// (1 + c^2)^2 kappa, with the constant factors of both weights [N m/rad].
     stiffness: F64x8,
     /// 4 (c A0)^2 of facet C and of facet D [m4].
     softening: [F64x8; 2],
@@ -98,7 +98,8 @@ impl<V: SimdF64> Factors<V> {
     fn new(facets: &Facets<V>, parameters: &Parameters, energy: V, moment: V) -> Self {
         let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
         let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
-        // 1/(q + s) of each facet, with q the square of its normal, by one division: w = q/(q + s).
+        // 1/(q + s) of each facet, with q the square of its normal, by one division: w = q/(q + s), up to the factor
+        // 1 + c^2 in the stiffness.
         let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
         let both = V::all(1.0) / (root_c * root_d);
         let (share_c, share_d) = (root_d * both, root_c * both);
@@ -165,7 +166,8 @@ impl Creases {
         let stiffness = elements.pack(0.0, |row| {
             let (length, areas) = sizes[row];
             let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
-            stiffness * bending * length / height
+            let at_reference = 1.0 + collapse * collapse;
+            stiffness * bending * length / height * (at_reference * at_reference)
         });
         let softening = [softening(0), softening(1)];
         let of_batch = |batch: usize| Parameters {
@@ -190,7 +192,7 @@ impl Creases {
         (facets, angle)
     }
 
-    /// u [J] and du/dtheta [N m] of creases of this stiffness.
+    /// u [J] and du/dtheta [N m] of creases of this stiffness, with its factors of the weights.
     #[inline(always)]
     fn potential<V: SimdF64>(&self, kappa: V, angle: V) -> (V, V) {
         let opening = angle - V::all(self.natural_angle);

@@ -25,7 +25,7 @@ pub struct Crease {
     pub nodes: [u32; 4],
     /// +1 valley, -1 mountain.
     pub sign: f64,
-    /// kappa [N m/rad].
+    /// (1 + c^2)^2 kappa, with the constant factors of the weights of both facets [N m/rad].
     pub stiffness: f64,
     /// 4 (c A0)^2 of each facet [m4].
     pub softening: [f64; 2],
@@ -45,7 +45,7 @@ pub fn all(parameters: &CreaseParameters, assembly: &Assembly) -> Vec<Crease> {
         creases.push(Crease {
             nodes: hinge.nodes,
             sign,
-            stiffness: parameters.stiffness * bending * length / height,
+            stiffness: parameters.stiffness * bending * length / height * (1.0 + parameters.collapse.powi(2)).powi(2),
             softening: areas.map(|area| (2.0 * parameters.collapse * area).powi(2)),
         });
     }
@@ -53,7 +53,7 @@ pub fn all(parameters: &CreaseParameters, assembly: &Assembly) -> Vec<Crease> {
 }
 
 impl Oracle {
-    /// -dU/dx of U = w_C w_D u(theta), w = q/(q + s), q the square of a facet's normal.
+    /// -dU/dx of U = w_C w_D u(theta), w = (1 + c^2) q/(q + s), q the square of a facet's normal.
     pub(super) fn add_creases(&self, motion: &mut Motion) -> f64 {
         let Motion { positions, forces, .. } = motion;
         let Parameters { contact_penalty, natural_angle } = self.crease_parameters;
