@@ -1,5 +1,7 @@
 //! The class behind Python's `Simulation`: that of the core, with the interpreter lock released during steps.
 
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
@@ -8,13 +10,14 @@ use membrane_core::laws::{Readings, WorkClass};
 use membrane_core::simulation::Simulation as Core;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::{checked, matrix, rows, vectors};
 use crate::components::{model_of, settings_of};
 use crate::errors::wrong_value;
 use crate::laws::law_of;
-use crate::progress::{progress_of, saved_of};
+use crate::progress::{check_values, progress_of, saved_of};
 use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, SpringReadings, StepLimit, TriangleReadings};
 
 /// Interval between two checks for Ctrl-C.
@@ -26,42 +29,96 @@ pub(crate) fn integrators() -> Vec<MethodFacts> {
     METHODS.iter().map(MethodFacts::of).collect()
 }
 
+/// Longest pause between two chunks of steps for other threads that wait to read, in periods of `READER_PERIOD`.
+const READER_PERIODS: u32 = 100;
+const READER_PERIOD: Duration = Duration::from_micros(50);
+
 /// A simulation of the core. Arrays are in external order.
-#[pyclass(module = "membrane_rs._core")]
+///
+/// One thread steps or sets it at a time; another one that tries is refused. Any thread may read it meanwhile: it waits
+/// for the end of a chunk of steps.
+#[pyclass(module = "membrane_rs._core", frozen)]
 pub(crate) struct Simulation {
-    core: Core,
+    core: Mutex<Core>,
     /// Estimated number of steps in `SIGNAL_INTERVAL`.
-    chunk: u64,
+    chunk: AtomicU64,
+    is_stepping: AtomicBool,
+    /// Threads that wait for `core`.
+    waiting: AtomicUsize,
+}
+
+/// The right to step, until it is dropped.
+struct Stepping<'a>(&'a Simulation);
+
+impl Drop for Stepping<'_> {
+    fn drop(&mut self) {
+        self.0.is_stepping.store(false, Ordering::Release);
+    }
 }
 
 impl Simulation {
-    fn reading<T>(&self, law: &str, take: impl Fn(Readings) -> Option<T>) -> Option<T> {
-        self.core.readings().filter(|(name, _)| *name == law).find_map(|(_, readings)| take(readings))
+    /// The core, once no other thread uses it. Without the interpreter lock while it waits, so that a thread that
+    /// steps can check for Ctrl-C.
+    fn core(&self, py: Python<'_>) -> MutexGuard<'_, Core> {
+        self.waiting.fetch_add(1, Ordering::AcqRel);
+        let guard = self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        self.waiting.fetch_sub(1, Ordering::AcqRel);
+        guard
+    }
+
+    /// The right to step or to set the motion.
+    fn stepping(&self) -> PyResult<Stepping<'_>> {
+        if self.is_stepping.swap(true, Ordering::AcqRel) {
+            let what = "this simulation is being stepped by another thread, or by what called this; wait until its step \
+                        or run has ended, or give each thread a simulation of its own (copy.copy)";
+            return Err(wrong_value(what.to_owned()));
+        }
+        Ok(Stepping(self))
+    }
+
+    fn reading<T>(&self, py: Python<'_>, law: &str, take: impl Fn(Readings) -> Option<T>) -> Option<T> {
+        self.core(py).readings().filter(|(name, _)| *name == law).find_map(|(_, readings)| take(readings))
+    }
+
+    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true.
+    ///
+    /// The number is kept from call to call: each check needs the interpreter lock, for which the core may wait.
+    fn in_chunks(
+        &self,
+        py: Python<'_>,
+        mut advance: impl FnMut(&mut Core, u64) -> Result<bool, Error> + Send,
+    ) -> PyResult<()> {
+        let _right = self.stepping()?;
+        loop {
+            let chunk = self.chunk.load(Ordering::Relaxed);
+            let start = Instant::now();
+            let is_done = py.detach(|| {
+                let is_done = advance(&mut self.core.lock().unwrap_or_else(PoisonError::into_inner), chunk);
+                for _ in 0..READER_PERIODS {
+                    if self.waiting.load(Ordering::Acquire) == 0 {
+                        break;
+                    }
+                    std::thread::sleep(READER_PERIOD);
+                }
+                is_done
+            });
+            let is_done = checked(is_done)?;
+            py.check_signals()?;
+            if is_done {
+                return Ok(());
+            }
+            let taken = start.elapsed();
+            if taken < SIGNAL_INTERVAL / 2 {
+                self.chunk.store(chunk.saturating_mul(2), Ordering::Relaxed);
+            } else if taken > SIGNAL_INTERVAL * 2 {
+                self.chunk.store((chunk / 2).max(1), Ordering::Relaxed);
+            }
+        }
     }
 }
 
-/// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true.
-///
-/// `chunk` is kept from call to call: each check needs the interpreter lock, for which the core may wait.
-fn in_chunks(
-    py: Python<'_>,
-    chunk: &mut u64,
-    mut advance: impl FnMut(u64) -> Result<bool, Error> + Send,
-) -> PyResult<()> {
-    loop {
-        let start = Instant::now();
-        let is_done = checked(py.detach(|| advance(*chunk)))?;
-        py.check_signals()?;
-        if is_done {
-            return Ok(());
-        }
-        let taken = start.elapsed();
-        if taken < SIGNAL_INTERVAL / 2 {
-            *chunk = chunk.saturating_mul(2);
-        } else if taken > SIGNAL_INTERVAL * 2 {
-            *chunk = (*chunk / 2).max(1);
-        }
-    }
+fn names_of(core: &Core) -> Vec<&'static str> {
+    core.laws().iter().map(|law| law.name()).collect()
 }
 
 #[pymethods]
@@ -78,69 +135,76 @@ impl Simulation {
     ) -> PyResult<Self> {
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
         let settings = settings_of(settings, instructions)?;
-        Ok(Self { core: checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?, chunk: 1 })
+        let core = checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?;
+        Ok(Self {
+            core: Mutex::new(core),
+            chunk: AtomicU64::new(1),
+            is_stepping: AtomicBool::new(false),
+            waiting: AtomicUsize::new(0),
+        })
     }
 
     #[getter]
-    fn time(&self) -> f64 {
-        self.core.time()
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.core(py).time()
     }
 
     #[getter]
-    fn dt(&self) -> f64 {
-        self.core.dt()
+    fn dt(&self, py: Python<'_>) -> f64 {
+        self.core(py).dt()
     }
 
-    fn set_dt(&mut self, dt: f64) -> PyResult<()> {
-        checked(self.core.set_dt(dt))
-    }
-
-    #[getter]
-    fn step_count(&self) -> u64 {
-        self.core.step_count()
+    fn set_dt(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        let _right = self.stepping()?;
+        checked(self.core(py).set_dt(dt))
     }
 
     #[getter]
-    fn evaluation_count(&self) -> u64 {
-        self.core.evaluation_count()
+    fn step_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).step_count()
     }
 
     #[getter]
-    fn is_adaptive(&self) -> bool {
-        self.core.is_adaptive()
+    fn evaluation_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).evaluation_count()
     }
 
     #[getter]
-    fn rejected_count(&self) -> u64 {
-        self.core.rejected_count()
+    fn is_adaptive(&self, py: Python<'_>) -> bool {
+        self.core(py).is_adaptive()
+    }
+
+    #[getter]
+    fn rejected_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).rejected_count()
     }
 
     /// Counts of an implicit method; zeros for others.
     #[getter]
-    fn statistics(&self) -> NewtonStatistics {
-        self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
+    fn statistics(&self, py: Python<'_>) -> NewtonStatistics {
+        self.core(py).integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
     }
 
     #[getter]
-    fn integrator(&self) -> &'static str {
-        self.core.integrator().properties().name
+    fn integrator(&self, py: Python<'_>) -> &'static str {
+        self.core(py).integrator().properties().name
     }
 
     #[getter]
-    fn hub_angle(&self) -> f64 {
-        self.core.hub_angle()
+    fn hub_angle(&self, py: Python<'_>) -> f64 {
+        self.core(py).hub_angle()
     }
 
     /// The instruction set of the kernels.
     #[getter]
-    fn instructions(&self) -> &'static str {
-        self.core.instructions().name()
+    fn instructions(&self, py: Python<'_>) -> &'static str {
+        self.core(py).instructions().name()
     }
 
     /// Share of the elements in contiguous or split batches, by law.
     fn contiguous_shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let shares = PyDict::new(py);
-        for law in self.core.laws() {
+        for law in self.core(py).laws() {
             if let Some(inspected) = law.inspection() {
                 shares.set_item(law.name(), inspected.contiguous_share())?;
             }
@@ -149,41 +213,42 @@ impl Simulation {
     }
 
     #[getter]
-    fn slow_laws(&self) -> Vec<&'static str> {
-        self.core.slow_laws().collect()
+    fn slow_laws(&self, py: Python<'_>) -> Vec<&'static str> {
+        self.core(py).slow_laws().collect()
     }
 
     #[getter]
-    fn law_names(&self) -> Vec<&'static str> {
-        self.core.laws().iter().map(|law| law.name()).collect()
+    fn law_names(&self, py: Python<'_>) -> Vec<&'static str> {
+        self.core(py).laws().iter().map(|law| law.name()).collect()
     }
 
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &self.core.positions())
+        vectors(py, &self.core(py).positions())
     }
 
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &self.core.velocities())
+        vectors(py, &self.core(py).velocities())
     }
 
-    fn set_motion(&mut self, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
-        checked(self.core.set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
+    fn set_motion(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+        let _right = self.stepping()?;
+        checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
     }
 
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, self.core.masses())
+        PyArray1::from_vec(py, self.core(py).masses())
     }
 
     #[pyo3(signature = (law=None))]
-    fn forces<'py>(&mut self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &checked(self.core.forces(law))?)
+    fn forces<'py>(&self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &checked(self.core(py).forces(law))?)
     }
 
     /// Energies in joules by name: "kinetic", and one for each law that has a potential.
     fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (terms, energies) = (self.core.energy_terms(), PyDict::new(py));
+        let (terms, energies) = (self.core(py).energy_terms(), PyDict::new(py));
         energies.set_item("kinetic", terms.kinetic)?;
-        for (law, energy) in self.core.laws().iter().zip(terms.stored) {
+        for (law, energy) in self.core(py).laws().iter().zip(terms.stored) {
             if law.properties().work_class == WorkClass::Conservative {
                 energies.set_item(law.name(), energy)?;
             }
@@ -193,12 +258,12 @@ impl Simulation {
 
     /// The energy balance at present.
     fn ledger(&self, py: Python<'_>) -> PyResult<EnergyBalance> {
-        EnergyBalance::of(py, &self.core)
+        EnergyBalance::of(py, &self.core(py))
     }
 
     /// Readings of the springs of one law, or None without it.
     fn spring_readings(&self, py: Python<'_>, law: &str) -> Option<SpringReadings> {
-        let found = self.reading(law, |readings| {
+        let found = self.reading(py, law, |readings| {
             if let Readings::Springs { strain, buckled } = readings { Some((strain, buckled)) } else { None }
         });
         found.map(|(strain, buckled)| SpringReadings {
@@ -209,7 +274,7 @@ impl Simulation {
 
     /// Readings of the triangles, or None without the law.
     fn triangle_readings(&self, py: Python<'_>) -> PyResult<Option<TriangleReadings>> {
-        let found = self.reading("triangles", |readings| {
+        let found = self.reading(py, "triangles", |readings| {
             if let Readings::Triangles { strain, state } = readings { Some((strain, state)) } else { None }
         });
         let Some((strain, state)) = found else { return Ok(None) };
@@ -220,21 +285,21 @@ impl Simulation {
     /// Crease angles [rad], or None without the law.
     fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let found = self
-            .reading("creases", |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None });
+            .reading(py, "creases", |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None });
         found.map(|angle| PyArray1::from_vec(py, angle))
     }
 
     /// The limit of the step at the current positions.
     fn limit(&self, py: Python<'_>) -> PyResult<StepLimit> {
-        let limit = checked(py.detach(|| self.core.limit()))?;
-        Ok(StepLimit::of(&self.core, &limit))
+        let core = self.core(py);
+        let limit = py.detach(|| core.limit());
+        Ok(StepLimit::of(&core, &checked(limit)?))
     }
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
-    fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        let Self { core, chunk } = self;
-        in_chunks(py, chunk, |chunk| {
+        self.in_chunks(py, |core, chunk| {
             let now = chunk.min(left);
             left -= now;
             core.step(now).map(|()| left == 0)
@@ -242,27 +307,33 @@ impl Simulation {
     }
 
     /// Steps an adaptive run until `time` [s] and interpolates at that time; Ctrl-C as in `step`.
-    fn reach(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
-        if !self.core.is_adaptive() {
+    fn reach(&self, py: Python<'_>, time: f64) -> PyResult<()> {
+        if !self.core(py).is_adaptive() {
             return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
         }
-        let Self { core, chunk } = self;
-        in_chunks(py, chunk, |chunk| core.reach(time, chunk))
+        self.in_chunks(py, |core, chunk| core.reach(time, chunk))
     }
 
     /// Checks for a fault, between the regular checks.
-    fn check(&mut self) -> PyResult<()> {
-        checked(self.core.check())
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        checked(self.core(py).check())
     }
 
     /// The data of a checkpoint, for `resume`.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        saved_of(py, self.core.progress(), &self.law_names())
+        let (names, progress) = {
+            let core = self.core(py);
+            (names_of(&core), core.progress())
+        };
+        saved_of(py, progress, &names)
     }
 
     /// Continues from a checkpoint.
-    fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
-        let progress = progress_of(saved, &self.law_names())?;
-        checked(self.core.resume(&progress))
+    fn resume(&self, py: Python<'_>, saved: &Bound<'_, PyDict>) -> PyResult<()> {
+        let _right = self.stepping()?;
+        let names = names_of(&self.core(py));
+        let progress = progress_of(saved, &names)?;
+        check_values(&progress)?;
+        checked(self.core(py).resume(&progress))
     }
 }
