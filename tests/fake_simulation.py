@@ -44,6 +44,7 @@ class FakeSimulation:
 
     scene: Scene = field(default_factory=small_sail)
     time: float = 0.0
+    until: float | None = None
     hub_angle: float = 0.0
     dt: float = 1e-5
     integrator: str = "rk4"

@@ -63,16 +63,15 @@ def test_counts_survive_saving(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", IMPLICIT)
 def test_the_step_where_none_is_given(name: str) -> None:
-    # 50 times 2/omega, at most one interval of the history, a whole number of them in it.
+    # 50 times 2/omega, and a whole number of them in a power of ten of a second.
     scene = scenes.load("single-crease")
     explicit = Simulation(scene, "leapfrog", 1e-9)
     undamped = Simulation(scene, "rk4", 1e-9).stable_dt() * 2.0 / math.sqrt(8.0)
     sim = Simulation(scene, name)
-    interval = scene.run.until / (scene.run.samples - 1)
     assert 20 * explicit.stable_dt() < sim.dt <= 51 * undamped
-    assert interval / sim.dt == pytest.approx(round(interval / sim.dt), rel=1e-9)
+    assert 0.1 / sim.dt == pytest.approx(round(0.1 / sim.dt), rel=1e-9)
     coarse = Simulation(replace(scene, run=replace(scene.run, samples=3001)), name)
-    assert coarse.dt == pytest.approx(scene.run.until / 3000)
+    assert coarse.dt == sim.dt
 
 
 def test_explicit_methods_spend_nothing_on_it() -> None:

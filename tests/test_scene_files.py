@@ -116,8 +116,8 @@ def test_mesh_of_no_pattern_is_kept_beside_the_scene(tmp_path: Path) -> None:
         ("until = 0.1", "until = 0", r"run\.until = 0: must be greater than 0 \(s\)"),
         (
             "until = 0.1",
-            "until = 0.1\ndt = 5",
-            r"run\.dt = 5\.0: must be greater than 0 and at most until = 0\.1",
+            "until = 0.1\ndt = -5",
+            r"run\.dt = -5: must be greater than 0 \(s\)",
         ),
         ("until = 0.1", "until = ", "no valid TOML"),
         ("until = 0.1", f"until = {5000 * '9'}", "an integer of thousands of digits"),

@@ -356,6 +356,11 @@ class Simulation:
     def set_motion(self, positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> None:
         """Set positions (n, 3) [m] and velocities (n, 3) [m/s], and open the ledger anew."""
 
+    def start_from(
+        self, time: float, hub_angle: float, positions: NDArray[np.float64], velocities: NDArray[np.float64]
+    ) -> None:
+        """Start from a motion at a time [s], with the hub at an angle [rad], and open the ledger anew."""
+
     def masses(self) -> NDArray[np.float64]:
         """(n,) [kg]."""
 
@@ -383,8 +388,8 @@ class Simulation:
     def step(self, count: int) -> None:
         """Take steps; Ctrl-C stops between two."""
 
-    def reach(self, time: float) -> None:
-        """Step a run whose steps are chosen by their error to a time [s]."""
+    def reach(self, time: float, seconds: float | None = None) -> bool:
+        """Step to a time [s] and show the state there; whether it was reached within about `seconds` of wall time."""
 
     def check(self) -> None:
         """Look for a fault now, beside the regular checks."""

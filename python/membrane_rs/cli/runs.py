@@ -168,7 +168,7 @@ def _run(
     with progress_bar(console, sim.time, settings.until if until is None else until) as show:
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
         _warn_of_step(sim)
-        if settings.relax > 0 and sim.step_count == 0:
+        if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
             sim.relax()
         try:

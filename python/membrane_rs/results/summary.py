@@ -10,6 +10,7 @@ dt                    [s] step; the first one where the method chooses its steps
 stable_dt             [s] stability limit at the start; null where it is infinite
 limiting_part         the law and node that set it
 start_time            [s] simulated time
+until                 [s] simulated time at which it is to end
 versions              of membrane_rs, python and numpy; and the platform
 
 At the end, too:
@@ -70,6 +71,7 @@ class Summary(Writer):
             "stable_dt": sim.stable_dt(),
             "limiting_part": sim.limiting_part,
             "start_time": sim.time,
+            "until": sim.until,
             "versions": versions(),
         }
         self.write()

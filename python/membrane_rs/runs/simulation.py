@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -30,15 +31,22 @@ class Simulation(Stepper):
     dt : float, optional
         Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
         the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
-        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps, and
-        at least one, lies between two samples of the scene's history.
+        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps makes a
+        power of ten of a second. The step depends neither on the end of a run nor on its outputs.
+
+    start : Simulation or path, optional
+        Go on from the motion of another simulation, or of a saved state: its positions, velocities, time and the angle
+        of its hub, which turns on from there at this scene's rate. The scene may have other laws, parameters and parts,
+        but must have the same nodes, triangles and segments of cords. Steps are counted from there, and the energy
+        ledger is opened anew. Default: the scene's own start, at time 0.
 
     Raises
     ------
     MeshError
         A triangle without area, negative spring constants, a crease that is no hinge.
     InputError
-        dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass.
+        dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass, a start with
+        other nodes.
     """
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
@@ -53,7 +61,7 @@ class Simulation(Stepper):
         InputError
             After the first step, or with a duration or rate that is not above zero.
         """
-        if self.step_count:
+        if self.step_count or self.time:
             raise InputError(
                 f"relax at t = {self.time:.6g} s: it must come before the first step; build a new Simulation"
             )
@@ -93,7 +101,7 @@ class Simulation(Stepper):
         observers : sequence of observers, optional
             Further observers.
         progress : callable, optional
-            Called with this simulation now and then.
+            Called with this simulation at each output, and about every 0.1 s of wall time.
         overwrite, pictures : bool
             For the folder: replace an earlier run; draw pictures at the end.
 
@@ -114,11 +122,17 @@ class Simulation(Stepper):
         end = number_of("until", self.scene.run.until if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
+        if overwrite and out is None:
+            raise InputError("overwrite = True: without out nothing is written; give out a folder, or leave this out")
+        beyond = [] if frames is None or isinstance(frames, int | str) else [t for t in np.ravel(frames) if t > end]
+        if beyond:
+            text = f"frames: {len(beyond)} of the times lie after until = {end:.6g} s, and are left out: {beyond[0]} s"
+            warnings.warn(text, stacklevel=2)
         folder = None
         if out is not None:
             folder = RunFolder(out, overwrite, pictures=pictures)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        if self.scene.run.relax > 0 and not self.is_relaxed and self.step_count == 0:
+        if self.scene.run.relax > 0 and not self.is_relaxed and self.time == 0.0:
             self.relax()
         settings = self.scene.run
         self.march(

@@ -27,8 +27,8 @@ class RunSettings:
     integrator : str
         Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
-        Step [s], at most `until`. None: from the stability limit, with a margin; "dopri5" then chooses each step by
-        its error.
+        Step [s]. None: from the stability limit, with a margin; "dopri5" then chooses each step by its error. The end
+        and all outputs are met, also where they lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
         sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity.
@@ -82,8 +82,6 @@ class RunSettings:
     settle_rate = Renamed("relax_rate")
 
     def __post_init__(self) -> None:
-        """Check the end, and the step against it."""
+        """Check the end."""
         if not SHORTEST <= self.until <= LONGEST:
             raise InputError(f"RunSettings.until = {self.until}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
-        if self.dt is not None and self.dt > self.until:
-            raise InputError(f"RunSettings.dt = {self.dt}: must be greater than 0 and at most until = {self.until} (s)")

@@ -34,5 +34,5 @@ def relaxed(
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
     held = Stepper(held_scene(scene, rate), integrator)
     held.positions = positions
-    held.reach(time if held.is_adaptive else max(1, round(time / held.dt)))
+    held.reach(time)
     return held.positions, float(np.linalg.norm(held.velocities, axis=1).max())

@@ -7,27 +7,41 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-import numpy as np
 from typing_extensions import Self
 
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
-from membrane_rs.scene.run_settings import MOST_INSTANTS
+from membrane_rs.scene import Scene
 from membrane_rs.simulation.checkpoint import read_state, write_state
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.output_times import output_times
 
 MOST_STEPS = 10**15
 """More steps than this are taken as an input error: they would take centuries."""
-PROGRESS_CALLS = 500
-"""Calls of `progress` in a run, beside those at its samples."""
+CHUNK = 0.1
+"""Wall time after which a run on its way to the next output calls what watches it [s]."""
 
 
 class Stepper(Motion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
     """
+
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: str | None = None,
+        dt: float | None = None,
+        *,
+        start: Motion | str | Path | None = None,
+    ) -> None:
+        other = Stepper.restore(start) if isinstance(start, str | Path) else start
+        super().__init__(scene, integrator, dt, start=other)
+
+    until: float | None = None
+    """Time at the end of the present or the last run [s]; None before one."""
 
     def step(self, n: int = 1) -> None:
         """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
@@ -54,6 +68,8 @@ class Stepper(Motion):
         samples: int | Sequence[float],
         observers: Sequence[Observer[Self]],
         progress: Callable[[Self], None] | None = None,
+        *,
+        between: Callable[[Self], None] | None = None,
     ) -> None:
         """Step to `end` [s]; call the observers at frames, samples and the scene's snapshots.
 
@@ -66,32 +82,34 @@ class Stepper(Motion):
         observers : sequence of observers
             All finish, in their order, whatever one of them raises.
         progress : callable, optional
-            Called with this stepper at each output, and at 500 times spread evenly.
+            Called with this stepper at each output, and about every 0.1 s of wall time.
+        between : callable, optional
+            Called as `progress` is, but for the end: what it reads or saves has no effect on the motion.
 
         Raises
         ------
+        InputError
+            More steps to the end than `MOST_STEPS`; an observer that steps.
         UnstableError
             The motion became unstable; observers have seen the last state without a fault.
         """
-        frame_times = self._targets_of(frames, end, "frames")
-        snapshot_times = [time for time in self.scene.run.snapshots if time <= end]
-        output_times = frame_times | self._targets_of(snapshot_times, end, "snapshots")
-        output_times |= self._targets_of(samples, end, "samples")
-        progress_times = np.linspace(min(output_times), max(output_times), PROGRESS_CALLS if progress else 0)
-        whole = float if self.is_adaptive else int
+        self._check_end(end)
+        times = output_times(self.time, end, frames, samples, self.scene.run.snapshots)
+        self.until = end
+        watchers = [watcher for watcher in (progress, between) if watcher is not None]
         started: list[Observer[Self]] = []
         error: BaseException | None = None
         try:
             for observer in observers:
                 observer.start(self)
                 started.append(observer)
-            for target in sorted(output_times.union(map(whole, progress_times))):
-                self.reach(target)
-                if target in output_times:
-                    self._core.check()
-                    self._show(observers, is_frame=target in frame_times)
-                if progress is not None:
-                    progress(self)
+            for time, is_frame in times:
+                self._refuse_past(time)
+                self._advance(time, watchers)
+                self._core.check()
+                self._show(observers, is_frame=is_frame)
+                for watcher in watchers if time < end else watchers[: progress is not None]:
+                    watcher(self)
         except BaseException as caught:
             error = caught
             if isinstance(caught, UnstableError):
@@ -109,43 +127,41 @@ class Stepper(Motion):
             if is_frame:
                 observer.frame(self)
 
-    def reach(self, target: float) -> None:
-        """Go to a time [s] if `is_adaptive`, else to a step count."""
-        if self.is_adaptive:
-            self._core.reach(target)
-        else:
-            self._core.step(int(target) - self.step_count)
+    def reach(self, time: float) -> None:
+        """Step to a time [s] not before now, and show the state there.
 
-    def _targets_of(self, wanted: int | Sequence[float], end: float, name: str) -> set[float]:
-        """Targets of `reach`: the wanted times not in the past if `is_adaptive`, else the nearest step counts.
+        A time between two steps is reached by a side step from the last one, or by interpolation where `is_adaptive`;
+        the next step continues from the last one, so that such times have no effect on the motion.
 
-        Now and the end are among them.
+        Raises
+        ------
+        InputError
+            A time before now, or more than `MOST_STEPS` steps ahead.
+        UnstableError, KeyboardInterrupt
+            As `step`.
         """
+        target = number_of("time", time)
+        self._check_end(target, "time")
+        self._advance(target, ())
+
+    def _advance(self, time: float, watchers: Sequence[Callable[[Self], None]]) -> None:
+        while not self._core.reach(time, CHUNK):
+            for watcher in watchers:
+                watcher(self)
+
+    def _check_end(self, end: float, name: str = "until") -> None:
         ahead = (end - self.time) / self.dt
         if ahead > MOST_STEPS and not self.is_adaptive:
             raise InputError(
-                f"until = {end} s: that is {ahead:.1e} steps of dt = {self.dt:.3g} s; give an earlier time"
+                f"{name} = {end} s: that is {ahead:.1e} steps of dt = {self.dt:.3g} s; give an earlier time"
             )
-        if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes):
-            times = np.asarray([number_of(name, t) for t in wanted], dtype=np.float64)
-        else:
-            try:
-                count = operator.index(wanted)  # type: ignore[arg-type]
-            except TypeError:
-                raise InputTypeError(
-                    f"{name} = {show(wanted)}: must be a whole number or a list of times (s)"
-                ) from None
-            if not 2 <= count <= MOST_INSTANTS:
-                raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
-            times = np.linspace(0.0, end, count)
-        if self.is_adaptive:
-            # Twelve digits, so that a frame and a sample of the same time are one target.
-            later = [float(f"{time:.12g}") for time in times[(times > self.time) & (times < end)]]
-            return {self.time, end, *later}
-        last = round(ahead)
-        steps = np.round(np.clip((times - self.time) / self.dt, -1.0, last + 1.0)).astype(np.int64)
-        steps = np.array([0, last, *steps[(steps > 0) & (steps <= last)]]) + self.step_count
-        return set(steps.tolist())
+
+    def _refuse_past(self, time: float) -> None:
+        if time < self.time:
+            raise InputError(
+                f"an observer has stepped to t = {self.time:.6g} s, past the next output at {time:.6g} s; an observer "
+                "only reads: step after the run"
+            )
 
     def save(self, path: str | Path) -> None:
         """Write scene and state into one file (.npz), from which `restore` continues with the same bits.

@@ -58,6 +58,7 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("step_count", progress.step_count)?;
     saved.set_item("evaluation_count", progress.evaluation_count)?;
     saved.set_item("origin", progress.origin)?;
+    saved.set_item("hub_phase", progress.hub_phase)?;
     saved.set_item("positions", vectors(py, &progress.positions)?)?;
     saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
     saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
@@ -71,7 +72,11 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
             save_history(&saved, &of_law(law), history)?;
         }
     }
-    if let Some(AdaptiveProgress { step_end_time, output_time, controller }) = progress.adaptive {
+    if let Some(time) = progress.output_time {
+        saved.set_item("output_time", time)?;
+    }
+    if let Some(AdaptiveProgress { step_end_time, controller }) = progress.adaptive {
+        let output_time = progress.output_time.unwrap_or(step_end_time);
         let numbers = [step_end_time, output_time, controller.dt, controller.last_error];
         saved.set_item("adaptive_numbers", PyArray1::from_slice(py, &numbers))?;
         saved.set_item("adaptive_was_rejected", controller.was_rejected)?;
@@ -94,15 +99,18 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         if saved.contains(format!("{name}_count"))? { history_of(saved, &name) } else { Ok(SavedHistory::default()) }
     });
     let law_histories = of_laws.collect::<PyResult<Vec<_>>>()?;
+    let mut output_time = if saved.contains("output_time")? { Some(get(saved, WHAT, "output_time")?) } else { None };
     let adaptive = if saved.contains("adaptive_numbers")? {
         let numbers = numbers("adaptive_numbers", &array("adaptive_numbers")?)?;
-        let &[step_end_time, output_time, dt, last_error] = numbers.as_slice() else {
+        let &[step_end_time, time, dt, last_error] = numbers.as_slice() else {
             return Err(wrong_value("saved state: adaptive_numbers does not have four numbers".to_owned()));
         };
         let was_rejected = get(saved, WHAT, "adaptive_was_rejected")?;
         let rejected_count = get(saved, WHAT, "rejected_count")?;
         let controller = Controller { dt, last_error, was_rejected, rejected_count };
-        Some(AdaptiveProgress { step_end_time, output_time, controller })
+        // Older checkpoints have the output time here alone.
+        output_time = output_time.or(Some(time).filter(|time| *time != step_end_time));
+        Some(AdaptiveProgress { step_end_time, controller })
     } else {
         None
     };
@@ -110,6 +118,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         step_count: get(saved, WHAT, "step_count")?,
         evaluation_count: get(saved, WHAT, "evaluation_count")?,
         origin: get(saved, WHAT, "origin")?,
+        hub_phase: if saved.contains("hub_phase")? { get(saved, WHAT, "hub_phase")? } else { 0.0 },
         positions: rows("positions", &array("positions")?)?,
         velocities: rows("velocities", &array("velocities")?)?,
         ledger: Ledger {
@@ -121,6 +130,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         history,
         law_histories,
         adaptive,
+        output_time,
     })
 }
 
@@ -136,14 +146,14 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
     };
     let ledger = &progress.ledger;
     let terms = [ledger.start.kinetic, ledger.largest_change, ledger.start_shift];
-    let times = [progress.origin].into_iter();
+    let times = [progress.origin].into_iter().chain(progress.output_time);
     let control = progress.adaptive.iter().flat_map(|adaptive| [adaptive.step_end_time, adaptive.controller.last_error]);
     let wrong = |name: &str, why: String| {
         Err(wrong_value(format!("saved state: {name} {why}; it is damaged, give one that Simulation.save wrote")))
     };
     let not_finite = || "holds a value that is not finite".to_owned();
-    if let Some(time) = times.chain(control.clone()).find(|time| !(time.abs() <= LONGEST)) {
-        return wrong("origin or adaptive_numbers", format!("= {time}, which is no time of a run"));
+    if let Some(time) = times.chain(control).find(|time| !(time.abs() <= LONGEST)) {
+        return wrong("origin, output_time or adaptive_numbers", format!("= {time}, which is no time of a run"));
     }
     for (name, count) in [("step_count", progress.step_count), ("evaluation_count", progress.evaluation_count / 100)] {
         if count > MOST_STEPS {

@@ -80,15 +80,18 @@ impl Simulation {
         self.core(py).readings().filter(|(name, _)| *name == law).find_map(|(_, readings)| take(readings))
     }
 
-    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true.
+    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
+    /// Whether it returned true.
     ///
     /// The number is kept from call to call: each check needs the interpreter lock, for which the core may wait.
     fn in_chunks(
         &self,
         py: Python<'_>,
+        longest: Duration,
         mut advance: impl FnMut(&mut Core, u64) -> Result<bool, Error> + Send,
-    ) -> PyResult<()> {
+    ) -> PyResult<bool> {
         let _right = self.stepping()?;
+        let began = Instant::now();
         loop {
             let chunk = self.chunk.load(Ordering::Relaxed);
             let start = Instant::now();
@@ -104,8 +107,8 @@ impl Simulation {
             });
             let is_done = checked(is_done)?;
             py.check_signals()?;
-            if is_done {
-                return Ok(());
+            if is_done || began.elapsed() >= longest {
+                return Ok(is_done);
             }
             let taken = start.elapsed();
             if taken < SIGNAL_INTERVAL / 2 {
@@ -235,6 +238,20 @@ impl Simulation {
         checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
     }
 
+    /// Starts from a motion at a time [s], with the hub at an angle [rad].
+    fn start_from(
+        &self,
+        py: Python<'_>,
+        time: f64,
+        hub_angle: f64,
+        positions: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let _right = self.stepping()?;
+        let (positions, velocities) = (rows("positions", positions)?, rows("velocities", velocities)?);
+        checked(self.core(py).start_from(time, hub_angle, &positions, &velocities))
+    }
+
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, self.core(py).masses())
     }
@@ -299,19 +316,20 @@ impl Simulation {
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
     fn step(&self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        self.in_chunks(py, |core, chunk| {
+        self.in_chunks(py, Duration::MAX, |core, chunk| {
             let now = chunk.min(left);
             left -= now;
             core.step(now).map(|()| left == 0)
-        })
+        })?;
+        Ok(())
     }
 
-    /// Steps an adaptive run until `time` [s] and interpolates at that time; Ctrl-C as in `step`.
-    fn reach(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        if !self.core(py).is_adaptive() {
-            return Err(wrong_value("reach: the run has a fixed step; take steps".to_owned()));
-        }
-        self.in_chunks(py, |core, chunk| core.reach(time, chunk))
+    /// Steps to `time` [s] and shows the state there, or stops after about `seconds` of wall time at the end of a step;
+    /// Ctrl-C as in `step`. Whether `time` was reached.
+    #[pyo3(signature = (time, seconds=None))]
+    fn reach(&self, py: Python<'_>, time: f64, seconds: Option<f64>) -> PyResult<bool> {
+        let longest = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or(Duration::MAX);
+        self.in_chunks(py, longest, |core, chunk| core.reach(time, chunk))
     }
 
     /// Checks for a fault, between the regular checks.

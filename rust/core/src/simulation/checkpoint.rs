@@ -5,6 +5,7 @@ use crate::arrays::history::History;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
 use crate::integrators::Controller;
+use crate::model::checks::{finite, within};
 
 /// All data that change during a run: from them a run continues with the same bits.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Progress {
     pub evaluation_count: u64,
     /// The time of step 0 \[s\]: t = origin + step_count dt, not a running sum.
     pub origin: f64,
+    /// The angle of the hub at t = 0 \[rad\].
+    pub hub_phase: f64,
     /// Positions and velocities, in external order.
     pub positions: Vec<[f64; 3]>,
     /// See `positions`.
@@ -25,8 +28,10 @@ pub struct Progress {
     pub history: SavedHistory,
     /// The history of each law, in their order.
     pub law_histories: Vec<SavedHistory>,
-    /// The step control of an adaptive run; positions, velocities and work are then those at the end of the last step.
+    /// The step control of an adaptive run.
     pub adaptive: Option<AdaptiveProgress>,
+    /// The output time, where it is not the end of the last step \[s\]. All other data are those at that end.
+    pub output_time: Option<f64>,
 }
 
 /// A history with its vectors in external order.
@@ -37,8 +42,6 @@ pub type SavedHistory = (Vec<Vec<[f64; 3]>>, Vec<f64>);
 pub struct AdaptiveProgress {
     /// The time at the end of the last step \[s\].
     pub step_end_time: f64,
-    /// The output time, within that step \[s\].
-    pub output_time: f64,
     /// The next step.
     pub controller: Controller,
 }
@@ -49,17 +52,19 @@ impl Simulation {
         let saved = |History { vectors, numbers }: History| {
             (vectors.iter().map(|vectors| self.numbering.external_vectors(vectors)).collect(), numbers)
         };
-        let (state, work) = self.state_at_step_end();
+        let (state, work, histories) = self.at_step_end();
         Progress {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
             origin: self.origin,
+            hub_phase: self.mechanics.spin.phase,
             positions: self.numbering.external_vectors(&state.positions),
             velocities: self.numbering.external_vectors(&state.velocities),
             ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
             history: saved(self.integrator.history()),
-            law_histories: self.mechanics.histories().into_iter().map(saved).collect(),
+            law_histories: histories.into_iter().map(saved).collect(),
             adaptive: self.adaptive_progress(),
+            output_time: self.output_time(),
         }
     }
 
@@ -93,7 +98,11 @@ impl Simulation {
         for (what, (vectors, _)) in histories.chain([(OF_METHOD, &progress.history)]) {
             vectors.iter().try_for_each(|rows| length(what, rows.len(), nodes, "node"))?;
         }
+        finite("saved angle of the hub at t = 0 [rad]", progress.hub_phase)?;
+        within("saved origin [s]", progress.origin, progress.origin.is_finite(), "it is finite")?;
+        self.output = None;
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
+        self.mechanics.spin.phase = progress.hub_phase;
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;
         self.ledger = progress.ledger.clone();
@@ -111,7 +120,15 @@ impl Simulation {
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
         self.record_good(self.energy_terms());
-        self.interpolate_saved(progress.adaptive.as_ref());
-        Ok(())
+        self.show_saved(progress.output_time)
+    }
+
+    /// Shows the state at a saved output time: within the last step of an adaptive run, else less than a step after it.
+    fn show_saved(&mut self, output_time: Option<f64>) -> Result<()> {
+        let Some(time) = output_time else { return Ok(()) };
+        let after = time - self.step_end_time();
+        let is_near = if self.is_adaptive() { after <= 0.0 } else { after.abs() <= self.dt() };
+        within("saved output time [s]", time, is_near, "it lies within a step of the saved state")?;
+        self.show(time)
     }
 }

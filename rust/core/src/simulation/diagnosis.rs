@@ -40,7 +40,12 @@ impl Simulation {
 
     /// A certain fault: a value not finite, an element beyond its bound, or a spurious gain.
     pub(super) fn certain_fault(&self, now: &EnergyTerms) -> Option<Fault> {
-        self.not_finite(now).or_else(|| self.beyond_bound(now)).or_else(|| self.spurious_gain(now))
+        self.fault_of_state(now).or_else(|| self.spurious_gain(now))
+    }
+
+    /// A fault of positions and velocities: a value not finite, or an element beyond its bound.
+    pub(super) fn fault_of_state(&self, now: &EnergyTerms) -> Option<Fault> {
+        self.not_finite(now).or_else(|| self.beyond_bound(now))
     }
 
     fn not_finite(&self, now: &EnergyTerms) -> Option<Fault> {

@@ -1,8 +1,8 @@
 //! Runs by implicit methods: the default step, and the fault of a step in which Newton's method fails.
 
 use super::Simulation;
-use crate::error::Result;
-use crate::integrators::Implicit;
+use crate::error::{Error, Result};
+use crate::integrators::{Implicit, Stall};
 
 /// The default step, relative to the explicit limit 2/omega of the highest frequency: long enough to be worth a
 /// factorisation. Motion slower than about six such steps per radian is resolved.
@@ -14,9 +14,12 @@ impl Simulation {
     /// # Errors
     /// `Unstable`; the state is then that of the last good check.
     pub(super) fn refuse_stall(&mut self) -> Result<()> {
-        let Some(stall) = self.integrator.implicit().and_then(|method: &dyn Implicit| method.stalled()) else {
-            return Ok(());
-        };
+        let stall = self.integrator.implicit().and_then(|method: &dyn Implicit| method.stalled());
+        stall.map_or(Ok(()), |stall| Err(self.stalled(stall)))
+    }
+
+    /// The error of a step in which Newton's method failed; the state is then that of the last good check.
+    pub(super) fn stalled(&mut self, stall: Stall) -> Error {
         let (state, time) = (self.state.clone(), self.time());
         let largest = self.largest_force(state.at(time), stall.node..stall.node + 1);
         let what =
@@ -25,6 +28,6 @@ impl Simulation {
         let now = self.energy_terms();
         let mut fault = self.described(what, place, largest.map(|(law, ..)| law), &now);
         fault.remedy += "; or use an explicit integrator";
-        Err(self.roll_back(fault))
+        self.roll_back(fault)
     }
 }

@@ -2,11 +2,14 @@
 
 mod adaptive;
 mod checkpoint;
+mod default_step;
 mod diagnosis;
 mod implicit;
 mod monitor;
+mod output;
 mod rate_groups;
 mod settings;
+mod start;
 
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
@@ -15,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
 use crate::evaluation::plan::Plan;
-use crate::integrators::{self, Integrator, Options, Properties};
+use crate::integrators::{self, Integrator, Method, Options, Properties};
 use crate::laws::Instant;
 use crate::laws::{self, Law, LawSpec, Readings};
 use crate::layout::Renumbering;
@@ -35,6 +38,7 @@ const HOPELESS: f64 = 100.0;
 /// The state at the last check without fault.
 struct GoodState {
     time: f64,
+    origin: f64,
     step_count: u64,
     state: State,
     work: Vec<f64>,
@@ -47,7 +51,10 @@ struct GoodState {
 pub struct Simulation {
     mechanics: Mechanics,
     numbering: Renumbering,
+    method: Method,
     integrator: Box<dyn Integrator>,
+    /// A second instance of the method, for side steps.
+    side: Option<Box<dyn Integrator>>,
     settings: Settings,
     dt: f64,
     origin: f64,
@@ -58,6 +65,8 @@ pub struct Simulation {
     /// The state before the step that is searched for a fault.
     suspect: Option<State>,
     adaptive: Option<adaptive::Adaptive>,
+    /// What is shown, where it is not the end of the last step.
+    output: Option<output::Output>,
     /// The limit of the step at the start.
     start_limit: Limit,
 }
@@ -86,6 +95,10 @@ impl Simulation {
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
+        positive("tolerance", settings.tolerance.relative)?;
+        positive("length of the tolerance [m]", settings.tolerance.length)?;
+        positive("speed of the tolerance [m/s]", settings.tolerance.speed)?;
+        within("check interval", settings.check_interval as f64, settings.check_interval > 0, "it is at least 1 step")?;
         if let Some(dt) = dt {
             positive("dt [s]", dt)?;
         }
@@ -93,8 +106,8 @@ impl Simulation {
         let is_radius = (0.0..=1.0).contains(&spectral_radius);
         within("spectral radius", spectral_radius, is_radius, "it lies between 0 and 1")?;
         within("substeps", f64::from(substeps), substeps > 0, "it is at least 1")?;
-        let (nodes, count, instructions) = (assembly.masses.len(), laws.len(), settings.instructions);
-        let mut integrator = (method.make)(&Options { nodes, laws: count, instructions, spectral_radius, substeps });
+        let instructions = settings.instructions;
+        let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len()));
         let couplings = |visit: &mut dyn FnMut(&[u32])| {
             laws.iter().filter_map(|law| law.linearisation()).for_each(|law| law.visit_couplings(visit));
         };
@@ -105,12 +118,12 @@ impl Simulation {
             State { positions: internal(&assembly.model.positions), velocities: internal(&assembly.model.velocities) };
         hold(&assembly.inverse_masses, &mut state.velocities);
         let Assembly { masses, inverse_masses, numbering, .. } = assembly;
-        let method = integrator.as_ref();
-        let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method, instructions);
+        let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, integrator.as_ref(), instructions);
         let energy_terms = mechanics.energy_terms(0.0, &state);
         let ledger = Ledger::open(energy_terms.clone());
         let good = GoodState {
             time: 0.0,
+            origin: 0.0,
             step_count: 0,
             state: state.clone(),
             work: ledger.work.clone(),
@@ -122,7 +135,9 @@ impl Simulation {
         let mut simulation = Self {
             mechanics,
             numbering,
+            method,
             integrator,
+            side: None,
             settings,
             dt: 0.0,
             origin: 0.0,
@@ -132,6 +147,7 @@ impl Simulation {
             good,
             suspect: None,
             adaptive: None,
+            output: None,
             start_limit: Limit { dt: f64::INFINITY, largest_frequency: 0.0, law: "nothing", node: 0 },
         };
         simulation.find_slow_laws()?;
@@ -147,16 +163,9 @@ impl Simulation {
                 simulation.adapt(limit.dt)?;
                 0.0
             }
-            None if is_implicit && limit.largest_frequency > 0.0 => implicit::LONG_STEP * 2.0 / limit.largest_frequency,
-            None if limit.dt.is_finite() => (settings.margin * limit.dt).min(simulation.resonance_bound(&limit)),
-            None => return Err(Error::NoStiffness),
+            None => simulation.default_step(&limit)?,
         };
         Ok(simulation)
-    }
-
-    /// Time \[s\].
-    pub fn time(&self) -> f64 {
-        self.adaptive.as_ref().map_or(self.origin + self.step_count as f64 * self.dt, |adaptive| adaptive.output_time)
     }
 
     /// The step \[s\]; in an adaptive run the next one to attempt.
@@ -174,7 +183,9 @@ impl Simulation {
             adaptive.controller.dt = dt;
             return Ok(());
         }
-        (self.origin, self.step_count, self.good.step_count) = (self.time(), 0, 0);
+        self.continue_from_output();
+        (self.origin, self.step_count) = (self.time(), 0);
+        (self.good.origin, self.good.step_count) = (self.good.time, 0);
         if self.integrator.is_started() {
             // The modified energy depends on the step.
             self.ledger.start_shift += self.energy_shift(dt) - self.energy_shift(self.dt);
@@ -200,6 +211,10 @@ impl Simulation {
     /// The properties of the method.
     fn properties(&self) -> Properties {
         self.integrator.properties()
+    }
+
+    fn options(&self) -> Options {
+        options_of(&self.settings, self.mechanics.masses.len(), self.mechanics.laws.len())
     }
 
     fn name(&self) -> &'static str {
@@ -249,6 +264,7 @@ impl Simulation {
         }
         check_finite("the position", positions)?;
         check_finite("the velocity", velocities)?;
+        self.continue_from_output();
         self.state = State {
             positions: self.numbering.internal_vectors(positions),
             velocities: self.numbering.internal_vectors(velocities),
@@ -256,7 +272,6 @@ impl Simulation {
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
         self.integrator.restore_history(History::default());
         self.mechanics.restore_histories(&[]);
-        self.restart_adaptive();
         self.ledger = Ledger::open(self.energy_terms());
         self.record_good(self.ledger.start.clone());
         Ok(())
@@ -324,6 +339,7 @@ impl Simulation {
     /// `Unstable` where the monitor stops the run; the state is then that of the last good check.
     pub fn step(&mut self, count: u64) -> Result<()> {
         for _ in 0..count {
+            self.put_step_end_back();
             self.start_if_needed();
             if self.adaptive.is_some() {
                 self.adaptive_step()?;
@@ -332,7 +348,7 @@ impl Simulation {
                 self.refuse_stall()?;
             }
             self.mechanics.accept(self.state.at(self.time()));
-            if self.step_count.is_multiple_of(self.settings.check_interval.max(1)) {
+            if self.step_count.is_multiple_of(self.settings.check_interval) {
                 self.regular_check()?;
             }
         }
@@ -362,6 +378,12 @@ impl Simulation {
     pub fn evaluation_count(&self) -> u64 {
         self.mechanics.evaluation_count
     }
+}
+
+/// The options of the method.
+fn options_of(settings: &Settings, nodes: usize, laws: usize) -> Options {
+    let Settings { instructions, spectral_radius, substeps, .. } = *settings;
+    Options { nodes, laws, instructions, spectral_radius, substeps }
 }
 
 /// Sets the velocities of held nodes to zero.

@@ -10,13 +10,16 @@ use crate::error::{Error, Result};
 use crate::evaluation::ledger::EnergyTerms;
 
 impl Simulation {
-    /// Checks for a fault, between two regular checks: without effect on the ledger, hence on results.
+    /// Checks the last step for a fault, between two regular checks, and the state that is shown: without effect on the
+    /// ledger, hence on results.
     ///
     /// # Errors
     /// `Unstable`; the state is then that of the last good regular check.
     pub fn check(&mut self) -> Result<()> {
-        let now = self.energy_terms();
-        self.refuse_fault(&now)
+        self.at_last_step(|simulation| {
+            let now = simulation.energy_terms();
+            simulation.refuse_fault(&now)
+        })
     }
 
     /// Checks for a fault, and records the largest changes and the good state.
@@ -92,6 +95,7 @@ impl Simulation {
     /// Restores the state of the last good check, for a method of constant step.
     fn rewind(&mut self) {
         let good = &self.good;
+        (self.output, self.origin) = (None, good.origin);
         (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
         self.integrator.restore_history(good.history.clone());
         self.mechanics.restore_histories(&good.law_histories);
@@ -110,7 +114,7 @@ impl Simulation {
 
     /// Records the present state as the last good one.
     pub(super) fn record_good(&mut self, energy_terms: EnergyTerms) {
-        (self.good.time, self.good.step_count) = (self.time(), self.step_count);
+        (self.good.time, self.good.origin, self.good.step_count) = (self.time(), self.origin, self.step_count);
         self.good.state.positions.copy_from(&self.state.positions);
         self.good.state.velocities.copy_from(&self.state.velocities);
         self.good.work.copy_from_slice(&self.ledger.work);

@@ -1,0 +1,68 @@
+"""The times at which a run calls its observers."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs._validation import number_of, show
+from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.scene.run_settings import MOST_INSTANTS
+
+SAME_TIME = 1e-12
+"""Times that differ by less than this share are one."""
+
+
+def output_times(
+    now: float,
+    end: float,
+    frames: int | Sequence[float],
+    samples: int | Sequence[float],
+    snapshots: Sequence[float],
+) -> list[tuple[float, bool]]:
+    """Times [s] from `now` to `end`, both among them, and whether each is that of a frame.
+
+    Parameters
+    ----------
+    now, end : float
+        Time now and at the end [s]; both are frames.
+    frames, samples : int or sequence of float
+        How many, evenly spaced from time 0 to the end, or their times [s]. Those outside the run are left out.
+    snapshots : sequence of float
+        Further times of frames [s].
+
+    Raises
+    ------
+    InputTypeError, InputError
+        Neither a whole number nor a list of times; fewer than 2, or more than 10^7.
+    """
+    # By rank: of times that are one, the first of the lowest rank is taken.
+    lists = [(np.array([now, end]), True), (np.array([number_of("snapshots", t) for t in snapshots]), True)]
+    lists += [(_times_of(frames, end, "frames"), True), (_times_of(samples, end, "samples"), False)]
+    times = np.concatenate([times for times, _ in lists]).astype(np.float64)
+    is_frame = np.concatenate([np.full(len(times), flag) for times, flag in lists])
+    rank = np.arange(len(times))
+    inside = (times >= now) & (times <= end)
+    times, is_frame, rank = times[inside], is_frame[inside], rank[inside]
+    order = np.argsort(times, kind="stable")
+    times, is_frame, rank = times[order], is_frame[order], rank[order]
+    first = np.flatnonzero(np.r_[True, np.diff(times) > SAME_TIME * np.abs(times[1:])])
+    best = np.minimum.reduceat(rank, first)
+    chosen = times[np.isin(rank, best)]
+    return list(zip(chosen.tolist(), np.logical_or.reduceat(is_frame, first).tolist(), strict=True))
+
+
+def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
+    """Given times, or evenly spaced ones; the latter to twelve digits, so that they are round where they should be."""
+    if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes):
+        return np.array([number_of(name, t) for t in wanted], dtype=np.float64)
+    try:
+        count = operator.index(wanted)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputTypeError(f"{name} = {show(wanted)}: must be a whole number or a list of times (s)") from None
+    if not 2 <= count <= MOST_INSTANTS:
+        raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
+    return np.array([float(f"{time:.12g}") for time in np.linspace(0.0, end, count)])
