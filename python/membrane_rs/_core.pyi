@@ -289,8 +289,7 @@ class Simulation:
         """Assemble a scene.
 
         laws : kind and parameters of each. dt : the step [s]; None: from the limit of the step, or chosen by the
-        method. instructions : "baseline", "avx2" or "avx512"; None: the widest that the machine has. Results have the
-        same bits.
+        method. instructions : "baseline", "avx2" or "avx512"; None: the widest, with the same bits.
         """
 
     @property

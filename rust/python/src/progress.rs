@@ -147,7 +147,8 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
     let ledger = &progress.ledger;
     let terms = [ledger.start.kinetic, ledger.largest_change, ledger.start_shift];
     let times = [progress.origin].into_iter().chain(progress.output_time);
-    let control = progress.adaptive.iter().flat_map(|adaptive| [adaptive.step_end_time, adaptive.controller.last_error]);
+    let control =
+        progress.adaptive.iter().flat_map(|adaptive| [adaptive.step_end_time, adaptive.controller.last_error]);
     let wrong = |name: &str, why: String| {
         Err(wrong_value(format!("saved state: {name} {why}; it is damaged, give one that Simulation.save wrote")))
     };

@@ -301,8 +301,12 @@ impl Simulation {
 
     /// Crease angles [rad], or None without the law.
     fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let found = self
-            .reading(py, "creases", |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None });
+        let found =
+            self.reading(
+                py,
+                "creases",
+                |readings| if let Readings::Creases { angle } = readings { Some(angle) } else { None },
+            );
         found.map(|angle| PyArray1::from_vec(py, angle))
     }
 
