@@ -119,7 +119,7 @@ def rest(sim: Simulation, nodes: NDArray[np.int64], axes: Sequence[int], step: f
     for _ in range(iterations):
         force = sim.forces()[nodes][:, list(axes)].ravel()
         move = np.linalg.lstsq(tangent(sim, nodes, axes, step), force, rcond=1e-12)[0]
-        positions = sim.positions
+        positions = sim.positions.copy()
         positions[np.ix_(nodes, np.array(axes))] += move.reshape(len(nodes), -1)
         sim.positions = positions
 

@@ -125,7 +125,7 @@ def collapsed(collapse: float) -> Simulation:
     run = RunSettings(until=1.0, watch=20, snapshots=(), energy_loss=1.0)
     scene = Scene(mesh, FILM, [Creases(natural_angle=1.0, collapse=collapse)], [Fixed((0, 1, 3))], run=run)
     sim = Simulation(scene, dt=0.2 * Simulation(scene).stable_dt())
-    positions = sim.positions
+    positions = sim.positions.copy()
     positions[2] = [0.01, 3e-7, 4e-7]
     sim.positions = positions
     return sim

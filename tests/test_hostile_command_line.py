@@ -101,7 +101,7 @@ def test_a_name_that_no_file_holds() -> None:
 def run(
     *words: str | bytes | Path, stdout: int = subprocess.PIPE, **environment: str
 ) -> subprocess.CompletedProcess[bytes]:
-    command = [sys.executable, "-m", "membrane_rs.cli", *map(os.fsencode, words)]
+    command = [os.fsencode(sys.executable), b"-m", b"membrane_rs.cli", *map(os.fsencode, words)]
     return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, check=False, timeout=100)
 
 

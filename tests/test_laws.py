@@ -198,7 +198,7 @@ def test_centrifugal_and_coriolis_force() -> None:
 @pytest.mark.parametrize("film", FILMS)
 def test_a_spring_of_no_length_and_a_facet_of_no_area_stay_finite(film: Law) -> None:
     sim = crowd(9, film)
-    positions = sim.positions
+    positions = sim.positions.copy()
     positions[1] = positions[0]  # an edge of the sheet
     positions[4] = positions[3]
     sim.positions = positions

@@ -357,7 +357,10 @@ def test_setting_positions_opens_the_ledger_anew() -> None:
 
 def test_arrays_are_copies_and_held_nodes_stay() -> None:
     sim = Simulation(hanging_strip())
-    sim.positions[:] = 9.0
+    for read in (sim.positions, sim.velocities, sim.masses):
+        with pytest.raises(ValueError, match="read-only"):
+            read[0] += 9.0
+    sim.positions.copy()[:] = 9.0
     assert (sim.positions == sim.scene.assemble().positions).all()
     sim.velocities = np.ones((sim.node_count, 3))
     held = sim.assembly.fixed

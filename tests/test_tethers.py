@@ -62,7 +62,7 @@ def test_a_chain_swings_as_slowly_in_time() -> None:
     part = cord(end=(0.0, 0.0, -1.0), segments=20, axial_stiffness=1e3, linear_density=0.1, tip_mass=0.0)
     sim = Simulation(Scene(None, None, [Gravity((0.0, 0.0, -GRAVITY))], [part]))
     rest(sim, np.arange(1, 21), [2], 1e-6)
-    positions = sim.positions
+    positions = sim.positions.copy()
     height = np.maximum(0.0, 1.0 + positions[:, 2])
     positions[1:, 0] = 1e-3 * j0(2.4048256 * np.sqrt(height[1:]))
     sim.positions = positions
@@ -92,7 +92,7 @@ def test_swings_of_a_massless_tether_whirled_by_a_hub(axis: int, ratio: float) -
     sim = Simulation(Scene(None, None, [Spin(3.0)], [part]))
     assert sim.spring_strains()[0] * stiffness == pytest.approx(tension, rel=1e-9)
     assert np.abs(sim.forces()[1]).max() < 1e-9 * tension  # T = m Omega^2 (R + L)
-    positions = sim.positions
+    positions = sim.positions.copy()
     angle = 1e-3
     positions[1, 0] = 0.1 + 0.3 * math.cos(angle)
     positions[1, axis] = 0.3 * math.sin(angle)

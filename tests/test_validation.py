@@ -158,6 +158,9 @@ def test_words_about_fields() -> None:
     assert (unit_of(Sample, "size"), unit_of(Sample, "count"), unit_of(int, "x")) == ("m", "", "")
     assert (range_of(Sample, "size"), range_of(Sample, "rule")) == ("greater than 0", "")
     assert nearest("stifness", ["stiffness", "ratio"]) == "did you mean 'stiffness'?"
+    assert nearest("rpm", ["frequency", "ratio"]) == "did you mean 'frequency' (in Hz: rpm / 60)?"
+    assert nearest("Omega", ["frequency"]) == "did you mean 'frequency' (in Hz: omega / (2 pi))?"
+    assert nearest("beta", ["stiffness", "ratio"]) == "did you mean 'stiffness'?"
     assert nearest("zzz", ["b", "a"]) == "known are: a, b"
 
 

@@ -22,6 +22,7 @@ from membrane_rs.errors import (
     MissingFileError,
     OutputError,
     SceneError,
+    UnknownAttributeError,
     UnstableError,
 )
 from membrane_rs.material import Material
@@ -77,6 +78,7 @@ __all__ = [
     "Tethers",
     "TipMasses",
     "Triangles",
+    "UnknownAttributeError",
     "UnstableError",
     "__version__",
     "folding",

@@ -333,8 +333,7 @@ class Simulation:
         """Assemble a scene.
 
         laws : kind and parameters of each. dt : the step [s]; None: from the limit of the step, or chosen by the
-        method. instructions : "baseline", "avx2" or "avx512"; None: the widest that the machine has. Results have the
-        same bits.
+        method. instructions : "baseline", "avx2" or "avx512"; None: the widest, with the same bits.
         """
 
     @property
@@ -399,6 +398,11 @@ class Simulation:
 
     def set_motion(self, positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> None:
         """Set positions (n, 3) [m] and velocities (n, 3) [m/s], and open the ledger anew."""
+
+    def start_from(
+        self, time: float, hub_angle: float, positions: NDArray[np.float64], velocities: NDArray[np.float64]
+    ) -> None:
+        """Start from a motion at a time [s], with the hub at an angle [rad], and open the ledger anew."""
 
     def masses(self) -> NDArray[np.float64]:
         """(n,) [kg]."""

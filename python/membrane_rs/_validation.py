@@ -21,12 +21,12 @@ from typing import Annotated, Any, TypeGuard, TypeVar, get_args
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
 from pydantic_core import ErrorDetails, PydanticCustomError
 from typing_extensions import dataclass_transform
 
+from membrane_rs._other_names import OTHER_NAMES
 from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError, MembraneError
 
@@ -166,7 +166,11 @@ def validated(cls: type[T]) -> type[T]:
 
     def checked(self: Any, /, *args: Any, **values: Any) -> None:
         # Where both are given the old name holds: `dataclasses.replace` gives each new one too.
+        is_replaced = values.keys() >= set(made.__pydantic_fields__)
         for old in [old for old in renamed if old in values]:
+            if renamed[old] in values and not is_replaced:
+                what = f"{made.__name__}.{old}: is the old name of {renamed[old]}, which is given too"
+                raise InputTypeError(f"{what}; leave {old} out")
             deprecated(f"{made.__name__}.{old}", f"use {renamed[old]}")
             values[renamed[old]] = values.pop(old)
         try:
@@ -242,39 +246,6 @@ def number_of(name: str, value: object, unit: str = "s") -> float:
     return number
 
 
-def numeric(
-    values: Any, name: str, kinds: str, wanted: str, irregular: type[InputError] = InputTypeError
-) -> NDArray[Any]:
-    """`values` as an array of one of some kinds of dtype ("f" float, "i" "u" whole numbers, "b" truth values).
-
-    Raises
-    ------
-    InputTypeError
-        Another dtype, or masked entries, whose mask would be lost.
-    irregular
-        Rows of different lengths.
-    """
-    if _is_masked(values):
-        raise InputTypeError(
-            f"{name} has masked entries, and must hold {wanted}; fill them (numpy.ma.filled(values, fill_value)) or "
-            "leave their rows out"
-        )
-    try:
-        array = np.asarray(values)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise irregular(f"{name} is no regular array ({error}); give rows of equal length") from None
-    if array.dtype.kind not in kinds and (array.size or array.dtype.kind not in "fiu"):
-        raise InputTypeError(f"{name} has dtype {array.dtype}; it must hold {wanted}")
-    return array
-
-
-def _is_masked(values: object, depth: int = 2) -> bool:
-    """Whether an array, or one in a list of lists, has masked entries."""
-    if isinstance(values, np.ma.MaskedArray):
-        return bool(np.ma.is_masked(values))
-    return depth > 0 and isinstance(values, list | tuple) and any(_is_masked(item, depth - 1) for item in values)
-
-
 def check_text(text: str, name: str, kind: type[InputError] = InputError) -> None:
     """Refuse a text that UTF-8, and so no file, can hold: one with half of a surrogate pair. Raises `kind`."""
     try:
@@ -287,8 +258,11 @@ def check_text(text: str, name: str, kind: type[InputError] = InputError) -> Non
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the known word nearest to it, or all of them."""
+    """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
     words = sorted(known)
+    name, unit = OTHER_NAMES.get(word.lower(), ("", ""))
+    if name in words:
+        return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
     close = difflib.get_close_matches(word, words, n=1)
     return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
 

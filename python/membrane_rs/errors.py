@@ -21,6 +21,10 @@ class InputTypeError(InputError, TypeError):
     """A value that was given has the wrong type, shape or dtype."""
 
 
+class UnknownAttributeError(InputError, AttributeError):
+    """An attribute that was set is none that can be."""
+
+
 class MeshError(InputError):
     """A mesh that cannot be built or simulated as it stands."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from contextlib import suppress
 from pathlib import Path
@@ -13,6 +14,10 @@ from membrane_rs._renamed import deprecated
 
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
+    from membrane_rs.scene.run_settings import RunSettings
+
+SUBSTEPPED = "leapfrog"
+"""The method whose steps may have substeps."""
 
 SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
 
@@ -102,14 +107,39 @@ def report_audit(scene: Scene) -> None:
 
 
 def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
-    """The scene with the run settings that were given on the command line."""
+    """The scene with the run settings that were given on the command line.
+
+    Raises InputError for one that has no effect with the run's method.
+    """
     from dataclasses import asdict, replace
 
     from membrane_rs._validation import build
+    from membrane_rs.errors import InputError
     from membrane_rs.scene.run_settings import RunSettings
 
     given = {name: value for name, value in wanted.items() if value is not None}
-    return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
+    if not given:
+        return scene
+    run = build(RunSettings, asdict(scene.run) | given, "run")
+    for name, (is_used, remedy) in _uses(run).items():
+        if name in given and not is_used:
+            option = "--" + name.replace("_", "-")
+            raise InputError(f"{option} = {given[name]}: has no effect with {run.integrator!r}{remedy}; leave it out")
+    return replace(scene, run=run)
+
+
+def _uses(run: RunSettings) -> dict[str, tuple[bool, str]]:
+    """Settings that some methods alone use: whether that of a run does, and what does otherwise, in words."""
+    from membrane_rs.simulation import integrators
+
+    facts = integrators().get(run.integrator)
+    if facts is None:  # the core names those that there are
+        return {}
+    return {
+        "tolerance": (facts.is_adaptive and run.dt is None, " and a given step" * facts.is_adaptive),
+        "spectral_radius": (math.isinf(facts.imaginary_limit), ", which is explicit"),
+        "substeps": (run.integrator == SUBSTEPPED or run.substeps == 1, f"; {SUBSTEPPED!r} alone takes substeps"),
+    }
 
 
 def numbers(text: str, option: str) -> list[float]:

@@ -13,7 +13,8 @@ from typing_extensions import Self
 
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._files import path_of
-from membrane_rs._validation import check_text, numeric
+from membrane_rs._given_arrays import numeric
+from membrane_rs._validation import check_text
 from membrane_rs.errors import InputError, InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit

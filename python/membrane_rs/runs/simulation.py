@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from membrane_rs.runs import signals
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
+from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
@@ -39,12 +41,19 @@ class Simulation(Stepper):
         other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps makes a
         power of ten of a second. The step depends neither on the end of a run nor on its outputs.
 
+    start : Simulation or path, optional
+        Go on from the motion of another simulation, or of a saved state: its positions, velocities, time and the angle
+        of its hub, which turns on from there at this scene's rate. The scene may have other laws, parameters and parts,
+        but must have the same nodes, triangles and segments of cords. Steps are counted from there, and the energy
+        ledger is opened anew. Default: the scene's own start, at time 0.
+
     Raises
     ------
     MeshError
         A triangle without area, negative spring constants, a crease that is no hinge.
     InputError
-        dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass.
+        dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass, a start with
+        other nodes.
 
     Warns
     -----
@@ -52,8 +61,15 @@ class Simulation(Stepper):
         Each error and each warning that `audit` finds in the scene.
     """
 
-    def __init__(self, scene: Scene, integrator: str | None = None, dt: float | None = None) -> None:
-        super().__init__(scene, integrator, dt)
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: str | None = None,
+        dt: float | None = None,
+        *,
+        start: Motion | str | Path | None = None,
+    ) -> None:
+        super().__init__(scene, integrator, dt, start=start)
         warn_of(self.audit(), stacklevel=2)
 
     def audit(self) -> Audit:
@@ -141,6 +157,12 @@ class Simulation(Stepper):
         end = number_of("until", settings.until if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
+        if overwrite and out is None:
+            raise InputError("overwrite = True: without out nothing is written; give out a folder, or leave this out")
+        beyond = [] if frames is None or isinstance(frames, int | str) else [t for t in np.ravel(frames) if t > end]
+        if beyond:
+            text = f"frames: {len(beyond)} of the times lie after until = {end:.6g} s, and are left out: {beyond[0]} s"
+            warnings.warn(text, stacklevel=2)
         request = Request(
             end,
             settings.frames if frames is None else frames,

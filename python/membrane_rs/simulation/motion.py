@@ -11,12 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._given_arrays import numeric
 from membrane_rs._renamed import Renamed, RenamedKeys
-from membrane_rs._validation import number_of, numeric, show
+from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
+from membrane_rs.simulation.attributes import KnownAttributes
+from membrane_rs.simulation.continuation import check_same_nodes, scene_digest
+from membrane_rs.simulation.copies import Copies
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
 from membrane_rs.simulation.readings import Readings
 
@@ -24,12 +29,19 @@ SHORTEST_STEP = 1e-100
 """A stable step below this comes of values beyond all nature [s]."""
 
 
-class Motion(Readings):
+class Motion(KnownAttributes, Copies, Readings):
     """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
     """
 
-    def __init__(self, scene: Scene, integrator: str | None = None, dt: float | None = None) -> None:
+    def __init__(
+        self, scene: Scene, integrator: str | None = None, dt: float | None = None, *, start: Motion | None = None
+    ) -> None:
+        self._build(scene, integrator, dt)
+        if start is not None:
+            self._start_from(start)
+
+    def _build(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
         if not isinstance(scene, Scene):
             raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene; load or build one first")
         self.scene = scene
@@ -50,9 +62,6 @@ class Motion(Readings):
                 f"the largest stable step is {self._core.dt} s, set by {self.limiting_part}: nothing moves in so short "
                 "a time; check the values of that law, of the material and of the masses"
             )
-        if step is None and not self.is_adaptive:
-            interval = scene.run.until / (scene.run.samples - 1)
-            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
 
     def _settings(self) -> Settings:
         """How the core runs the scene."""
@@ -116,8 +125,10 @@ class Motion(Readings):
 
     @property
     def positions(self) -> Floats:
-        """(N, 3) a copy of the positions [m]. Setting them restarts the energy ledger."""
-        return self._core.positions()
+        """(N, 3) a read-only copy of the positions [m]; `.copy()` gives one to change. Setting them, all at once, keeps
+        the time and opens the energy ledger anew.
+        """
+        return frozen(self._core.positions())
 
     @positions.setter
     def positions(self, values: ArrayLike) -> None:
@@ -125,12 +136,23 @@ class Motion(Readings):
 
     @property
     def velocities(self) -> Floats:
-        """(N, 3) a copy of the velocities relative to the turning frame [m/s]. Fixed nodes stay at rest."""
-        return self._core.velocities()
+        """(N, 3) a read-only copy of the velocities relative to the turning frame [m/s], set as positions are. Fixed
+        nodes stay at rest.
+        """
+        return frozen(self._core.velocities())
 
     @velocities.setter
     def velocities(self, values: ArrayLike) -> None:
         self._set_motion(self.positions, self._vectors(values, "velocities", "m/s"))
+
+    def _start_from(self, other: Motion) -> None:
+        """Go on from where another simulation of the same nodes is. Raises InputError."""
+        if not isinstance(other, Motion):
+            raise InputTypeError(f"start = {show(other)}: must be a Simulation, or the path of a saved state")
+        check_same_nodes(self.assembly, other.assembly)
+        self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities)
+        self.is_relaxed = other.is_relaxed
+        self._motions_set += 1
 
     def _set_motion(self, positions: Floats, velocities: Floats) -> None:
         self._core.set_motion(positions, velocities)
@@ -290,9 +312,9 @@ class Motion(Readings):
 
         Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
         keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
-        there where the time now is another.
+        there where the time now is another. "scene_digest" tells the scene from others.
         """
-        return self._core.progress()
+        return {**self._core.progress(), "scene_digest": self._digest}
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Continue from what `state` gave, of the same scene and method.
@@ -300,10 +322,22 @@ class Motion(Readings):
         Raises
         ------
         InputError
-            An entry that is missing, of the wrong type or of another scene's size, or a position that is not finite.
+            An entry that is missing, of the wrong type or of another scene's size, a value that is not finite, or a
+            state of another scene: `Simulation(scene, start=other)` goes on from that.
         """
+        if not isinstance(state, dict):
+            raise InputTypeError(f"state = {show(state)}: must be a dict that `state` gave")
+        if state.get("scene_digest", self._digest) != self._digest:
+            raise InputError(
+                "saved state: scene_digest is that of another scene, with other laws, parts or values; set it in a "
+                "simulation of its own scene, or go on from that one under this scene: Simulation(scene, start=other)"
+            )
         self._core.resume(state)
         self._motions_set += 1
+
+    @cached_property
+    def _digest(self) -> str:
+        return scene_digest(self.scene)
 
     effort = Renamed("statistics")
     shares_in_runs = Renamed("contiguous_shares")

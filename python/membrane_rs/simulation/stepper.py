@@ -13,6 +13,7 @@ from typing_extensions import Self
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
+from membrane_rs.scene import Scene
 from membrane_rs.simulation.checkpoint import StateFile, read_state
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
@@ -28,6 +29,17 @@ class Stepper(Motion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
     """
+
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: str | None = None,
+        dt: float | None = None,
+        *,
+        start: Motion | str | Path | None = None,
+    ) -> None:
+        other = Stepper.restore(start) if isinstance(start, str | Path) else start
+        super().__init__(scene, integrator, dt, start=other)
 
     until: float | None = None
     """Time at the end of the present or the last run [s]; None before one."""

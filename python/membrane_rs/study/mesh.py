@@ -58,7 +58,7 @@ class MeshRun:
     seconds: float
     """Processor time of the stepping [s]."""
     stopped: str | None
-    """The error that stopped the run before its end."""
+    """When and in which law the run was stopped before its end; None: it was not."""
     table: Mapping[str, Floats]
     """(samples,) "time" [s], "deployment_rate", "phase_difference_deg"."""
 
@@ -162,7 +162,7 @@ def mesh_study(
         stop,
         workers=workers,
         tell=tell,
-        outcome=lambda run: run.stopped or f"{run.seconds:.0f} s of stepping",
+        outcome=lambda run: f"stopped {run.stopped}" if run.stopped else f"{run.seconds:.0f} s of stepping",
     )
     order = list(dict.fromkeys([*FORMS, *(job.form for job in jobs)]))
     return sorted(runs, key=lambda run: (order.index(run.form), run.rows, run.member))
@@ -246,7 +246,7 @@ def _run(job: Job, sail: RowPattern, scene: Scene, stop: Event) -> MeshRun:
     try:
         sim.run(observers=[curves])
     except UnstableError as error:
-        stopped = str(error)
+        stopped = f"at {error.time:.4g} s ({error.law})"
     return MeshRun(
         form=job.form,
         rows=job.rows,

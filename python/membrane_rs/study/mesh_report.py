@@ -40,7 +40,7 @@ def _shown(forms: dict[str, list[Density]]) -> str:
             cells = [_with_spread(*mesh.feature(key), form) for _, key, form in _SHOWN]
             stopped = next((run.stopped for run in mesh.runs if run.stopped), None)
             worst = max((run.energy_error for run in mesh.runs), key=abs)
-            energy = f"{100 * worst:+.2f}" if stopped is None else f"stopped: {stopped}"
+            energy = f"{100 * worst:+.2f}" if stopped is None else f"stopped {stopped}"
             sizes = [f"{1e3 * mesh.cell:.4g}", f"{first.node_count:,}", str(len(mesh.runs)), f"{1e6 * first.dt:.3g}"]
             body.append([mesh.form, *sizes, *cells, energy])
     return table(head, body)

@@ -17,7 +17,21 @@ pub(crate) fn law_of(kind: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Law
         let found = value_of(&value).ok_or_else(|| wrong_type(format!("law {kind}: {name} = {value} is no number")))?;
         values.insert(name, found);
     }
-    LawSpec::deserialize(Value::Object(values)).map_err(|error| wrong_value(format!("law {kind}: {error}")))
+    let values = Value::Object(values);
+    LawSpec::deserialize(&values).map_err(|error| {
+        let error = error.to_string();
+        let place = faulty(&values, &error).map_or_else(String::new, |(name, value)| format!("{name} = {value}: "));
+        wrong_value(format!("law {kind}: {place}{error}"))
+    })
+}
+
+/// The parameter that an error is about: the one without which it is another error.
+fn faulty<'a>(values: &'a Value, error: &str) -> Option<(&'a String, &'a Value)> {
+    values.as_object()?.iter().filter(|(name, _)| *name != "kind").find(|(name, _)| {
+        let mut others = values.clone();
+        others.as_object_mut().map(|table| table.remove(*name));
+        LawSpec::deserialize(&others).err().is_none_or(|other| other.to_string() != error)
+    })
 }
 
 /// A parameter as plain data; `None` for other types, or a number that is not finite.

@@ -58,6 +58,7 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("step_count", progress.step_count)?;
     saved.set_item("evaluation_count", progress.evaluation_count)?;
     saved.set_item("origin", progress.origin)?;
+    saved.set_item("hub_phase", progress.hub_phase)?;
     saved.set_item("positions", vectors(py, &progress.positions)?)?;
     saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
     saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
@@ -119,6 +120,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         step_count: get(saved, WHAT, "step_count")?,
         evaluation_count: get(saved, WHAT, "evaluation_count")?,
         origin: get(saved, WHAT, "origin")?,
+        hub_phase: if saved.contains("hub_phase")? { get(saved, WHAT, "hub_phase")? } else { 0.0 },
         positions: rows("positions", &array("positions")?)?,
         velocities: rows("velocities", &array("velocities")?)?,
         ledger: Ledger {
@@ -134,4 +136,48 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         adaptive,
         output_time,
     })
+}
+
+/// Steps in a saved state above which it is taken as damaged: they would have taken centuries.
+const MOST_STEPS: u64 = 1_000_000_000_000_000;
+/// Largest size of a time \[s\], at which steps can still be counted.
+const LONGEST: f64 = 1e15;
+
+/// Refuses values that no simulation has: numbers that are not finite, and times or counts that cannot be continued.
+pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
+    let of = |(vectors, numbers): &SavedHistory| {
+        vectors.iter().flatten().flatten().chain(numbers).all(|value| value.is_finite())
+    };
+    let ledger = &progress.ledger;
+    let terms = [ledger.start.kinetic, ledger.largest_change, ledger.start_shift];
+    let times = [progress.origin].into_iter().chain(progress.output_time);
+    let control =
+        progress.adaptive.iter().flat_map(|adaptive| [adaptive.step_end_time, adaptive.controller.last_error]);
+    let wrong = |name: &str, why: String| {
+        Err(wrong_value(format!("saved state: {name} {why}; it is damaged, give one that Simulation.save wrote")))
+    };
+    let not_finite = || "holds a value that is not finite".to_owned();
+    if let Some(time) = times.chain(control).find(|time| !(time.abs() <= LONGEST)) {
+        return wrong("origin, output_time or adaptive_numbers", format!("= {time}, which is no time of a run"));
+    }
+    for (name, count) in [("step_count", progress.step_count), ("evaluation_count", progress.evaluation_count / 100)] {
+        if count > MOST_STEPS {
+            return wrong(name, format!("= {count} is above {MOST_STEPS}"));
+        }
+    }
+    for (name, rows) in [("positions", &progress.positions), ("velocities", &progress.velocities)] {
+        if !rows.iter().flatten().all(|value| value.is_finite()) {
+            return wrong(name, not_finite());
+        }
+    }
+    if !terms.iter().chain(&ledger.start.stored).chain(&ledger.work).all(|value| value.is_finite()) {
+        return wrong("the ledger (start_kinetic, start_stored, work, swing, start_shift)", not_finite());
+    }
+    if !of(&progress.history) {
+        return wrong("history_vectors or history_numbers", not_finite());
+    }
+    if !progress.law_histories.iter().all(of) {
+        return wrong("the history of a law", not_finite());
+    }
+    Ok(())
 }

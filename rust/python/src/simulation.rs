@@ -1,5 +1,7 @@
 //! The class behind Python's `Simulation`: that of the core, with the interpreter lock released during steps.
 
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
@@ -8,12 +10,14 @@ use membrane_core::laws::WorkClass;
 use membrane_core::simulation::Simulation as Core;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::{checked, matrix, rows, vectors};
 use crate::components::{model_of, settings_of};
+use crate::errors::wrong_value;
 use crate::laws::law_of;
-use crate::progress::{progress_of, saved_of};
+use crate::progress::{check_values, progress_of, saved_of};
 use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
 use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, StepLimit};
 
@@ -26,39 +30,95 @@ pub(crate) fn integrators() -> Vec<MethodFacts> {
     METHODS.iter().map(MethodFacts::of).collect()
 }
 
+/// Longest pause between two chunks of steps for other threads that wait to read, in periods of `READER_PERIOD`.
+const READER_PERIODS: u32 = 100;
+const READER_PERIOD: Duration = Duration::from_micros(50);
+
 /// A simulation of the core. Arrays are in external order.
-#[pyclass(module = "membrane_rs._core")]
+///
+/// One thread steps or sets it at a time; another one that tries is refused. Any thread may read it meanwhile: it waits
+/// for the end of a chunk of steps.
+#[pyclass(module = "membrane_rs._core", frozen)]
 pub(crate) struct Simulation {
-    core: Core,
+    core: Mutex<Core>,
     /// Estimated number of steps in `SIGNAL_INTERVAL`.
-    chunk: u64,
+    chunk: AtomicU64,
+    is_stepping: AtomicBool,
+    /// Threads that wait for `core`.
+    waiting: AtomicUsize,
 }
 
-/// Calls `advance` with `chunk` steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
-/// Whether it returned true.
-///
-/// `chunk` is kept from call to call: each check needs the interpreter lock, for which the core may wait.
-fn in_chunks(
-    py: Python<'_>,
-    chunk: &mut u64,
-    longest: Duration,
-    mut advance: impl FnMut(u64) -> Result<bool, Error> + Send,
-) -> PyResult<bool> {
-    let began = Instant::now();
-    loop {
-        let start = Instant::now();
-        let is_done = checked(py.detach(|| advance(*chunk)))?;
-        py.check_signals()?;
-        if is_done || began.elapsed() >= longest {
-            return Ok(is_done);
+/// The right to step, until it is dropped.
+struct Stepping<'a>(&'a Simulation);
+
+impl Drop for Stepping<'_> {
+    fn drop(&mut self) {
+        self.0.is_stepping.store(false, Ordering::Release);
+    }
+}
+
+impl Simulation {
+    /// The core, once no other thread uses it. Without the interpreter lock while it waits, so that a thread that
+    /// steps can check for Ctrl-C.
+    fn core(&self, py: Python<'_>) -> MutexGuard<'_, Core> {
+        self.waiting.fetch_add(1, Ordering::AcqRel);
+        let guard = self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        self.waiting.fetch_sub(1, Ordering::AcqRel);
+        guard
+    }
+
+    /// The right to step or to set the motion.
+    fn stepping(&self) -> PyResult<Stepping<'_>> {
+        if self.is_stepping.swap(true, Ordering::AcqRel) {
+            let what = "this simulation is being stepped by another thread, or by what called this; wait until its step \
+                        or run has ended, or give each thread a simulation of its own (copy.copy)";
+            return Err(wrong_value(what.to_owned()));
         }
-        let taken = start.elapsed();
-        if taken < SIGNAL_INTERVAL / 2 {
-            *chunk = chunk.saturating_mul(2);
-        } else if taken > SIGNAL_INTERVAL * 2 {
-            *chunk = (*chunk / 2).max(1);
+        Ok(Stepping(self))
+    }
+
+    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
+    /// Whether it returned true.
+    ///
+    /// The number is kept from call to call: each check needs the interpreter lock, for which the core may wait.
+    fn in_chunks(
+        &self,
+        py: Python<'_>,
+        longest: Duration,
+        mut advance: impl FnMut(&mut Core, u64) -> Result<bool, Error> + Send,
+    ) -> PyResult<bool> {
+        let _right = self.stepping()?;
+        let began = Instant::now();
+        loop {
+            let chunk = self.chunk.load(Ordering::Relaxed);
+            let start = Instant::now();
+            let is_done = py.detach(|| {
+                let is_done = advance(&mut self.core.lock().unwrap_or_else(PoisonError::into_inner), chunk);
+                for _ in 0..READER_PERIODS {
+                    if self.waiting.load(Ordering::Acquire) == 0 {
+                        break;
+                    }
+                    std::thread::sleep(READER_PERIOD);
+                }
+                is_done
+            });
+            let is_done = checked(is_done)?;
+            py.check_signals()?;
+            if is_done || began.elapsed() >= longest {
+                return Ok(is_done);
+            }
+            let taken = start.elapsed();
+            if taken < SIGNAL_INTERVAL / 2 {
+                self.chunk.store(chunk.saturating_mul(2), Ordering::Relaxed);
+            } else if taken > SIGNAL_INTERVAL * 2 {
+                self.chunk.store((chunk / 2).max(1), Ordering::Relaxed);
+            }
         }
     }
+}
+
+fn names_of(core: &Core) -> Vec<&'static str> {
+    core.laws().iter().map(|law| law.name()).collect()
 }
 
 #[pymethods]
@@ -75,69 +135,76 @@ impl Simulation {
     ) -> PyResult<Self> {
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
         let settings = settings_of(settings, instructions)?;
-        Ok(Self { core: checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?, chunk: 1 })
+        let core = checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?;
+        Ok(Self {
+            core: Mutex::new(core),
+            chunk: AtomicU64::new(1),
+            is_stepping: AtomicBool::new(false),
+            waiting: AtomicUsize::new(0),
+        })
     }
 
     #[getter]
-    fn time(&self) -> f64 {
-        self.core.time()
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.core(py).time()
     }
 
     #[getter]
-    fn dt(&self) -> f64 {
-        self.core.dt()
+    fn dt(&self, py: Python<'_>) -> f64 {
+        self.core(py).dt()
     }
 
-    fn set_dt(&mut self, dt: f64) -> PyResult<()> {
-        checked(self.core.set_dt(dt))
-    }
-
-    #[getter]
-    fn step_count(&self) -> u64 {
-        self.core.step_count()
+    fn set_dt(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        let _right = self.stepping()?;
+        checked(self.core(py).set_dt(dt))
     }
 
     #[getter]
-    fn evaluation_count(&self) -> u64 {
-        self.core.evaluation_count()
+    fn step_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).step_count()
     }
 
     #[getter]
-    fn is_adaptive(&self) -> bool {
-        self.core.is_adaptive()
+    fn evaluation_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).evaluation_count()
     }
 
     #[getter]
-    fn rejected_count(&self) -> u64 {
-        self.core.rejected_count()
+    fn is_adaptive(&self, py: Python<'_>) -> bool {
+        self.core(py).is_adaptive()
+    }
+
+    #[getter]
+    fn rejected_count(&self, py: Python<'_>) -> u64 {
+        self.core(py).rejected_count()
     }
 
     /// Counts of an implicit method; zeros for others.
     #[getter]
-    fn statistics(&self) -> NewtonStatistics {
-        self.core.integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
+    fn statistics(&self, py: Python<'_>) -> NewtonStatistics {
+        self.core(py).integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
     }
 
     #[getter]
-    fn integrator(&self) -> &'static str {
-        self.core.integrator().properties().name
+    fn integrator(&self, py: Python<'_>) -> &'static str {
+        self.core(py).integrator().properties().name
     }
 
     #[getter]
-    fn hub_angle(&self) -> f64 {
-        self.core.hub_angle()
+    fn hub_angle(&self, py: Python<'_>) -> f64 {
+        self.core(py).hub_angle()
     }
 
     /// The instruction set of the kernels.
     #[getter]
-    fn instructions(&self) -> &'static str {
-        self.core.instructions().name()
+    fn instructions(&self, py: Python<'_>) -> &'static str {
+        self.core(py).instructions().name()
     }
 
     /// Share of the elements in contiguous or split batches, by law.
     fn contiguous_shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let shares = PyDict::new(py);
-        for law in self.core.laws() {
+        for law in self.core(py).laws() {
             if let Some(share) = law.inspection().and_then(|law| law.contiguous_share()) {
                 shares.set_item(law.name(), share)?;
             }
@@ -146,41 +213,56 @@ impl Simulation {
     }
 
     #[getter]
-    fn slow_laws(&self) -> Vec<&'static str> {
-        self.core.slow_laws().collect()
+    fn slow_laws(&self, py: Python<'_>) -> Vec<&'static str> {
+        self.core(py).slow_laws().collect()
     }
 
     #[getter]
-    fn law_names(&self) -> Vec<&'static str> {
-        self.core.laws().iter().map(|law| law.name()).collect()
+    fn law_names(&self, py: Python<'_>) -> Vec<&'static str> {
+        self.core(py).laws().iter().map(|law| law.name()).collect()
     }
 
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &self.core.positions())
+        vectors(py, &self.core(py).positions())
     }
 
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &self.core.velocities())
+        vectors(py, &self.core(py).velocities())
     }
 
-    fn set_motion(&mut self, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
-        checked(self.core.set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
+    fn set_motion(&self, py: Python<'_>, positions: &Bound<'_, PyAny>, velocities: &Bound<'_, PyAny>) -> PyResult<()> {
+        let _right = self.stepping()?;
+        checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
+    }
+
+    /// Starts from a motion at a time [s], with the hub at an angle [rad].
+    fn start_from(
+        &self,
+        py: Python<'_>,
+        time: f64,
+        hub_angle: f64,
+        positions: &Bound<'_, PyAny>,
+        velocities: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let _right = self.stepping()?;
+        let (positions, velocities) = (rows("positions", positions)?, rows("velocities", velocities)?);
+        checked(self.core(py).start_from(time, hub_angle, &positions, &velocities))
     }
 
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, self.core.masses())
+        PyArray1::from_vec(py, self.core(py).masses())
     }
 
     #[pyo3(signature = (law=None))]
-    fn forces<'py>(&mut self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &checked(self.core.forces(law))?)
+    fn forces<'py>(&self, py: Python<'py>, law: Option<&str>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &checked(self.core(py).forces(law))?)
     }
 
     /// Energies in joules by name: "kinetic", and one for each law that has a potential.
     fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (terms, energies) = (self.core.energy_terms(), PyDict::new(py));
+        let (terms, energies) = (self.core(py).energy_terms(), PyDict::new(py));
         energies.set_item("kinetic", terms.kinetic)?;
-        for (law, energy) in self.core.laws().iter().zip(terms.stored) {
+        for (law, energy) in self.core(py).laws().iter().zip(terms.stored) {
             if law.properties().work_class == WorkClass::Conservative {
                 energies.set_item(law.name(), energy)?;
             }
@@ -190,12 +272,12 @@ impl Simulation {
 
     /// The energy balance at present.
     fn ledger(&self, py: Python<'_>) -> PyResult<EnergyBalance> {
-        EnergyBalance::of(py, &self.core)
+        EnergyBalance::of(py, &self.core(py))
     }
 
     /// Readings of the links of one law, or None without links.
     fn link_readings(&self, py: Python<'_>, law: &str) -> Option<LinkReadings> {
-        self.core.links(law).map(|links| LinkReadings {
+        self.core(py).links(law).map(|links| LinkReadings {
             strain: PyArray1::from_vec(py, links.strain).unbind(),
             tension: PyArray1::from_vec(py, links.tension).unbind(),
             buckled: PyArray1::from_vec(py, links.buckled).unbind(),
@@ -204,7 +286,7 @@ impl Simulation {
 
     /// State of a film of triangles, or None without its law.
     fn film_states(&self, py: Python<'_>) -> PyResult<Option<FilmStates>> {
-        let Some(film) = self.core.film_states() else { return Ok(None) };
+        let Some(film) = self.core(py).film_states() else { return Ok(None) };
         Ok(Some(FilmStates {
             strain: matrix(py, &film.strain)?.unbind(),
             state: PyArray1::from_vec(py, film.state).unbind(),
@@ -214,7 +296,7 @@ impl Simulation {
 
     /// Stress of each triangle of the film, or None without its law.
     fn film_stress(&self, py: Python<'_>) -> PyResult<Option<FilmStress>> {
-        let Some(stresses) = self.core.film_stress() else { return Ok(None) };
+        let Some(stresses) = self.core(py).film_stress() else { return Ok(None) };
         let values: Vec<[f64; 2]> = stresses.iter().map(|stress| stress.values()).collect();
         let directions: Vec<[[f64; 3]; 2]> = stresses.iter().map(|stress| stress.directions()).collect();
         let [first, second] = [0, 1].map(|k| directions.iter().map(|pair| pair[k]).collect::<Vec<[f64; 3]>>());
@@ -226,36 +308,36 @@ impl Simulation {
     }
 
     /// The largest principal stress of the film [Pa], at least 0, or None without its law.
-    fn largest_film_stress(&self) -> Option<f64> {
-        self.core.largest_film_stress()
+    fn largest_film_stress(&self, py: Python<'_>) -> Option<f64> {
+        self.core(py).largest_film_stress()
     }
 
     /// Crease angles [rad], or None without the law.
     fn crease_angles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.core.crease_angles().map(|angles| PyArray1::from_vec(py, angles))
+        self.core(py).crease_angles().map(|angles| PyArray1::from_vec(py, angles))
     }
 
     /// Forces of contact that the hub exerts on the nodes.
-    fn contact_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        vectors(py, &self.core.contact_forces())
+    fn contact_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.core(py).contact_forces())
     }
 
     /// The load of the sail on the hub.
-    fn hub_load(&mut self) -> HubLoad {
-        self.core.hub_load().into()
+    fn hub_load(&self, py: Python<'_>) -> HubLoad {
+        self.core(py).hub_load().into()
     }
 
     /// The limit of the step at the current positions.
     fn limit(&self, py: Python<'_>) -> PyResult<StepLimit> {
-        let limit = checked(py.detach(|| self.core.limit()))?;
-        Ok(StepLimit::of(&self.core, &limit))
+        let core = self.core(py);
+        let limit = py.detach(|| core.limit());
+        Ok(StepLimit::of(&core, &checked(limit)?))
     }
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
-    fn step(&mut self, py: Python<'_>, count: u64) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, count: u64) -> PyResult<()> {
         let mut left = count;
-        let Self { core, chunk } = self;
-        in_chunks(py, chunk, Duration::MAX, |chunk| {
+        self.in_chunks(py, Duration::MAX, |core, chunk| {
             let now = chunk.min(left);
             left -= now;
             core.step(now).map(|()| left == 0)
@@ -266,25 +348,31 @@ impl Simulation {
     /// Steps to `time` [s] and shows the state there, or stops after about `seconds` of wall time at the end of a step;
     /// Ctrl-C as in `step`. Whether `time` was reached.
     #[pyo3(signature = (time, seconds=None))]
-    fn reach(&mut self, py: Python<'_>, time: f64, seconds: Option<f64>) -> PyResult<bool> {
+    fn reach(&self, py: Python<'_>, time: f64, seconds: Option<f64>) -> PyResult<bool> {
         let longest = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or(Duration::MAX);
-        let Self { core, chunk } = self;
-        in_chunks(py, chunk, longest, |chunk| core.reach(time, chunk))
+        self.in_chunks(py, longest, |core, chunk| core.reach(time, chunk))
     }
 
     /// Checks for a fault, between the regular checks.
-    fn check(&mut self) -> PyResult<()> {
-        checked(self.core.check())
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        checked(self.core(py).check())
     }
 
     /// The data of a checkpoint, for `resume`.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        saved_of(py, self.core.progress(), &self.law_names())
+        let (names, progress) = {
+            let core = self.core(py);
+            (names_of(&core), core.progress())
+        };
+        saved_of(py, progress, &names)
     }
 
     /// Continues from a checkpoint.
-    fn resume(&mut self, saved: &Bound<'_, PyDict>) -> PyResult<()> {
-        let progress = progress_of(saved, &self.law_names())?;
-        checked(self.core.resume(&progress))
+    fn resume(&self, py: Python<'_>, saved: &Bound<'_, PyDict>) -> PyResult<()> {
+        let _right = self.stepping()?;
+        let names = names_of(&self.core(py));
+        let progress = progress_of(saved, &names)?;
+        check_values(&progress)?;
+        checked(self.core(py).resume(&progress))
     }
 }

@@ -57,7 +57,7 @@ def varied(scene: Scene, parameter: str, value: Any) -> Scene:
 def _changed(part: Any, name: str, value: Any, where: str) -> Any:
     key = _known(new_names(type(part)).get(name, name), [item.name for item in fields(part)], where)
     old = getattr(part, key)
-    whole = isinstance(old, int) and not isinstance(old, bool) and float(value).is_integer()
+    whole = isinstance(old, int) and not isinstance(old, bool) and isinstance(value, float) and value.is_integer()
     return replace(part, **{key: int(value) if whole else value})
 
 

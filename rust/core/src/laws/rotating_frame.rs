@@ -45,7 +45,7 @@ impl LawParameters for SpinParameters {
     }
 
     fn spin(&self) -> Option<Spin> {
-        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration, frozen_at: None })
+        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration, ..Spin::default() })
     }
 }
 

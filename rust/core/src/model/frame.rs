@@ -9,12 +9,14 @@ pub struct Spin {
     pub acceleration: f64,
     /// The time at which everything that depends on time is frozen \[s\]; `None`: time passes.
     pub frozen_at: Option<f64>,
+    /// Angle at t = 0 \[rad\]: not 0 where the hub has turned at another rate before.
+    pub phase: f64,
 }
 
 /// State of the frame at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Frame {
-    /// Angle of rotation since t = 0 \[rad\].
+    /// Angle of rotation since the hub began to turn \[rad\].
     pub angle: f64,
     /// Omega \[rad/s\].
     pub rate: f64,
@@ -39,12 +41,24 @@ impl Spin {
         self.frozen_at.unwrap_or(time)
     }
 
+    /// The angle by which the hub turns from t = 0 to `time` \[rad\].
+    #[inline]
+    fn turned(&self, time: f64) -> f64 {
+        (self.rate + 0.5 * self.acceleration * time) * time
+    }
+
+    /// The same motion, at `angle` \[rad\] at `time` \[s\].
+    #[must_use]
+    pub fn through(self, time: f64, angle: f64) -> Self {
+        Self { phase: angle - self.turned(time), ..self }
+    }
+
     /// The frame at `time` \[s\].
     #[inline]
     pub fn at(&self, time: f64) -> Frame {
         let time = self.time_of(time);
         Frame {
-            angle: (self.rate + 0.5 * self.acceleration * time) * time,
+            angle: if self.phase == 0.0 { self.turned(time) } else { self.phase + self.turned(time) },
             rate: self.rate + self.acceleration * time,
             acceleration: self.acceleration,
             is_frozen: self.frozen_at.is_some(),

@@ -31,10 +31,6 @@ impl Simulation {
 
     /// Sets up the step control.
     pub(super) fn adapt(&mut self, limit: f64) -> Result<()> {
-        let tolerance = self.settings.tolerance;
-        positive("tolerance", tolerance.relative)?;
-        positive("length of the tolerance [m]", tolerance.length)?;
-        positive("speed of the tolerance [m/s]", tolerance.speed)?;
         let first_dt = if limit.is_finite() { self.settings.margin * limit } else { FIRST_STEP };
         self.adaptive = Some(Adaptive { step_end_time: 0.0, controller: Controller::new(first_dt), first_dt });
         Ok(())

@@ -5,7 +5,7 @@ use crate::arrays::history::History;
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
 use crate::integrators::Controller;
-use crate::model::checks::within;
+use crate::model::checks::{finite, within};
 
 /// All data that change during a run: from them a run continues with the same bits.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Progress {
     pub evaluation_count: u64,
     /// The time of step 0 \[s\]: t = origin + step_count dt, not a running sum.
     pub origin: f64,
+    /// The angle of the hub at t = 0 \[rad\].
+    pub hub_phase: f64,
     /// Positions and velocities, in external order.
     pub positions: Vec<[f64; 3]>,
     /// See `positions`.
@@ -55,6 +57,7 @@ impl Simulation {
             step_count: self.step_count,
             evaluation_count: self.evaluation_count(),
             origin: self.origin,
+            hub_phase: self.mechanics.spin.phase,
             positions: self.numbering.external_vectors(&state.positions),
             velocities: self.numbering.external_vectors(&state.velocities),
             ledger: Ledger { work: work.to_vec(), ..self.ledger.clone() },
@@ -95,9 +98,11 @@ impl Simulation {
         for (what, (vectors, _)) in histories.chain([(OF_METHOD, &progress.history)]) {
             vectors.iter().try_for_each(|rows| length(what, rows.len(), nodes, "node"))?;
         }
+        finite("saved angle of the hub at t = 0 [rad]", progress.hub_phase)?;
         within("saved origin [s]", progress.origin, progress.origin.is_finite(), "it is finite")?;
         self.output = None;
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
+        self.mechanics.spin.phase = progress.hub_phase;
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;
         self.ledger = Ledger { scope: self.mechanics.scope(), ..progress.ledger.clone() };

@@ -10,6 +10,7 @@ mod output;
 mod rate_groups;
 mod readings;
 mod settings;
+mod start;
 mod tolerance;
 
 use crate::arrays::history::History;
@@ -98,6 +99,10 @@ impl Simulation {
         positive("margin", settings.margin)?;
         non_negative("energy tolerance", settings.energy_tolerance)?;
         non_negative("loss tolerance", settings.loss_tolerance)?;
+        positive("tolerance", settings.tolerance.relative)?;
+        positive("length of the tolerance [m]", settings.tolerance.length)?;
+        positive("speed of the tolerance [m/s]", settings.tolerance.speed)?;
+        within("check interval", settings.check_interval as f64, settings.check_interval > 0, "it is at least 1 step")?;
         if let Some(dt) = dt {
             positive("dt [s]", dt)?;
         }
@@ -343,7 +348,7 @@ impl Simulation {
                 self.refuse_stall()?;
             }
             self.mechanics.accept(self.state.at(self.time()));
-            if self.step_count.is_multiple_of(self.settings.check_interval.max(1)) {
+            if self.step_count.is_multiple_of(self.settings.check_interval) {
                 self.regular_check()?;
             }
         }

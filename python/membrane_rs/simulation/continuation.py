@@ -1,0 +1,37 @@
+"""What a simulation needs to go on elsewhere: a digest of its scene, and the nodes that another scene must share."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from membrane_rs.errors import InputError
+from membrane_rs.scene import Scene
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.toml import SceneContent, write_scene
+
+
+def scene_digest(scene: Scene) -> str:
+    """A digest of all in a scene that its motion depends on: neither its name nor the settings of its run."""
+    content = SceneContent(scene.mesh, scene.material, tuple(scene.laws), tuple(scene.parts), "", RunSettings())
+    found = hashlib.sha256(write_scene(content).encode())
+    if scene.mesh is not None:
+        mesh = scene.mesh
+        for array in (mesh.reference, mesh.triangles, mesh.positions, mesh.creases, mesh.fold_angles, mesh.bridges):
+            found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()[:32]
+
+
+def check_same_nodes(wanted: Assembly, found: Assembly) -> None:
+    """Refuse to start a scene from another one's motion where their nodes differ. Raises InputError."""
+    if wanted.node_count != found.node_count:
+        what = f"has {found.node_count} nodes, and this scene {wanted.node_count}"
+    elif not np.array_equal(wanted.triangles, found.triangles):
+        what = "has other triangles than this scene"
+    elif not np.array_equal(wanted.cords.nodes, found.cords.nodes):
+        what = "has cords between other nodes than this scene"
+    else:
+        return
+    raise InputError(f"start: its scene {what}; take a scene with the same mesh and the same segments of its cords")

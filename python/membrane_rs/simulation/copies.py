@@ -1,0 +1,56 @@
+"""Copies and pickles of a simulation: its scene and its state, from which an independent one has the same bits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+from typing_extensions import Self
+
+if TYPE_CHECKING:
+    from membrane_rs.scene import Scene
+
+MADE = ("scene", "assembly", "_core", "_limit", "_motions_set", "_digest", "masses", "spring_pairs")
+"""Attributes that follow from scene and state."""
+
+
+class Copies:
+    """What a class needs whose core cannot be copied: it is built anew, and continues from the state."""
+
+    scene: Scene
+
+    def _build(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
+        raise NotImplementedError
+
+    def state(self) -> dict[str, Any]:
+        """All that changes while the scene moves."""
+        raise NotImplementedError
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Continue from what `state` gave."""
+        raise NotImplementedError
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What copies and pickles hold: scene, method, step, state, and the attributes of a user's own class."""
+        own = {name: value for name, value in self.__dict__.items() if name not in MADE}
+        core = self.__dict__["_core"]
+        step = (core.integrator, core.dt, core.is_adaptive)
+        return _remade, (type(self), self.scene, step, self.state(), own)
+
+    def __copy__(self) -> Self:
+        """An independent simulation of the same scene, with the same bits."""
+        make, arguments = self.__reduce__()
+        return cast("Self", make(*arguments))
+
+
+def _remade(
+    kind: type[Copies], scene: Scene, step: tuple[str, float, bool], state: dict[str, Any], own: dict[str, Any]
+) -> Copies:
+    """A simulation as it was when it was copied or pickled."""
+    integrator, dt, is_adaptive = step
+    made = kind.__new__(kind)
+    made._build(scene, integrator, None if is_adaptive else dt)
+    if is_adaptive:
+        made.__dict__["_core"].set_dt(dt)
+    made.set_state(state)
+    made.__dict__.update(own)
+    return made

@@ -1,0 +1,175 @@
+"""A simulation as an object: copied, pickled, read by other threads, its attributes; settings that have no effect."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import (
+    InputError,
+    InputTypeError,
+    Mesh,
+    MeshError,
+    RunSettings,
+    Simulation,
+    UnknownAttributeError,
+    integrators,
+)
+from membrane_rs.study.common.variation import varied
+from small_scenes import hanging_strip, patch, refused
+
+SCENE = hanging_strip()
+COPIES: list[Callable[[Any], Any]] = [copy.copy, copy.deepcopy, lambda sim: pickle.loads(pickle.dumps(sim))]
+
+
+class Counting(Simulation):
+    """A class of a user, with an attribute of its own."""
+
+    count = 0
+
+
+def equal(one: Simulation, other: Simulation) -> bool:
+    first, second = one.state(), other.state()
+    return first.keys() == second.keys() and all(np.array_equal(first[name], second[name]) for name in first)
+
+
+@pytest.mark.parametrize("integrator", integrators())
+@pytest.mark.parametrize("copied", COPIES, ids=["copy", "deepcopy", "pickle"])
+def test_copies_are_independent_and_go_on_with_the_same_bits(copied: Callable[[Any], Any], integrator: str) -> None:
+    sim = Counting(SCENE, integrator)
+    sim.step(7)
+    sim.count = 3
+    sim.note = "mine"
+    other = copied(sim)
+    assert (type(other), other.count, other.note) == (Counting, 3, "mine")
+    assert equal(sim, other)
+    before = sim.positions
+    other.step(9)
+    assert (sim.positions == before).all()
+    assert sim.step_count == 7
+    sim.step(9)
+    assert equal(sim, other)
+
+
+@pytest.mark.parametrize("copied", COPIES, ids=["copy", "deepcopy", "pickle"])
+def test_copies_of_meshes_and_assemblies_are_read_only(copied: Callable[[Any], Any]) -> None:
+    mesh = copied(patch())
+    assert mesh.edges.shape == (5, 2)
+    assembly = copied(SCENE).assemble()
+    arrays = (mesh.reference, mesh.positions, mesh.triangles, mesh.fold_angles, mesh.node_sets["corners"], mesh.edges)
+    for array in (*arrays, assembly.positions, assembly.creases.nodes, *assembly.node_sets.values()):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_other_threads_read_while_one_steps_and_none_steps_beside_it() -> None:
+    sim = Simulation(SCENE, dt=1e-6)
+    ended = threading.Event()
+
+    def step() -> None:
+        sim.step(400_000)
+        ended.set()
+
+    thread = threading.Thread(target=step)
+    thread.start()
+    seen = []
+    while not ended.is_set():
+        seen.append((sim.time, sim.positions.sum(), sim.energies()["kinetic"]))
+        if len(seen) == 3:
+            for action in (lambda: sim.step(1), lambda: setattr(sim, "positions", SCENE.assemble().positions)):
+                refused(action, InputError, "is being stepped by another thread")
+        time.sleep(0.001)
+    thread.join()
+    assert len(seen) > 3
+    assert [time for time, _, _ in seen] == sorted(time for time, _, _ in seen)
+    sim.step(1)
+    assert sim.step_count == 400_001
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("typo", "Simulation.typo: no such attribute; known are: is_relaxed, positions, velocities"),
+        ("position", "did you mean 'positions'"),
+        ("velocity", "did you mean 'velocities'"),
+        ("masses", "Simulation.masses: is read only"),
+        ("spring_pairs", "is read only"),
+        ("scene", "is read only; make another simulation"),
+    ],
+)
+def test_an_attribute_that_is_none_is_refused(name: str, words: str) -> None:
+    sim = Simulation(SCENE)
+    refused(lambda: setattr(sim, name, 3), UnknownAttributeError, words)
+    with pytest.raises(AttributeError):
+        setattr(sim, name, 3)
+
+
+def test_an_array_in_place_is_refused() -> None:
+    sim = Simulation(SCENE)
+    with pytest.raises(ValueError, match="read-only"):
+        sim.positions[0] += 1
+    with pytest.raises(ValueError, match="read-only"):
+        sim.velocities[0] += 1
+
+
+@pytest.mark.parametrize("integrator", integrators())
+def test_setting_the_motion_keeps_the_clock(integrator: str) -> None:
+    sim = Simulation(SCENE, integrator)
+    sim.step(5)
+    now = sim.time
+    sim.positions = sim.positions
+    sim.velocities = 0 * sim.velocities
+    assert sim.time == now > 0
+    sim.step(5)
+    assert sim.time > now
+
+
+def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
+    refused(lambda: Simulation(SCENE).run(until=0.001, overwrite=True), InputError, "overwrite = True: without out")
+    with pytest.warns(UserWarning, match="frames: 2 of the times lie after until = 0.001 s, and are left out: 0.5 s"):
+        Simulation(SCENE).run(until=0.001, frames=[0.0005, 0.5, 1.0])
+    refused(lambda: varied(SCENE, "run.frames", "8"), InputError, "must be a whole number")
+    assert varied(SCENE, "run.frames", 8.0).run.frames == 8
+    refused(lambda: RunSettings(short_steps=4, substeps=2), InputError, "is the old name of substeps")  # type: ignore[call-arg]
+
+
+MASKED: Any = np.ma.masked_equal(np.eye(3), 1.0)
+BAD: list[Any] = [
+    MASKED, [list(row) for row in MASKED], np.zeros((3, 3), complex), np.zeros((3, 3), object),
+    np.zeros((3, 3), "M8[s]"), np.zeros((3, 3), "m8[s]"), np.zeros((3, 3), "U3"), np.zeros((3, 3), bool),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("values", BAD, ids=lambda values: str(getattr(values, "dtype", "list")))
+def test_arrays_that_would_lose_something_are_refused(values: Any) -> None:
+    triangles = [[0, 1, 2]]
+    refused(lambda: Mesh(values, triangles), InputTypeError, "reference")
+    refused(lambda: Mesh(np.eye(3), triangles, positions=values), InputTypeError, "positions")
+    refused(lambda: Mesh(np.eye(3), values), InputTypeError, "triangles")
+    refused(lambda: Mesh(np.eye(3), triangles).strain(values), InputTypeError, "positions")
+    refused(lambda: setattr(Simulation(SCENE), "positions", values), InputTypeError, "positions")
+
+
+def test_masks_name_how_to_fill_them_and_none_is_as_no_mask() -> None:
+    refused(lambda: Mesh(MASKED, [[0, 1, 2]]), InputTypeError, r"masked entries.*numpy.ma.filled")
+    whole: Any = np.ma.masked_array(np.eye(3), mask=False)
+    assert (Mesh(whole, [[0, 1, 2]]).reference == np.eye(3)).all()
+
+
+@pytest.mark.parametrize("order", ["F", "C"])
+@pytest.mark.parametrize("dtype", [">f8", "<f8", ">f4", "f2", "g", ">i4", "u1"])
+def test_arrays_of_any_layout_are_read_right(dtype: str, order: Any) -> None:
+    points: Any = np.array(np.arange(18).reshape(6, 3), dtype, order=order)[::2]
+    assert (Mesh(points * 2 % 7, [[0, 1, 2]]).reference == (np.arange(18).reshape(6, 3)[::2] * 2 % 7)).all()
+
+
+def test_quadrilaterals_are_refused_with_how_to_split_them() -> None:
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    refused(lambda: Mesh(points, [[0, 1, 2, 3]]), MeshError, r"quadrilaterals; split each.*numpy.concatenate")
