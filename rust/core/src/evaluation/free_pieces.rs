@@ -25,6 +25,8 @@ pub struct RigidMotion {
     pub rotation: f64,
     /// The largest rate of rotation \[rad/s\].
     pub rate: f64,
+    /// Kinetic energy of the rotations if the pieces turned with the frame \[J\].
+    pub carried: f64,
 }
 
 /// The free pieces: sets of nodes that elements connect, without a held node.
@@ -91,6 +93,7 @@ impl FreePieces {
                 inertia += m * (Matrix3::identity() * x.norm_squared() - x * x.transpose());
             }
             motion.translation += 0.5 * mass * velocity.norm_squared();
+            motion.carried += 0.5 * at.frame.rate * at.frame.rate * inertia[(2, 2)];
             // No eigenvalues of what is not finite.
             if !(momentum.sum() + inertia.sum()).is_finite() {
                 continue;

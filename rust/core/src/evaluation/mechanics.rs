@@ -305,6 +305,10 @@ impl System for Mechanics {
         }
     }
 
+    fn mass_product(&self, a: &NodeVectors, b: &NodeVectors) -> f64 {
+        self.masses.iter().enumerate().map(|(node, mass)| mass * a.row(node).dot(&b.row(node))).sum()
+    }
+
     fn coriolis_rate(&self, time: f64) -> f64 {
         let frame = self.spin.at(time);
         self.laws.iter().filter_map(|law| law.linearisation()).map(|law| law.coriolis_rate(frame)).sum()

@@ -17,11 +17,14 @@
 //! Problems, 2004, section 3.3). A correction that does not shrink is halved up to `HALVINGS` times. The iteration ends
 //! where the next correction is below 1e-9 of the largest displacement of a node in the step, or below rounding. A
 //! matrix that is not positive definite is factorised again with larger masses. If Newton's method fails the step is
-//! halved, down to 2^-`LEVELS` of it, and each halving is counted. If that fails too the step is `stalled`.
+//! halved, down to 2^-`LEVELS` of it, and each halving is counted. From 2^-`LEVELS_OF_NEWTON` on `descent` takes over
+//! where it fails. If that fails too the step is `stalled`.
 //!
 //! The work of a law is the integral of its power at t_f, extrapolated to the middle of the step by the line through
 //! the power of the step before: order 2, and bounded however stiff a dashpot is.
 //! Storage: six vectors per node beside the state; the tangent and its factor.
+
+mod descent;
 
 use nalgebra::Matrix3;
 
@@ -39,6 +42,8 @@ const CONTRACTION: f64 = 0.25;
 const SHIFTS: i32 = 5;
 /// Largest number of halvings of a step.
 const LEVELS: u32 = 10;
+/// Number of halvings after which a part of a step is found by descent where Newton's method fails.
+const LEVELS_OF_NEWTON: u32 = 4;
 /// Correction at which the iteration ends, over the largest displacement in the step, and over the size of the scene.
 const TOLERANCE: [f64; 2] = [1e-9, 1e-14];
 /// The same for corrections that no longer shrink because of rounding.
@@ -158,13 +163,17 @@ impl GeneralizedAlpha {
         false
     }
 
-    /// Finds a' by Newton's method; a failure gives the node with the largest last correction.
-    fn newton(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> Result<(), usize> {
-        let size = interval.from.positions.amax();
-        // The initial guess: constant velocity.
+    /// The initial guess, constant velocity, as `next` and as `trial`.
+    fn guess(&mut self) {
         self.next.copy_from(&self.acceleration);
         self.next *= (self.beta - 0.5) / self.beta;
         self.trial.copy_from(&self.next);
+    }
+
+    /// Finds a' by Newton's method; a failure gives the node with the largest last correction.
+    fn newton(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> Result<(), usize> {
+        let size = interval.from.positions.amax();
+        self.guess();
         self.evaluate(system, interval);
         if !self.residual.sum().is_finite() || !self.factorise(system, interval) {
             return Err(largest(&self.residual).0);
@@ -305,7 +314,11 @@ impl Integrator for GeneralizedAlpha {
         while done < whole {
             let share = |parts: u32| f64::from(parts) / f64::from(whole);
             let interval = Interval { time: time + dt * share(done), h: dt * share(part), from: state };
-            match self.newton(system, &interval) {
+            let found = self.newton(system, &interval).or_else(|node| {
+                let is_short = part << LEVELS_OF_NEWTON <= whole;
+                if is_short { self.descend(system, &interval) } else { Err(node) }
+            });
+            match found {
                 Ok(()) => {
                     let h = interval.h;
                     self.accept(h, state, work);

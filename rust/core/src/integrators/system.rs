@@ -55,4 +55,6 @@ pub trait System {
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;
     /// Replaces accelerations r by the solution u of A u = M r, with A factorised last; 0 for held nodes.
     fn solve(&mut self, accelerations: &mut NodeVectors);
+    /// sum m a . b over the nodes, of two accelerations.
+    fn mass_product(&self, a: &NodeVectors, b: &NodeVectors) -> f64;
 }

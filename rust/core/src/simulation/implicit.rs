@@ -27,7 +27,11 @@ impl Simulation {
         let place = format!("node {} has the largest correction", self.numbering.to_external(stall.node));
         let now = self.energy_terms();
         let mut fault = self.described(what, place, largest.map(|(law, ..)| law), &now);
-        fault.remedy += "; or use an explicit integrator";
+        fault.remedy = format!(
+            "neither Newton's method nor descent finds forces in balance there: use a dt below {:.1e} s or an explicit \
+             integrator; or {}",
+            stall.dt, fault.remedy
+        );
         self.roll_back(fault)
     }
 }

@@ -63,7 +63,22 @@ impl Simulation {
 
     /// The floor without what belongs to turning pieces \[J\].
     pub(super) fn resting_floor(&self, now: &EnergyTerms) -> f64 {
-        FLOOR * self.ledger.largest_energy(now) + self.rounding(now)
+        FLOOR * self.ledger.largest_energy(now) + self.rounding(now) + self.step_errors(now)
+    }
+
+    /// Energy of the errors allowed for the steps of an adaptive run, as a random walk like that of rounding \[J\].
+    fn step_errors(&self, now: &EnergyTerms) -> f64 {
+        if self.adaptive.is_none() {
+            return 0.0;
+        }
+        let errors = self.step_count as f64 * self.kinetic_at(self.speed_error());
+        errors + 2.0 * (errors * self.ledger.reference_energy(now)).sqrt()
+    }
+
+    /// Allowed error of the velocities in a step of an adaptive run, which grows with the speed of the nodes \[m/s\].
+    fn speed_error(&self) -> f64 {
+        let Tolerance { relative, speed, .. } = self.settings.tolerance;
+        relative * speed.hypot(self.state.velocities.amax())
     }
 
     /// The method's own error of the rigid motion of free pieces \[J\]: that of their rotation, and in a turning frame
@@ -72,14 +87,14 @@ impl Simulation {
         if self.mechanics.pieces.is_empty() {
             return 0.0;
         }
-        let RigidMotion { translation, rotation, rate } = self.rigid_motion();
+        let RigidMotion { translation, rotation, rate, carried } = self.rigid_motion();
         let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
         let tangents = TANGENTS * (self.time() / dt) * (rate * dt).powi(4);
         let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
         let seen_from_frame = match self.ledger.scope {
-            Scope::Whole => translation + rotation,
-            Scope::Isolated { .. } => rotation,
+            Scope::Whole => translation + rotation + carried,
+            Scope::Isolated { .. } => rotation + carried,
         };
         let floor = tangents.min(most) * rotation + against_frame.min(most) * seen_from_frame;
         if floor.is_finite() { floor } else { 0.0 }
@@ -97,11 +112,9 @@ impl Simulation {
         self.mechanics.pieces.rigid_motion(&self.mechanics.masses, self.instant())
     }
 
-    /// Whether the reference energy of an adaptive run is within the errors allowed for its steps, which grow with the
-    /// speed of the nodes.
+    /// Whether the reference energy of an adaptive run is within the errors allowed for its steps.
     pub(super) fn is_within_tolerance(&self, reference_energy: f64) -> bool {
-        let Tolerance { relative, speed, .. } = self.settings.tolerance;
-        let allowed = self.kinetic_at(REST_SPEED_FACTOR * relative * speed.hypot(self.state.velocities.amax()));
+        let allowed = self.kinetic_at(REST_SPEED_FACTOR * self.speed_error());
         self.adaptive.is_some() && reference_energy <= self.step_count as f64 * allowed
     }
 

@@ -1,0 +1,98 @@
+"""The monitor judges a free scene alike at rest, thrown, spun and in a turning frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from membrane_rs import Gravity, RunSettings, Scene, Simulation, SpringDamping, Springs, Triangles, UnstableError
+from membrane_rs.folding import Strip
+from membrane_rs.scene.laws import Law
+from rigid_motions import FAULTY, MOTIONS, SOUND, Kind, verdict
+from small_scenes import RUBBER, UNBUCKLED, Floats
+
+
+@pytest.mark.parametrize("kind", SOUND, ids=lambda kind: str(kind.__name__))
+@pytest.mark.parametrize("method", ["rk4", "leapfrog"])
+def test_no_motion_stops_a_sound_scene(kind: Kind, method: str) -> None:
+    for motion in MOTIONS:
+        found = verdict(kind, motion, method, 0, is_compared=False)
+        assert found is None or not found.is_stopped, found
+
+
+@pytest.mark.parametrize("kind", FAULTY, ids=lambda kind: str(kind.__name__))
+@pytest.mark.parametrize("method", ["rk4", "leapfrog"])
+def test_no_motion_hides_a_fault(kind: Kind, method: str) -> None:
+    for motion in MOTIONS:
+        found = verdict(kind, motion, method, 0, is_compared=False)
+        assert found is None or found.is_stopped, found
+
+
+def square(*laws: Law, dt: float | None = None, **run: float) -> Simulation:
+    """A free square of rubber film."""
+    settings = RunSettings(until=100.0, snapshots=(), **run)  # type: ignore[arg-type]
+    scene = Scene(Strip(0.1, 0.1, 4, 4).mesh(), RUBBER, list(laws), run=settings)
+    return Simulation(scene, dt=dt)
+
+
+def shaken(share: float, speed: float, size: float) -> Simulation:
+    """With random velocities of `size`, at `share` of the stability limit of rk4, thrown at `speed`."""
+    sim = square(UNBUCKLED, dt=share * square(UNBUCKLED).stable_dt())
+    sim.velocities = size * np.random.default_rng(0).normal(size=(sim.node_count, 3)) + [speed, 0.0, 0.0]
+    return sim
+
+
+@pytest.mark.parametrize(("share", "size"), [(1.02, 1e-3), (0.7, 5e-2)], ids=["gain", "loss"])
+def test_the_speed_of_the_whole_changes_neither_verdict_nor_number(share: float, size: float) -> None:
+    messages = []
+    for speed in (0.0, 1.0, 100.0, 1000.0):
+        with pytest.raises(UnstableError) as caught:
+            shaken(share, speed, size).step(5000)
+        messages.append((caught.value.step, str(caught.value).split(" J")[0].split(": ")[1]))
+    assert len(set(messages)) == 1, messages
+
+
+def spun(sim: Simulation, rates: Floats) -> Simulation:
+    sim.velocities = np.cross(rates, sim.positions - sim.masses @ sim.positions / sim.masses.sum())
+    return sim
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, 0.2])
+@pytest.mark.parametrize("law", [Springs(), Triangles()], ids=lambda law: str(law.kind))
+def test_a_sound_flight_that_turns_is_not_stopped(law: Law, ratio: float) -> None:
+    sim = square(law, *([SpringDamping(ratio)] if ratio else []))
+    spun(sim, np.array([1.5, -2.5, 20.0]))
+    before = sim.energies()["kinetic"]
+    sim.step(round(3.0 / sim.dt))
+    # Its widening and the vibration about it are a thousandth.
+    assert sim.energies()["kinetic"] == pytest.approx(before, rel=3e-3)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1.0, 1000.0])
+def test_a_scene_without_exchange_has_no_energy_error(speed: float) -> None:
+    sim = square(Springs(), SpringDamping())
+    sim.velocities = np.tile([speed, 0.3 * speed, 0.0], (sim.node_count, 1))
+    sim.step(2000)
+    ledger = sim.ledger()
+    assert ledger["error"] == 0.0
+    assert ledger["reference_energy"] < 1e-15 * max(ledger["kinetic"], 1.0)
+
+
+def test_the_reference_energy_of_a_falling_film_is_not_that_of_its_fall() -> None:
+    # The default step damps part of the noise.
+    sim = square(Springs(), SpringDamping(), Gravity((0.0, 0.0, -9.81)), energy_loss=1.0)
+    sim.velocities = 1e-3 * np.random.default_rng(0).normal(size=(sim.node_count, 3))
+    sim.step(500)
+    ledger = sim.ledger()
+    assert ledger["kinetic"] > 1e-4
+    assert 0.0 < ledger["reference_energy"] < 1e-8
+    assert -0.5 < ledger["error"] < 0.0
+
+
+def test_a_restart_goes_on_with_the_same_balance() -> None:
+    whole, first = (shaken(0.4, 100.0, 1e-4) for _ in range(2))
+    whole.step(40)
+    first.step(15)
+    second = shaken(0.4, 100.0, 1e-4)
+    second.set_state(first.state())
+    second.step(25)
+    assert second.ledger() == whole.ledger()
