@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from membrane_rs import AuditWarning, Fixed, Gravity, Mesh, RunSettings, Scene, Simulation, Springs, scenes
-from membrane_rs.check import CHECKS, COSTLY_CHECKS, Finding, audit
+from membrane_rs.check import CHECKS, COSTLY_CHECKS, Finding, audit, unaccepted_errors
 from membrane_rs.cli import app
 from membrane_rs.folding import Strip
 from small_scenes import RUBBER, hanging_strip
@@ -83,6 +83,25 @@ def test_a_named_option_runs_despite_errors(tmp_path: Path) -> None:
     assert (code, "triangles are given more than once" in shown) == (0, True)
     assert told_in(out)[0]["kind"] == "duplicate_triangles"
     assert json.loads((out / "summary.json").read_text())["outcome"] == "finished"
+
+
+def test_errors_that_a_setting_accepts_stop_no_run(tmp_path: Path) -> None:
+    obtuse = Mesh([[0.01, 0.0, 0.0], [0.02, 0.002, 0.0], [0.03, 0.0, 0.0]], [[0, 1, 2]])
+    stretched = Mesh(SHEET.reference, SHEET.triangles, positions=1.2 * SHEET.reference)
+    for mesh, accepting, other in (
+        (obtuse, Springs(negative="clip"), None),
+        (obtuse, Springs(negative="keep"), None),
+        (stretched, Springs(strain_limit=1.0), Springs()),
+    ):
+        scene = Scene(mesh, RUBBER, [accepting], [Fixed((0,))], name="accepted", run=RunSettings(until=1e-4))
+        assert audit(scene).errors
+        assert unaccepted_errors(scene) == ()
+        scene.save(tmp_path / "scene")
+        code, shown = call("run", tmp_path / "scene" / "scene.toml", "--out", tmp_path / "run", "--overwrite")
+        assert (code, "error:" in shown) == (0, True), shown
+        if other is not None:
+            refused = Scene(mesh, RUBBER, [other], [Fixed((0,))])
+            assert [error.kind for error in unaccepted_errors(refused)] == ["strain"]
 
 
 def test_a_sound_scene_runs_without_a_warning() -> None:

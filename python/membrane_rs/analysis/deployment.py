@@ -1,7 +1,7 @@
 """Deployment rate and phase difference of a membrane, read off its corners.
 
 The corners that are followed are the node set "corners"; without it the free ends of the tethers
-("tether-<k>-end"); without those the nodes farthest from the spin axis in the reference.
+("tether-<k>-end"); without those the nodes of triangles farthest from the spin axis in the reference.
 """
 
 from __future__ import annotations
@@ -26,6 +26,11 @@ class NamedShape(Protocol):
         ...
 
     @property
+    def triangles(self) -> Ints:
+        """(m, 3) nodes of each triangle."""
+        ...
+
+    @property
     def node_sets(self) -> Mapping[str, Ints]:
         """Node indices by name."""
         ...
@@ -40,6 +45,9 @@ def corner_nodes(shape: NamedShape) -> Ints:
     if ends:
         return np.concatenate(ends).astype(np.int64)
     radius = np.hypot(shape.reference[:, 0], shape.reference[:, 1])
+    if len(shape.triangles):
+        unused = np.bincount(shape.triangles.ravel(), minlength=len(radius)) == 0
+        radius[unused] = 0.0
     return np.flatnonzero(radius >= radius.max() * (1.0 - 1e-9)).astype(np.int64)
 
 

@@ -67,6 +67,21 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     return found[costly]
 
 
+def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
+    """Errors for which a run is not to begin: those that no setting of the scene accepts. Costly checks are left out.
+
+    `Springs.negative` "clip" or "keep" accepts negative springs; a strain limit above the strain at the start accepts
+    that.
+    """
+    accepted = set()
+    if scene.negative_springs in ("clip", "keep"):
+        accepted.add("negative_springs")
+    limits = [law.edge_strain_limit for law in scene.laws if law.is_film]
+    if scene.mesh is not None and all(limit is None or scene.mesh.strain().max() < limit for limit in limits):
+        accepted.add("strain")
+    return tuple(error for error in audit(scene, costly=False).errors if error.kind not in accepted)
+
+
 def warn_of(found: Audit, stacklevel: int = 2) -> None:
     """Warn of each error and each warning of an audit, by the category `AuditWarning`."""
     for finding in found.without_facts().findings:

@@ -61,6 +61,7 @@ def run(
 ) -> None:
     """Run a scene and write its results into a folder."""
     with reported_errors():
+        from membrane_rs.check import unaccepted_errors
         from membrane_rs.runs import Simulation
 
         wanted = {
@@ -71,7 +72,7 @@ def run(
         folder = out or Path("runs") / chosen.name
         report_audit(chosen)
         sim = Simulation(chosen)
-        if not (despite_errors or sim.audit().ok):
+        if unaccepted_errors(chosen) and not despite_errors:
             _refuse(sim, folder, overwrite)
         _run(sim, folder, overwrite, pictures=not no_pictures, checkpoint=checkpoint)
 

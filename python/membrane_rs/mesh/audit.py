@@ -11,7 +11,9 @@ from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.findings import Audit, Finding, Severity, first_few
+from membrane_rs.mesh.gaps import gaps, groups
 from membrane_rs.mesh.growing_modes import growing_modes
+from membrane_rs.mesh.overlaps import overlaps
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
 
@@ -35,21 +37,14 @@ def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, spr
         *_shapes(mesh),
         *_nodes(mesh),
         *_joints(mesh),
+        *gaps(mesh),
+        *overlaps(mesh, is_wound_alike=not len(_wound(mesh))),
+        *(_thick(mesh, material) if material is not None else ()),
         *(_springs(mesh, film) if springs else ()),
         *(growing(mesh, film) if springs and growth else ()),
         *_strain(mesh, strain),
     ]
     return Audit.of(findings)
-
-
-def _groups(links: Ints, node_count: int) -> Ints:
-    """(n,) the number of the group that each node is in, when links tie nodes together."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    ones = np.ones(len(links), dtype=np.int8)
-    graph = coo_matrix((ones, (links[:, 0], links[:, 1])), shape=(node_count, node_count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _shapes(mesh: Triangulation) -> Iterator[Finding]:
@@ -89,7 +84,7 @@ def _shapes(mesh: Triangulation) -> Iterator[Finding]:
 
 
 def _nodes(mesh: Triangulation) -> Iterator[Finding]:
-    """Nodes that nothing uses, and nodes that lie in one place."""
+    """Nodes that nothing uses."""
     unused = np.flatnonzero(np.bincount(mesh.triangles.ravel(), minlength=mesh.node_count) == 0)
     if len(unused):
         yield Finding(
@@ -98,30 +93,9 @@ def _nodes(mesh: Triangulation) -> Iterator[Finding]:
             len(unused),
             f"{len(unused)} of {mesh.node_count} nodes belong to no triangle, first node {unused[0]}; they "
             "have no mass",
-            "remove them and renumber the triangles",
+            "remove them: with `used = numpy.unique(triangles)` take `reference[used]` and "
+            "`numpy.searchsorted(used, triangles)`, and the same for positions, creases and node sets",
             first_few(unused),
-        )
-    low = mesh.reference.min(axis=0)
-    size = float(np.ptp(mesh.reference, axis=0).max()) or 1.0
-    # Cells of a billionth of the size; their corner is shifted so that no regular grid lies on their sides.
-    cell = np.floor((mesh.reference - low) / (1e-9 * size) + 0.381966).astype(np.int64)
-    order = np.lexsort(cell.T)
-    same = (cell[order[1:]] == cell[order[:-1]]).all(axis=1)
-    first, second = order[:-1][same], order[1:][same]
-    if len(mesh.bridges):
-        bridged = set(map(tuple, np.sort(mesh.bridges, axis=1).tolist()))
-        pairs = np.sort(np.stack([first, second], axis=1), axis=1).tolist()
-        kept = np.array([tuple(pair) not in bridged for pair in pairs], dtype=bool)
-        first, second = first[kept], second[kept]
-    if len(first):
-        yield Finding(
-            "warning",
-            "duplicate_nodes",
-            len(first),
-            f"{len(first)} nodes lie where another one does, first nodes {first[0]} and {second[0]} at "
-            f"{mesh.reference[first[0]].tolist()} m; the membrane is not joined there",
-            "merge them, or name the pairs as bridges",
-            first_few(np.sort(np.stack([first, second], axis=1).ravel())),
         )
 
 
@@ -150,10 +124,7 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             "a membrane has one or two there: remove triangles, unless a seam of several sheets is meant",
             first_few(shared),
         )
-    first, second = mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]
-    sense = np.where(first < second, 1.0, -1.0)
-    total = np.bincount(mesh.triangle_edges.ravel(), weights=sense.ravel(), minlength=len(mesh.edges))
-    wound = np.flatnonzero((mesh.triangles_per_edge == 2) & (total != 0.0))
+    wound = _wound(mesh)
     if len(wound):
         keys = mesh.edges[wound] @ np.array([mesh.node_count, 1])
         on_creases = int(np.isin(np.sort(mesh.creases, axis=1) @ np.array([mesh.node_count, 1]), keys).sum())
@@ -167,7 +138,7 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             first_few(wound),
         )
     links = np.concatenate([mesh.edges, mesh.bridges])
-    label = _groups(links, mesh.node_count)
+    label = groups(links, mesh.node_count)
     used = distinct(mesh.triangles)
     names, starts = np.unique(label[used], return_index=True)
     if len(names) > 1:
@@ -178,6 +149,30 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             f"the mesh is in {len(names)} separate pieces, the second one from node {used[np.sort(starts)[1]]}",
             "merge the nodes of their seams or add bridges, if they should hold together",
             first_few(used[np.sort(starts)]),
+        )
+
+
+def _wound(mesh: Triangulation) -> Ints:
+    """Edges between two triangles wound in opposite senses."""
+    first, second = mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]
+    sense = np.where(first < second, 1.0, -1.0)
+    total = np.bincount(mesh.triangle_edges.ravel(), weights=sense.ravel(), minlength=len(mesh.edges))
+    return np.flatnonzero((mesh.triangles_per_edge == 2) & (total != 0.0))
+
+
+def _thick(mesh: Triangulation, material: Material) -> Iterator[Finding]:
+    """Edges shorter than the film is thick: there it is a block, not a film."""
+    short = np.flatnonzero(mesh.edge_lengths < material.thickness)
+    if len(short):
+        least = short[np.argmin(mesh.edge_lengths[short])]
+        yield Finding(
+            "warning",
+            "thick_film",
+            len(short),
+            f"{len(short)} of {len(mesh.edges)} edges are shorter than the film is thick, {material.thickness:g} m, "
+            f"down to {mesh.edge_lengths[least]:.3g} m (edge {least}, nodes {mesh.edges[least].tolist()})",
+            "check the units of thickness and mesh (m), or make the mesh coarser",
+            first_few(short),
         )
 
 
@@ -231,7 +226,7 @@ def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
         )
         return
     # Bridged nodes count as one: the stiff links hardly give.
-    node = _groups(mesh.bridges, mesh.node_count)
+    node = groups(mesh.bridges, mesh.node_count)
     masses = np.bincount(node, weights=mesh.masses(material)).astype(np.float64)
     points = np.empty((len(masses), 3))
     points[node] = mesh.reference

@@ -24,8 +24,9 @@ class Finding:
     severity : str
         "error": it cannot run, or runs wrong. "warning": it may. "info": a fact.
     kind : str
-        Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "duplicate_triangles", "shared_edges",
-        "winding", "pieces", "singular_springs", "negative_springs", "growing_mode" or "strain".
+        Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "hanging_nodes", "pinched_nodes",
+        "long_bridges", "duplicate_triangles", "shared_edges", "winding", "upside_down", "overlaps", "pieces",
+        "thick_film", "singular_springs", "negative_springs", "growing_mode" or "strain".
         Of a scene: "film_law", "supports", "spool", "chord_sag", "start_inside", "implausible_value", "idle_law" or
         "left_out".
     count : int

@@ -28,20 +28,26 @@ def growing_modes(points: Floats, edges: NDArray[np.int64], constants: Floats, m
 
     Parameters
     ----------
-    points : (n, 3) [m];  edges : (e, 2);  constants : (e,) [N/m];  masses : (n,) [kg]
+    points : (n, 3) [m];  edges : (e, 2), whose ends may be one node;  constants : (e,) [N/m];  masses : (n,) [kg]
     """
     from scipy.sparse import coo_matrix, diags_array
     from scipy.sparse.linalg import LinearOperator, eigsh
 
+    # Springs between nodes in one place, such as the ends of a bridge, have no direction and no mode.
+    has_direction = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1) > 0.0
+    edges, constants = edges[has_direction], constants[has_direction]
+    if not len(edges):
+        return 0.0, 0
     used = np.unique(edges)
     edges = np.searchsorted(used, edges)
     points, masses = points[used], masses[used]
+    points = points / np.abs(points).max()  # of any scale: directions alone matter
     points = points - points.mean(axis=0)
     spread, axes = np.linalg.eigh(points.T @ points)
     dimensions = axes[:, spread > 1e-12 * spread[-1]]
     size = dimensions.shape[1]
     direction = (points[edges[:, 1]] - points[edges[:, 0]]) @ dimensions
-    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    direction /= np.maximum(np.linalg.norm(direction, axis=1), np.finfo(float).tiny)[:, None]
     # One row for each spring: B = (-n / sqrt(m_i), n / sqrt(m_j)), so that M^-1/2 K M^-1/2 = B^T k B.
     root = np.sqrt(masses)
     values = np.concatenate([-direction / root[edges[:, :1]], direction / root[edges[:, 1:]]], axis=1)

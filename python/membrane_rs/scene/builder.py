@@ -190,7 +190,7 @@ class Builder:
             contacts=ContactSet(np.setdiff1d(touched, self._fixed)),
             node_sets=self.node_sets,
         )
-        _check_masses(assembly)
+        _check_masses(assembly, self.mesh_count)
         return assembly
 
     def _extra_masses(self) -> Floats:
@@ -217,14 +217,14 @@ class Builder:
         )
 
 
-def _check_masses(assembly: Assembly) -> None:
+def _check_masses(assembly: Assembly, mesh_count: int) -> None:
     """Every node that can move needs a mass."""
     bare = assembly.extra_masses <= 0
     bare[assembly.triangles.ravel()] = False
     bare[assembly.fixed] = False
     if bare.any():
         node = int(np.flatnonzero(bare)[0])
-        raise SceneError(
-            f"node {node} has no mass ({int(bare.sum())} such nodes): give its tether a linear_density, "
-            "add a tip mass, hold it fixed, or remove it from the mesh"
-        )
+        remedy = "give its tether a linear_density, add a tip mass, or hold it fixed"
+        if node < mesh_count:
+            remedy = "it belongs to no triangle; remove it from the mesh: Mesh.audit says how"
+        raise SceneError(f"node {node} has no mass ({int(bare.sum())} such nodes): {remedy}")
