@@ -217,105 +217,51 @@ class EnergyBalance:
 class StepLimit:
     """The limit of the step at some positions."""
 
-    @property
-    def dt(self) -> float:
-        """The largest stable step [s]; infinite where nothing is stiff."""
-
-    @property
-    def largest_frequency(self) -> float:
-        """[rad/s]."""
-
-    @property
-    def law(self) -> str:
-        """The law that sets the limit."""
-
-    @property
-    def node(self) -> int:
-        """The node that moves most in the limiting mode."""
-
-    @property
-    def part(self) -> str:
-        """Law and node in words."""
+    dt: float  # The largest stable step [s]; infinite where nothing is stiff.
+    largest_frequency: float  # [rad/s].
+    law: str  # The law that sets the limit.
+    node: int  # The node that moves most in the limiting mode.
+    part: str  # Law and node in words.
 
 @final
 class NewtonStatistics:
     """What an implicit method has spent; zeros of others."""
 
-    @property
-    def iterations(self) -> int:
-        """Corrections of Newton's method."""
-
-    @property
-    def factorisations(self) -> int:
-        """Of the tangent."""
-
-    @property
-    def fallbacks(self) -> int:
-        """Steps, or parts of steps, that were halved."""
+    iterations: int  # Corrections of Newton's method.
+    factorisations: int  # Of the tangent.
+    fallbacks: int  # Steps, or parts of steps, that were halved.
 
 @final
 class LinkReadings:
     """Readings of s links."""
 
-    @property
-    def strain(self) -> NDArray[np.float64]:
-        """(s,) engineering strain."""
-
-    @property
-    def tension(self) -> NDArray[np.float64]:
-        """(s,) elastic tension, negative in compression [N]."""
-
-    @property
-    def buckled(self) -> NDArray[np.bool_]:
-        """(s,) whether shorter than the critical length."""
+    strain: NDArray[np.float64]  # (s,) engineering strain.
+    tension: NDArray[np.float64]  # (s,) elastic tension, negative in compression [N].
+    buckled: NDArray[np.bool_]  # (s,) whether shorter than the critical length.
 
 @final
 class FilmStates:
     """States of m triangles with e edges."""
 
-    @property
-    def strain(self) -> NDArray[np.float64]:
-        """(m, 2) principal Green strains, the larger first."""
-
-    @property
-    def state(self) -> NDArray[np.uint8]:
-        """(m,) 0 taut, 1 wrinkled, 2 slack."""
-
-    @property
-    def buckled(self) -> NDArray[np.bool_]:
-        """(e,) whether shorter than flat beside a triangle that is wrinkled or slack."""
+    strain: NDArray[np.float64]  # (m, 2) principal Green strains, the larger first.
+    state: NDArray[np.uint8]  # (m,) 0 taut, 1 wrinkled, 2 slack.
+    buckled: NDArray[np.bool_]  # (e,) whether shorter than flat beside a triangle that is wrinkled or slack.
 
 @final
 class FilmStress:
     """Stress of m triangles."""
 
-    @property
-    def principal(self) -> NDArray[np.float64]:
-        """(m, 2) principal values, the larger first [Pa]."""
-
-    @property
-    def first(self) -> NDArray[np.float64]:
-        """(m, 3) direction of the larger value."""
-
-    @property
-    def second(self) -> NDArray[np.float64]:
-        """(m, 3) direction of the smaller value."""
+    principal: NDArray[np.float64]  # (m, 2) principal values, the larger first [Pa].
+    first: NDArray[np.float64]  # (m, 3) direction of the larger value.
+    second: NDArray[np.float64]  # (m, 3) direction of the smaller value.
 
 @final
 class HubLoad:
     """What the sail exerts on the hub, in the turning frame."""
 
-    @property
-    def force(self) -> list[float]:
-        """Three components [N]."""
-
-    @property
-    def torque(self) -> list[float]:
-        """Three components, about the origin [N m]."""
-
-    @property
-    def contact(self) -> float:
-        """Sum of the magnitudes of the forces of contact on the nodes [N]."""
+    force: list[float]  # Three components [N].
+    torque: list[float]  # Three components, about the origin [N m].
+    contact: float  # Sum of the magnitudes of the forces of contact on the nodes [N].
 
 @final
 class Simulation:

@@ -100,13 +100,6 @@ pub enum Error {
     #[error("nothing in this scene is stiff, so no step follows from it; give dt in seconds")]
     NoStiffness,
 
-    /// A contact node deep inside the spool at the start.
-    #[error(
-        "node {node} starts {depth:.4e} m deep in the spool, over the bound of {bound:.4e} m; move it outside, take a \
-         smaller radius of the spool, or hold it fixed"
-    )]
-    StartsInside { node: usize, depth: f64, bound: f64 },
-
     /// A step far beyond the stability limit.
     #[error(
         "dt = {dt:e} s is {:.1e} times the stability limit of {integrator} here, {limit:e} s, which {part} sets; leave \

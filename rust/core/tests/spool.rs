@@ -115,14 +115,15 @@ fn a_node_that_is_turned_back_keeps_its_energy() {
 }
 
 #[test]
-fn a_start_deep_inside_is_refused_with_its_node_and_a_held_node_is_not() {
+fn a_start_deep_inside_is_named_at_the_first_check_and_a_held_node_is_not() {
     let inside = |fixed: Vec<u32>, x: f64, half_height: Option<f64>| {
         let mut model = flight(&[[0.2, 0.0, 0.0], [x, 0.0, 0.0]], &[[0.0; 3]; 2]);
         model.fixed = fixed;
-        Simulation::new(model, &[spool(200.0, half_height)], "rk4", Some(1e-4), Settings::default()).err()
+        let laws = [spool(200.0, half_height)];
+        Simulation::new(model, &laws, "rk4", Some(1e-4), Settings::default()).unwrap().check().err()
     };
     let text = inside(vec![], 0.01, None).unwrap().to_string();
-    assert!(text.contains("node 1 starts 4.0000e-2 m deep"), "{text}");
+    assert!(text.contains("node 1") && text.contains("4.0000e-2 m deep"), "{text}");
     assert!(inside(vec![], 0.0, Some(0.01)).is_some());
     assert!(inside(vec![1], 0.01, None).is_none() && inside(vec![], 0.03, None).is_none());
 }

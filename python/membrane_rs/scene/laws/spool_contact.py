@@ -18,9 +18,8 @@ class SpoolContact(Law):
     """Keeps tether nodes outside the spool, a cylinder about z, by a penalty: F = stiffness * depth.
 
     Deep inside, the force might push a node out on another side. So a run stops where a node goes deeper than half
-    the radius (half the half-height where that is smaller), or passes a twentieth of it within one step. A scene in
-    which a node that can move starts deeper is refused. Only nodes have contact: the segments of a cord are chords,
-    which sink in between them.
+    the radius (half the half-height where that is smaller), or passes a twentieth of it within one step. Only nodes
+    have contact: the segments of a cord are chords, which sink in between them.
 
     Parameters
     ----------

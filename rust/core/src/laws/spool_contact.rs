@@ -8,7 +8,7 @@
 //! The force points to the nearest surface: a node beyond the axis would be pushed out on the other side. So d has a
 //! bound, half of min(R, Z). Each step is checked on the straight path of each node: the path may not meet the core,
 //! the cylinder in which d exceeds the bound, and may not dip in by more than a twentieth of min(R, Z) where the step
-//! starts and ends outside, so that no evaluation need have felt the contact. A node that starts in the core is refused.
+//! starts and ends outside, so that no evaluation need have felt the contact. A node that is in the core at a check stops the run.
 
 use serde::Deserialize;
 
@@ -21,7 +21,7 @@ use crate::arrays::history::History;
 use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::{NodeVectors, columns, columns_mut};
 use crate::assembly::Assembly;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::model::checks::positive;
 use crate::model::mesh::{dot, sub};
 
@@ -83,21 +83,7 @@ impl SpoolContact {
         let size = parameters.half_height.map_or(parameters.radius, |half| half.min(parameters.radius));
         let (bound, unfelt_bound) = (DEPTH_BOUND * size, UNFELT_BOUND * size);
         let last = Vec::with_capacity(nodes.len());
-        let own = Self { parameters, nodes, bound, unfelt_bound, last, passed: None };
-        own.refuse_start_in_core(assembly)?;
-        Ok(own)
-    }
-
-    fn refuse_start_in_core(&self, assembly: &Assembly) -> Result<()> {
-        let inside = self.nodes.iter().filter_map(|&node| {
-            let node = assembly.numbering.to_external(node as usize);
-            let start = assembly.model.positions[node];
-            Some((node, self.depth_in_core(start, start, self.bound)?))
-        });
-        match inside.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
-            Some((node, depth)) => Err(Error::StartsInside { node, depth, bound: self.bound }),
-            None => Ok(()),
-        }
+        Ok(Self { parameters, nodes, bound, unfelt_bound, last, passed: None })
     }
 
     /// Depth of a step on a straight path \[m\] where it goes beyond its bound: that of all positions or, where the
