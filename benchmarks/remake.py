@@ -66,6 +66,12 @@ PARTS = (
         [("tools/docs/net_of_springs.py", "--write")],
         fills_cores=True,
     ),
+    Part(
+        "dashpots",
+        "docs/dashpots.md: forms of the dashpots compared",
+        [("tools/docs/dashpots.py", "--write")],
+        fills_cores=True,
+    ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
     Part("limits", "docs/limits.md: limits predicted and measured", [("tests/limit_cases.py",)]),
     Part("faults", "docs/fault_injection.md: outcomes of faulty runs", [("tests/fault_injection.py",)]),

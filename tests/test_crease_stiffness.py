@@ -28,7 +28,7 @@ def folded(fold: float, natural_angle: float, collapse: float) -> Simulation:
 
 def apex_moments(sim: Simulation) -> NDArray[np.float64]:
     """The moments of the forces on both apexes about the crease [N m]."""
-    return np.linalg.norm(sim.forces("creases")[2:], axis=1) * HEIGHTS
+    return np.asarray(np.linalg.norm(sim.forces("creases")[2:], axis=1) * HEIGHTS)
 
 
 @pytest.mark.parametrize("collapse", [0.0, 0.05, 0.3, 1.0])

@@ -86,6 +86,7 @@ def test_tethers_keep_the_masses_of_their_nodes() -> None:
     forces = []
     for length in (None, 0.3):
         sim = Simulation(Scene(None, None, [SpringDamping(0.1, length=length)], [cord()]))
+        sim.positions = np.array([[0.0, 0.0, 0.0], [1.1, 0.0, 0.0]])  # taut
         sim.velocities = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
         forces.append(sim.forces("spring_damping"))
     assert np.abs(forces[0]).max() > 0.1

@@ -20,7 +20,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 UPKEEP = ROOT / "tools" / "docs" / "readme_numbers.py"
 """It keeps README in step with the demo."""
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-STUDIES = [ROOT / "tools" / "docs" / f"{name}.py" for name in ("accuracy", "mesh_parameters", "studies")]
+STUDIES = [ROOT / "tools" / "docs" / f"{name}.py" for name in ("accuracy", "dashpots", "mesh_parameters", "studies")]
 """They make tables of docs/, and can be tried as an example can."""
 COMMANDS = ("run", "resume", "scenes", "check", "stability", "work-precision", "chart", "ablate", "mesh-study")
 SHORT = 0.004

@@ -102,8 +102,8 @@ def agreeing(scene: Scene) -> LengthScales:
     for a, b in ((0, 1), (0, 2), (1, 2)):
         rows = [number[i, j] for i, j in corners[:, [a, b]].tolist()]
         np.add.at(areas, rows, mesh.areas())
-    masses = mesh.masses(film)[mesh.edges].mean(axis=1)
-    square = film.density * film.thickness
+    masses = damping.mass_of(mesh.masses(film)[mesh.edges])
+    square = damping.mass_of([[film.density * film.thickness] * 2])
     return LengthScales(
         buckling=buckling,
         crease=float(more * np.sum(on * of) / own),

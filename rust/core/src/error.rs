@@ -53,6 +53,13 @@ pub enum Error {
     )]
     DampingOnNegativeSpring { edge: [usize; 2], stiffness: f64 },
 
+    /// Dashpots of the film with a limit, in a scene without springs of the film.
+    #[error(
+        "limited = \"all\" limits the dashpots of the film by the tension of its springs, but the scene has no law \
+         \"springs\"; set limited to \"cords\", or model the film as springs"
+    )]
+    LimitWithoutSprings,
+
     /// A crease that is no edge between two triangles.
     #[error(
         "crease {crease} (nodes {nodes:?}) {reason}; a crease needs an edge with exactly two triangles of the same \

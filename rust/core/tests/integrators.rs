@@ -5,7 +5,7 @@ mod common;
 
 use common::{methods, simulation_of};
 use membrane_core::integrators::{Integrator, Method, Options, Properties, Tolerance};
-use membrane_core::laws::{LawSpec, MassDampingParameters, SpringParameters};
+use membrane_core::laws::{DampingParameters, LawSpec, Limited, MassDampingParameters, SpringParameters};
 use membrane_core::model::input::{Cord, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -133,11 +133,16 @@ fn rk4_loses_amplitude_as_predicted() {
     }
 }
 
+/// Dashpots without the kink of a limit.
+fn linear_dashpots(ratio: f64) -> LawSpec {
+    LawSpec::SpringDamping(DampingParameters { limited: Limited::None, ..DampingParameters::from(ratio) })
+}
+
 #[test]
 fn a_damped_oscillator_keeps_its_energy_balance_and_its_limit() {
     for (name, allowed) in [("rk4", 1e-6), ("leapfrog", 1e-3), ("dopri5", 1e-6)] {
         for ratio in [0.02, 0.5, 2.0] {
-            let laws = [LawSpec::SpringDamping(ratio.into())];
+            let laws = [linear_dashpots(ratio)];
             let new = |offset, dt| {
                 // Hardly stretched: transverse to the cords, without dashpots, tension would limit dopri5 first.
                 let mut model = oscillator(offset);
@@ -166,12 +171,8 @@ fn damped_chain() -> (Model, Vec<LawSpec>) {
     let mut model = chain(3, 7.0, 1.0, 0.0);
     model.velocities = common::Dice(7).vectors(5, 0.5);
     let spin = common::spin(0.7, 0.05);
-    let laws = vec![
-        LawSpec::SpringDamping(0.5.into()),
-        spin,
-        MassDampingParameters { rate: 0.4 }.into(),
-        common::gravity([0.3, -0.2, 0.4]),
-    ];
+    let laws =
+        vec![linear_dashpots(0.5), spin, MassDampingParameters { rate: 0.4 }.into(), common::gravity([0.3, -0.2, 0.4])];
     (model, laws)
 }
 

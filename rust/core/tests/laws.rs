@@ -6,7 +6,9 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::toys::WearingFriction;
-use common::{Bench, Dice, creases, every_law, every_law_with, films, gravity, methods, sheet, simulation_of, spin};
+use common::{
+    Bench, Dice, creases, every_law, every_law_with, films, gravity, law_sets, methods, sheet, simulation_of, spin,
+};
 use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
@@ -38,8 +40,8 @@ fn power_residual(bench: &mut Bench, row: usize) -> (f64, f64) {
 
 #[test]
 fn the_power_of_every_law_is_that_of_its_forces_and_of_its_energy() {
-    for (seed, film) in (0..6).flat_map(|seed| films().map(move |film| (seed, film))) {
-        let mut bench = Bench::crumpled(&every_law_with(film), seed, 0.004);
+    for (seed, laws) in (0..6).flat_map(|seed| law_sets().map(move |laws| (seed, laws))) {
+        let mut bench = Bench::crumpled(&laws, seed, 0.004);
         for row in 0..bench.laws.len() {
             for direction in 0..4 {
                 bench.state.velocities = bench.vectors(1000 * seed + direction, 1.0);
@@ -56,8 +58,8 @@ fn the_power_of_every_law_is_that_of_its_forces_and_of_its_energy() {
 #[test]
 fn the_work_of_every_law_is_of_its_class() {
     let (mut conservative, mut storing) = (BTreeSet::new(), BTreeSet::new());
-    for (seed, film) in (0..20).flat_map(|seed| films().map(move |film| (seed, film))) {
-        let mut bench = Bench::crumpled(&every_law_with(film), seed, 0.004);
+    for (seed, laws) in (0..20).flat_map(|seed| law_sets().map(move |laws| (seed, laws))) {
+        let mut bench = Bench::crumpled(&laws, seed, 0.004);
         let (time, state) = (bench.time, bench.state.clone());
         for row in 0..bench.laws.len() {
             let (_, power) = bench.evaluate(row, time, &state);

@@ -7,6 +7,7 @@ mod oracle;
 use common::{Dice, sail, sheet};
 use membrane_core::arrays::blocks::TILE;
 use membrane_core::assembly::Assembly;
+use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited};
 use membrane_core::model::input::{Creases, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
@@ -59,11 +60,14 @@ fn unstructured() -> Model {
 }
 
 fn agree(model: Model, instructions: InstructionSet) {
-    let laws = sail::laws();
+    agree_with(&sail::laws(), model, instructions);
+}
+
+fn agree_with(laws: &[LawSpec], model: Model, instructions: InstructionSet) {
     let settings = Settings { instructions, ..Settings::default() };
-    let mut simulation = Simulation::new(model.clone(), &laws, "rk4", Some(1e-7), settings).unwrap();
+    let mut simulation = Simulation::new(model.clone(), laws, "rk4", Some(1e-7), settings).unwrap();
     let assembly = Assembly::new(model, instructions).unwrap();
-    let oracle = Oracle::new(&laws, &assembly);
+    let oracle = Oracle::new(laws, &assembly);
     let forces = vec![[0.0; 3]; simulation.positions().len()];
     let mut motion = Motion { positions: simulation.positions(), velocities: simulation.velocities(), forces };
     let mut compare = |what: &str, found: Vec<[f64; 3]>, evaluate: &dyn Fn(&mut Motion)| {
@@ -102,6 +106,19 @@ fn kernels_agree_on_the_sail_of_model_1() {
     let counts = [sail.positions.len(), springs, sail.creases.nodes.len(), sail.triangles.len()];
     assert_eq!(counts, [1912, 5368, 756, 3456]);
     widths().for_each(|instructions| agree(sail.clone(), instructions));
+}
+
+#[test]
+fn kernels_agree_in_every_form_of_the_dashpots() {
+    for (limited, mass) in [(Limited::None, DashpotMass::Mean), (Limited::All, DashpotMass::Reduced)] {
+        let mut laws = sail::laws();
+        for law in &mut laws {
+            if let LawSpec::SpringDamping(parameters) = law {
+                *parameters = DampingParameters { limited, mass, ..*parameters };
+            }
+        }
+        widths().for_each(|instructions| agree_with(&laws, sail::sail(1), instructions));
+    }
 }
 
 #[test]

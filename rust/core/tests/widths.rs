@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{Dice, every_law, sheet};
+use common::{Dice, every_law, every_law_with_limited_dashpots, sheet};
 use membrane_core::arrays::blocks::TILE;
-use membrane_core::laws::WorkClass;
+use membrane_core::laws::{LawSpec, WorkClass};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -13,14 +13,38 @@ fn disturbed(instructions: InstructionSet) -> Simulation {
     sheet_in_motion((19, 13), "rk4", Settings { instructions, ..Settings::default() })
 }
 
-fn sheet_in_motion((columns, rows): (usize, usize), method: &str, settings: Settings) -> Simulation {
+fn sheet_in_motion(size: (usize, usize), method: &str, settings: Settings) -> Simulation {
+    sheet_with(&every_law(), size, method, settings)
+}
+
+fn sheet_with(laws: &[LawSpec], (columns, rows): (usize, usize), method: &str, settings: Settings) -> Simulation {
     let mut model = sheet(columns, rows, 0.01);
     let kicks = Dice(1).vectors(model.positions.len(), 2e-4);
     for (point, kick) in model.positions.iter_mut().zip(kicks) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
     }
     model.velocities = Dice(2).vectors(model.positions.len(), 0.1);
-    Simulation::new(model, &every_law(), method, Some(1e-6), settings).unwrap()
+    Simulation::new(model, laws, method, Some(1e-6), settings).unwrap()
+}
+
+#[test]
+fn limited_dashpots_have_the_same_bits_at_every_width_and_lose_energy_by_every_method() {
+    for method in ["rk4", "leapfrog"] {
+        let run = |instructions: InstructionSet| {
+            // The ratio makes the dashpots stiff.
+            let settings = Settings { instructions, loss_tolerance: 1.0, energy_tolerance: 1.0, ..Settings::default() };
+            let mut simulation = sheet_with(&every_law_with_limited_dashpots(), (19, 13), method, settings);
+            simulation.set_dt(1e-8).unwrap();
+            simulation.step(200).unwrap();
+            simulation
+        };
+        let baseline = run(InstructionSet::Baseline);
+        let row = baseline.laws().iter().position(|law| law.name() == "spring_damping").unwrap();
+        assert!(baseline.ledger().work[row] < 0.0);
+        for instructions in InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available()) {
+            assert_eq!(run(instructions).progress(), baseline.progress(), "{method}, {}", instructions.name());
+        }
+    }
 }
 
 #[test]

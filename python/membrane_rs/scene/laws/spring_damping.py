@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
 from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
@@ -22,10 +26,18 @@ class SpringDamping(Law):
     ratio : float
         zeta [-], 0 or above.
     length : float or None
-        Length l_d [m] of the film's dashpots: m = rho h l_d^2, the mass of a square of film of that side, in place of
-        the nodes' masses, so that a rate of strain loses the same on every mesh. Where each node has that mass the two
-        forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form, whose damping
-        fades as the mesh gets finer.
+        Length l_d [m] of the film's dashpots: each node counts with rho h l_d^2, the mass of a square of film of that
+        side, in place of its own mass, so that a rate of strain loses the same on every mesh. Where each node has that
+        mass the two forms agree. Tethers keep the masses of their nodes. None: the nodes' masses, the paper's form,
+        whose damping fades as the mesh gets finer.
+    mass : str
+        m of a dashpot: "mean", (m_i + m_j)/2, the paper's form; or "reduced", m_i m_j/(m_i + m_j), with which zeta is
+        the damping ratio of the two nodes as a free pair, and with a held node the mass of the other. In triangles,
+        half the harmonic mean of the three masses.
+    limited : str
+        The dashpots that resist with no more than the elastic tension above that of buckling, k (max(l, l_cr) - l_cr):
+        "none", the paper's form everywhere; "cords", so that a slack cord has no force and no cord pushes; or "all",
+        those of the film's springs too, so that no spring bears more compression than its buckling force.
     """
 
     kind: ClassVar[str] = "spring_damping"
@@ -33,6 +45,13 @@ class SpringDamping(Law):
     length_fields: ClassVar[Mapping[str, str]] = {"damping": "length"}
     ratio: NonNegative = 0.02
     length: Annotated[Positive | None, Unit("m")] = None
+    mass: Literal["mean", "reduced"] = "mean"
+    limited: Literal["none", "cords", "all"] = "cords"
+
+    def mass_of(self, masses: ArrayLike) -> Floats:
+        """m [kg] of dashpots whose free nodes have these masses (n, 2) [kg]."""
+        pairs = np.asarray(masses, dtype=np.float64)
+        return np.asarray(pairs.mean(axis=1) if self.mass == "mean" else 1.0 / (1.0 / pairs).sum(axis=1))
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
         """From 1 on a pair of masses no longer vibrates along its spring: it creeps."""

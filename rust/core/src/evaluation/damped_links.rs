@@ -5,35 +5,49 @@
 
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::elements::link::{Links, Span};
-use crate::laws::{spring_damping, springs};
+use crate::laws::spring_damping::{self, Dashpots};
+use crate::laws::springs;
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Adds the forces of the springs and dashpots of one tile; the result is the power of the dashpots.
-pub(super) struct DampedKernel<'a> {
+pub(super) struct DampedLinks<'a> {
     pub(super) links: &'a Links,
     pub(super) springs: &'a [springs::Parameters],
-    pub(super) coefficient: &'a [F64x8],
+    pub(super) dashpots: &'a Dashpots,
     pub(super) tile: usize,
     pub(super) positions: Columns<'a>,
     pub(super) velocities: Columns<'a>,
     pub(super) forces: ColumnsMut<'a>,
 }
 
-/// The same, with the resistance per length of each dashpot stored.
-pub(super) struct CachedKernel<'a>(pub(super) DampedKernel<'a>, pub(super) &'a mut [F64x8]);
+impl DampedLinks<'_> {
+    /// Runs the kernel; the resistance per length of each dashpot is stored in `cache`.
+    pub(super) fn run(self, cache: Option<&mut [F64x8]>) -> f64 {
+        let instructions = self.links.instructions;
+        match (self.dashpots.limit.is_some(), cache) {
+            (false, None) => instructions.run_batches(Kernel::<false>(self)),
+            (true, None) => instructions.run_batches(Kernel::<true>(self)),
+            (false, Some(cache)) => instructions.run_batches(CachedKernel::<false>(self, cache)),
+            (true, Some(cache)) => instructions.run_batches(CachedKernel::<true>(self, cache)),
+        }
+    }
 
-impl DampedKernel<'_> {
     #[inline(always)]
-    fn add_forces<V: SimdF64, const KIND: usize>(&mut self, mut cache: Option<&mut [F64x8]>) -> V {
+    fn add_forces<V: SimdF64, const KIND: usize, const LIMITED: bool>(&mut self, mut cache: Option<&mut [F64x8]>) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let (parameters, coefficient) = (pass.of(self.springs), pass.of(self.coefficient));
+        let (parameters, coefficient) = (pass.of(self.springs), pass.of(&self.dashpots.coefficient));
+        let limit = if LIMITED { self.dashpots.limit.as_ref().map(|springs| pass.of(springs)) } else { None };
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
             let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
-            let (tension, inverse) = parameters[batch].tension_per_length(span.length());
-            let resistance = spring_damping::resistance_per_length(&coefficient[batch], rate, inverse * inverse);
+            let length = span.length();
+            let (tension, inverse) = parameters[batch].tension_per_length(length);
+            let mut resistance = spring_damping::resistance_per_length(&coefficient[batch], rate, inverse * inverse);
+            if let Some(springs) = limit {
+                resistance = spring_damping::limited(resistance, springs[batch].excess(length) * inverse);
+            }
             power -= resistance * rate;
             let force = scale(tension + resistance, span.d);
             pass.add(&mut self.forces, batch, [force, negate(force)]);
@@ -45,16 +59,22 @@ impl DampedKernel<'_> {
     }
 }
 
-impl BatchKernel for DampedKernel<'_> {
+/// The kernel of a tile, with limited dashpots or without.
+struct Kernel<'a, const LIMITED: bool>(DampedLinks<'a>);
+
+/// The same, with the resistance per length of each dashpot stored.
+struct CachedKernel<'a, const LIMITED: bool>(DampedLinks<'a>, &'a mut [F64x8]);
+
+impl<const LIMITED: bool> BatchKernel for Kernel<'_, LIMITED> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        self.add_forces::<V, KIND>(None)
+        self.0.add_forces::<V, KIND, LIMITED>(None)
     }
 }
 
-impl BatchKernel for CachedKernel<'_> {
+impl<const LIMITED: bool> BatchKernel for CachedKernel<'_, LIMITED> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        self.0.add_forces::<V, KIND>(Some(self.1))
+        self.0.add_forces::<V, KIND, LIMITED>(Some(self.1))
     }
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::damped_links::{CachedKernel, DampedKernel};
+use super::damped_links::DampedLinks;
 use super::deferral::Deferral;
 use crate::arrays::blocks::{rows_of, tiles};
 use crate::arrays::columns::{Columns, ColumnsMut};
@@ -13,7 +13,7 @@ use crate::arrays::state::{NodeVectors, rows_mut};
 use crate::elements::link::Links;
 use crate::error::{Error, Result};
 use crate::laws::Instant;
-use crate::laws::spring_damping::{PowerKernel, ResistanceKernel};
+use crate::laws::spring_damping::{Dashpots, PowerKernel, ResistanceKernel};
 use crate::laws::springs::{self, TensionKernel};
 use crate::laws::{Kernels, Law, LinkResponse};
 use crate::simd::lanes::F64x8;
@@ -40,7 +40,7 @@ struct Viscous {
     /// The row of the law, and the number of these links among its sets.
     row: usize,
     set: usize,
-    coefficient: Arc<Vec<F64x8>>,
+    dashpots: Arc<Dashpots>,
 }
 
 /// The results of an evaluation.
@@ -87,8 +87,8 @@ impl Plan {
         let mut resistances: Vec<(Arc<Links>, Viscous)> = Vec::new();
         for (row, law) in laws.iter().enumerate() {
             for (set, force) in law.kernels().links.into_iter().enumerate() {
-                if let LinkResponse::Viscous(coefficient) = force.response {
-                    resistances.push((force.links, Viscous { row, set, coefficient }));
+                if let LinkResponse::Viscous(dashpots) = force.response {
+                    resistances.push((force.links, Viscous { row, set, dashpots }));
                 }
             }
         }
@@ -227,7 +227,7 @@ impl LinkPass {
         let elastic = elastic.as_ref().filter(|(row, _)| is_selected(*row));
         let viscous = viscous.as_ref().filter(|viscous| is_selected(viscous.row));
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-        let Some(Viscous { row, set, coefficient }) = viscous else {
+        let Some(Viscous { row, set, dashpots }) = viscous else {
             if let Some((_, parameters)) = elastic {
                 let forces = ColumnsMut::of(sums.forces);
                 links.instructions.run_batches(TensionKernel { links, parameters, tile, positions, forces });
@@ -242,14 +242,11 @@ impl LinkPass {
         }
         let forces = ColumnsMut::of(own.unwrap_or(sums.forces));
         sums.powers[*row] += if let Some((_, springs)) = elastic {
-            let kernel = DampedKernel { links, springs, coefficient, tile, positions, velocities, forces };
-            match cache {
-                None => links.instructions.run_batches(kernel),
-                Some(cache) => links.instructions.run_batches(CachedKernel(kernel, cache)),
-            }
+            DampedLinks { links, springs, dashpots, tile, positions, velocities, forces }.run(cache)
         } else {
-            let (out, sign) = (forces, 1.0);
-            let kernel = ResistanceKernel { links, coefficient, tile, positions, velocities, out, cache, sign };
+            let (out, sign, is_limited) = (forces, 1.0, true);
+            let kernel =
+                ResistanceKernel { links, dashpots, is_limited, tile, positions, velocities, out, cache, sign };
             links.instructions.run_batches(kernel)
         };
     }

@@ -49,6 +49,11 @@ pub trait LawParameters {
     fn film(&self) -> Option<FilmElements> {
         None
     }
+
+    /// The springs of the film, from the law that describes them.
+    fn springs(&self) -> Option<springs::SpringParameters> {
+        None
+    }
 }
 
 macro_rules! laws {
@@ -84,6 +89,11 @@ macro_rules! laws {
             /// The elements of the film, from a law for its elasticity.
             pub fn film(&self) -> Option<FilmElements> {
                 self.parameters().film()
+            }
+
+            /// The springs of the film, from the law that describes them.
+            pub(super) fn springs(&self) -> Option<springs::SpringParameters> {
+                self.parameters().springs()
             }
         }
 
@@ -126,7 +136,8 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 /// Builds the laws of a scene, with those of the tethers and bridges of the model.
 ///
 /// # Errors
-/// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `DegenerateTriangle`.
+/// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `LimitWithoutSprings`,
+/// `DegenerateTriangle`.
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let context = Context { assembly, networks: SpringNetworks::default(), specs };
     let mut laws: Vec<Box<dyn Law>> = Vec::new();

@@ -27,7 +27,6 @@ use std::sync::Arc;
 
 use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
-use crate::simd::lanes::F64x8;
 
 pub use air_drag::AirMotion;
 pub use history_dependent::HistoryDependent;
@@ -36,6 +35,7 @@ pub use instant::Instant;
 pub use linearisation::Linearisation;
 pub use list::*;
 pub use nodal::NodalLaw;
+pub use spring_damping::{DashpotMass, Limited};
 
 /// The role of the work of a law in the energy balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,8 +91,8 @@ pub struct LinkForce {
 pub(crate) enum LinkResponse {
     /// A tension as a function of the length, see `springs`.
     Elastic(Arc<Vec<springs::Parameters>>),
-    /// A resistance to the rate of the length, see `spring_damping`: c \[N s/m\].
-    Viscous(Arc<Vec<F64x8>>),
+    /// A resistance to the rate of the length, see `spring_damping`.
+    Viscous(Arc<spring_damping::Dashpots>),
 }
 
 /// A law: forces on nodes as functions of their motion.

@@ -2,26 +2,36 @@
 //!
 //!     c = 2 zeta sqrt(k m)   [N s/m],      F_j = -c ((v_j - v_i) . e) e   [N]
 //!
-//! with e the unit vector along the spring. A rigid motion changes no length and dissipates nothing. The mass m is
+//! with e the unit vector along the spring. A rigid motion changes no length and dissipates nothing. The mass m is that
+//! of the two nodes of the spring, their mean in the paper (see `mass`), or for springs of the film, if a length l_d is
+//! given, that of two nodes with the mass rho h l_d^2 of a square of film of side l_d. With the nodes' masses c is
+//! proportional to L, and the dissipation at a given rate of strain tends to zero on finer meshes. With l_d neither
+//! depends on the mesh: the film has one viscosity. The two agree where each node has the mass of that square. A film
+//! of triangles is damped by its rate of strain instead (see `triangle_damping`).
 //!
-//!     m = (m_i + m_j)/2     that of the two nodes of the spring: the form of the paper
-//!     m = rho h l_d^2        that of a square of film of side l_d, for springs of the film, if a length l_d is given
+//! Limit: a slack cord has no force, and a column bears no more than its buckling force. A limited dashpot obeys
 //!
-//! In the first form c is proportional to L, and the dissipation at a given rate of strain tends to zero on finer
-//! meshes. In the second neither depends on the mesh: the film has one viscosity. The two agree where each node has the
-//! mass of that square. A film of triangles is damped by its rate of strain instead (see `triangle_damping`).
-//! Source: Okuizumi et al. (2012), section 3.4; the length is added here.
+//!     |F| <= k (max(l, l_cr) - l_cr)   [N]
+//!
+//! the tension above that of buckling, which for a cord (l_cr = L) is its tension. So the force of spring and dashpot
+//! is continuous and never below that of buckling, and the power of the dashpot is never positive. The dashpot is one
+//! with a coefficient between 0 and c, so that c bounds the damping of the stability limit. A vibration of amplitude a
+//! about an elongation s beyond that of buckling is damped in full where 2 zeta a < s.
+//! Source: Okuizumi et al. (2012), section 3.4; the length, the reduced mass and the limit are added here.
 
+mod mass;
 mod tangent;
 
 use std::sync::Arc;
 
 use serde::Deserialize;
 
+pub use self::mass::DashpotMass;
+use super::springs::{self, Springs};
 use super::triangle_damping::TriangleDamping;
 use super::{
-    Context, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce, LinkResponse,
-    Properties, WorkClass,
+    Context, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, LawSpec, Linearisation, LinkForce,
+    LinkResponse, Properties, WorkClass,
 };
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
@@ -34,20 +44,36 @@ use crate::model::checks::{non_negative, positive};
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
+/// The dashpots whose resistance is limited by the elastic force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Limited {
+    /// None: the form of the paper.
+    None,
+    /// Those of the cords.
+    Cords,
+    /// Those of the cords and of the springs of the film.
+    All,
+}
+
 /// Parameters of the dashpots.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DampingParameters {
     /// zeta, the damping ratio.
     pub ratio: f64,
-    /// l_d, side of the square of film with the mass m \[m\]; `None`: m is the mean mass of the nodes.
+    /// l_d, side of the square of film with the mass of each node \[m\]; `None`: the nodes have their own masses.
     pub length: Option<f64>,
+    /// The mass in c.
+    pub mass: DashpotMass,
+    /// The dashpots with a limit.
+    pub limited: Limited,
 }
 
 impl From<f64> for DampingParameters {
-    /// The form of the paper.
+    /// The form of the paper for the film; cords do not resist where they are slack.
     fn from(ratio: f64) -> Self {
-        Self { ratio, length: None }
+        Self { ratio, length: None, mass: DashpotMass::Mean, limited: Limited::Cords }
     }
 }
 
@@ -63,36 +89,49 @@ impl LawParameters for DampingParameters {
 
 /// The law: a dashpot along each spring of each network, or damping of the film itself.
 struct SpringDamping {
-    networks: Vec<Dashpots>,
+    networks: Vec<Network>,
     /// Damping of a film of triangles.
     film: Option<TriangleDamping>,
 }
 
-/// The dashpots of the film or of the tethers, in batches of eight.
-struct Dashpots {
+/// The links of the film or of the cords, with their dashpots.
+struct Network {
     links: Arc<Links>,
-    /// c [N s/m].
-    coefficient: Arc<Vec<F64x8>>,
+    dashpots: Arc<Dashpots>,
 }
 
-impl Dashpots {
-    /// `mass` is m of each dashpot; without it, m is the mean mass of its two nodes.
+/// Dashpots along links, in batches of eight.
+pub(crate) struct Dashpots {
+    /// c [N s/m].
+    pub(crate) coefficient: Vec<F64x8>,
+    /// The springs along the same links, whose tension limits the resistance; `None`: no limit.
+    pub(crate) limit: Option<Arc<Vec<springs::Parameters>>>,
+}
+
+impl Network {
+    /// With the dashpots along springs of these ends and constants \[N/m\]. `square` is the mass of each node \[kg\]
+    /// in place of its own.
     fn new(
         links: Arc<Links>,
         pairs: &[([u32; 2], f64)],
-        ratio: f64,
-        mass: Option<f64>,
+        parameters: DampingParameters,
+        square: Option<f64>,
+        limit: Option<Springs>,
         assembly: &Assembly,
     ) -> Result<Self> {
         if let Some(&(edge, stiffness)) = pairs.iter().find(|(_, stiffness)| *stiffness < 0.0) {
             return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
         }
+        let DampingParameters { ratio, mass, .. } = parameters;
         let coefficient = links.elements.pack(0.0, |row| {
             let (nodes, stiffness) = pairs[row];
-            let [i, j] = assembly.numbering.to_internal(nodes).map(|node| assembly.masses[node as usize]);
-            2.0 * ratio * (stiffness * mass.unwrap_or(0.5 * (i + j))).sqrt()
+            let nodes = assembly.numbering.to_internal(nodes);
+            let of = |values: &[f64]| nodes.map(|node| values[node as usize]);
+            let of_nodes = || mass.of(&of(&assembly.masses), &of(&assembly.inverse_masses));
+            2.0 * ratio * (stiffness * square.map_or_else(of_nodes, |square| mass.of_equal(square))).sqrt()
         });
-        Ok(Self { links, coefficient: Arc::new(coefficient) })
+        let limit = limit.map(|springs| springs.parameters());
+        Ok(Self { links, dashpots: Arc::new(Dashpots { coefficient, limit }) })
     }
 }
 
@@ -102,35 +141,50 @@ pub(crate) fn resistance_per_length<V: SimdF64>(coefficient: &F64x8, length_time
     V::load(coefficient) * length_times_rate * inverse_square
 }
 
+/// A resistance within +-bound; not a number where it is none.
+#[inline(always)]
+pub(crate) fn limited<V: SimdF64>(resistance: V, bound: V) -> V {
+    bound.min((-bound).max(resistance))
+}
+
 impl SpringDamping {
     fn new(parameters: DampingParameters, context: &Context<'_>) -> Result<Self> {
-        let DampingParameters { ratio, length } = parameters;
+        let DampingParameters { ratio, length, limited, .. } = parameters;
         non_negative("damping ratio", ratio)?;
         if let Some(length) = length {
             positive("length of the damping [m]", length)?;
         }
         let Context { assembly, networks, specs } = context;
         let has_springs = !specs.iter().any(|spec| spec.film() == Some(FilmElements::Triangles));
-        let mut dashpots = Vec::new();
+        let has_film = !assembly.mesh.triangles.is_empty();
+        let springs = specs.iter().find_map(LawSpec::springs).filter(|_| has_springs);
+        if limited == Limited::All && has_film && springs.is_none() {
+            return Err(Error::LimitWithoutSprings);
+        }
+        let mut own = Vec::new();
         if has_springs {
             let edges: Vec<_> =
                 assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied()).collect();
             let square = assembly.square_of_film(length);
-            dashpots.push(Dashpots::new(networks.film(assembly), &edges, ratio, square, assembly)?);
+            let limit = springs.filter(|_| limited == Limited::All).map(|springs| Springs::membrane(springs, context));
+            own.push(Network::new(networks.film(assembly), &edges, parameters, square, limit.transpose()?, assembly)?);
         }
         if !assembly.model.cords.is_empty() {
             let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness)).collect();
-            dashpots.push(Dashpots::new(networks.cords(assembly), &cords, ratio, None, assembly)?);
+            let limit = (limited != Limited::None).then(|| Springs::tethers(context));
+            own.push(Network::new(networks.cords(assembly), &cords, parameters, None, limit, assembly)?);
         }
         let film = if has_springs { None } else { Some(TriangleDamping::new(parameters, assembly)?) };
-        Ok(Self { networks: dashpots, film })
+        Ok(Self { networks: own, film })
     }
 }
 
 /// Adds sign times the resistances of dashpots to `out`, and stores them per length in `cache`; returns their power.
 pub(crate) struct ResistanceKernel<'a> {
     pub(crate) links: &'a Links,
-    pub(crate) coefficient: &'a [F64x8],
+    pub(crate) dashpots: &'a Dashpots,
+    /// Whether the limit of the dashpots applies.
+    pub(crate) is_limited: bool,
     pub(crate) tile: usize,
     pub(crate) positions: Columns<'a>,
     pub(crate) velocities: Columns<'a>,
@@ -143,13 +197,18 @@ impl BatchKernel for ResistanceKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let coefficient = pass.of(self.coefficient);
+        let coefficient = pass.of(&self.dashpots.coefficient);
+        let limit = self.dashpots.limit.as_ref().filter(|_| self.is_limited).map(|springs| pass.of(springs));
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
             let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
             let inverse_square = V::all(1.0) / span.square().max(V::all(f64::MIN_POSITIVE));
-            let resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
+            let mut resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
+            if let Some(springs) = limit {
+                let (springs, l) = (&springs[batch], span.length());
+                resistance = limited(resistance, springs.excess(l) * springs.tension_per_length(l).1);
+            }
             power -= resistance * rate;
             if let Some(cache) = &mut self.cache {
                 cache[pass.place(batch)] = resistance.lanes();
@@ -195,9 +254,9 @@ impl Law for SpringDamping {
     }
 
     fn kernels(&self) -> Kernels {
-        let along = |Dashpots { links, coefficient }: &Dashpots| LinkForce {
+        let along = |Network { links, dashpots }: &Network| LinkForce {
             links: links.clone(),
-            response: LinkResponse::Viscous(coefficient.clone()),
+            response: LinkResponse::Viscous(dashpots.clone()),
         };
         Kernels { elements: self.film.is_some(), links: self.networks.iter().map(along).collect() }
     }
@@ -221,17 +280,19 @@ impl Law for SpringDamping {
 }
 
 impl Linearisation for SpringDamping {
+    /// Every dashpot resists in full, as where its spring is taut.
     fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
             if let Some(film) = &self.film {
                 film.add_forces(tile, at.positions, p, out, -1.0);
             }
-            for Dashpots { links, coefficient } in &self.networks {
+            for Network { links, dashpots } in &self.networks {
                 let (positions, velocities, out) = (Columns::of(at.positions), Columns::of(p), ColumnsMut::of(out));
-                let (cache, sign) = (None, -1.0);
+                let (cache, sign, is_limited) = (None, -1.0, false);
                 links.instructions.run_batches(ResistanceKernel {
                     links,
-                    coefficient,
+                    dashpots,
+                    is_limited,
                     tile,
                     positions,
                     velocities,
@@ -247,8 +308,8 @@ impl Linearisation for SpringDamping {
         if let Some(film) = &self.film {
             film.visit_couplings(visit);
         }
-        for dashpots in &self.networks {
-            dashpots.links.elements.each().for_each(|(.., nodes)| visit(&nodes));
+        for network in &self.networks {
+            network.links.elements.each().for_each(|(.., nodes)| visit(&nodes));
         }
     }
 
@@ -260,7 +321,7 @@ impl Linearisation for SpringDamping {
 impl Inspection for SpringDamping {
     fn contiguous_share(&self) -> Option<f64> {
         let film = self.film.as_ref().map(TriangleDamping::contiguous_share);
-        let first = || self.networks.first().map_or(1.0, |dashpots| dashpots.links.elements.contiguous_share());
+        let first = || self.networks.first().map_or(1.0, |network| network.links.elements.contiguous_share());
         Some(film.unwrap_or_else(first))
     }
 }

@@ -95,11 +95,28 @@ impl Parameters {
         let inverse = V::all(1.0) / l.max(V::all(1e-12) * rest_length);
         (tension * inverse, inverse)
     }
+
+    /// The tension above that of buckling, k (max(l, l_cr) - l_cr), of springs of length `l` \[N\].
+    #[inline(always)]
+    pub(crate) fn excess<V: SimdF64>(&self, l: V) -> V {
+        let critical_length = V::load(&self.critical_length);
+        V::load(&self.stiffness) * (l.max(critical_length) - critical_length)
+    }
+
+    /// The tension above that of buckling of one spring of length `l` \[N\], and its derivative by the length \[N/m\].
+    pub(super) fn excess_at(&self, lane: usize, l: f64) -> (f64, f64) {
+        let (k, critical_length) = (self.stiffness.0[lane], self.critical_length.0[lane]);
+        if l > critical_length { (k * (l - critical_length), k) } else { (0.0, 0.0) }
+    }
 }
 
 impl LawParameters for SpringParameters {
     fn film(&self) -> Option<FilmElements> {
         Some(FilmElements::Links)
+    }
+
+    fn springs(&self) -> Option<SpringParameters> {
+        Some(*self)
     }
 
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
@@ -119,7 +136,7 @@ impl LawParameters for SpringParameters {
 
 impl Springs {
     /// The springs of the film.
-    fn membrane(parameters: SpringParameters, context: &Context<'_>) -> Result<Self> {
+    pub(super) fn membrane(parameters: SpringParameters, context: &Context<'_>) -> Result<Self> {
         let SpringParameters { buckling, buckling_on_creases, buckling_length, crease_length, strain_limit } =
             parameters;
         positive("strain limit of the springs", strain_limit)?;
@@ -146,6 +163,11 @@ impl Springs {
             strain_limit: cord.strain_limit,
         });
         Self::in_batches("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())
+    }
+
+    /// One entry per batch of the links.
+    pub(super) fn parameters(&self) -> Arc<Vec<Parameters>> {
+        self.parameters.clone()
     }
 
     fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {

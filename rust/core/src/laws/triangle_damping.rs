@@ -2,8 +2,9 @@
 //!
 //!     S_v = eta C : dE/dt   [Pa],     eta = 2 zeta sqrt(m / k),   k = 2 E_Y h A0 / L^2   [s]
 //!
-//! with C the stiffness of the film, m the mean mass of the three nodes, or that of a square of film of side l_d (rho h
-//! l_d^2, with which eta is the same on every mesh), and L^2 the mean square side. It corresponds to dashpots along
+//! with C the stiffness of the film, m the mean mass of the three nodes (or half their harmonic mean, see
+//! `spring_damping::mass`), or that of nodes with the mass of a square of film of side l_d (rho h l_d^2, with which eta
+//! is the same on every mesh), and L^2 the mean square side. It corresponds to dashpots along
 //! springs with c = 2 zeta sqrt(k m) = eta k: on an equilateral lattice at nu = 1/3, where springs represent the film
 //! exactly, the two have the same forces near rest. The coefficient is positive on obtuse triangles too, and a rigid
 //! motion has no rate of strain. A wrinkled film keeps its damping, as a buckled spring keeps its dashpot.
@@ -36,8 +37,10 @@ impl TriangleDamping {
         for (triangle, &nodes) in assembly.mesh.triangles.iter().enumerate() {
             let squares: f64 = assembly.mesh.side_lengths(triangle).iter().map(|side| side * side).sum::<f64>() / 3.0;
             let stiffness = 2.0 * modulus * assembly.mesh.area(triangle)? / squares;
-            let masses = assembly.numbering.to_internal(nodes).map(|node| assembly.masses[node as usize]);
-            let mass = square.unwrap_or(masses.iter().sum::<f64>() / 3.0);
+            let nodes = assembly.numbering.to_internal(nodes);
+            let of = |values: &[f64]| nodes.map(|node| values[node as usize]);
+            let of_nodes = || parameters.mass.of(&of(&assembly.masses), &of(&assembly.inverse_masses));
+            let mass = square.map_or_else(of_nodes, |square| parameters.mass.of_equal(square));
             times.push(2.0 * parameters.ratio * (mass / stiffness).sqrt());
         }
         Ok(Self { time: flat.elements.pack(0.0, |row| times[row]), flat, instructions: assembly.instructions })

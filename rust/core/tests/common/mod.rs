@@ -9,7 +9,8 @@ use membrane_core::assembly::Assembly;
 use membrane_core::evaluation::plan::Plan;
 use membrane_core::integrators::{METHODS, Method};
 use membrane_core::laws::{
-    self, CreaseParameters, FilmElements, GravityParameters, Instant, Law, LawSpec, SpinParameters,
+    self, CreaseParameters, DampingParameters, DashpotMass, FilmElements, GravityParameters, Instant, Law, LawSpec,
+    Limited, SpinParameters,
 };
 use membrane_core::model::frame::Spin;
 use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model};
@@ -90,6 +91,23 @@ pub fn film(elements: FilmElements) -> LawSpec {
 pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
     let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
     [film].into_iter().chain(others).collect()
+}
+
+/// One of every law in the list with each film, and with dashpots that are all limited and mostly at their limit.
+pub fn law_sets() -> impl Iterator<Item = Vec<LawSpec>> {
+    films().map(every_law_with).chain([every_law_with_limited_dashpots()])
+}
+
+/// One of every law in the list, with a film of springs whose dashpots are limited, and strong.
+pub fn every_law_with_limited_dashpots() -> Vec<LawSpec> {
+    let mut laws = every_law();
+    for law in &mut laws {
+        if let LawSpec::SpringDamping(parameters) = law {
+            let (ratio, mass, limited) = (2.0, DashpotMass::Reduced, Limited::All);
+            *parameters = DampingParameters { ratio, mass, limited, ..*parameters };
+        }
+    }
+    laws
 }
 
 pub fn springs() -> LawSpec {

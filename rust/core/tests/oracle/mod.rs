@@ -11,7 +11,7 @@ mod springs;
 pub mod steps;
 
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{LawSpec, spin_of};
+use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited, spin_of};
 
 pub type Vec3 = [f64; 3];
 
@@ -103,11 +103,11 @@ impl Oracle {
         };
         let spin = spin_of(laws);
         (oracle.spin, oracle.drag.1) = ((spin.rate, spin.acceleration), spin.rate);
-        let mut damping = 0.0;
+        let mut damping: DampingParameters = 0.0.into();
         for law in laws {
             match law {
                 LawSpec::Springs(parameters) => oracle.springs = springs::film(parameters, assembly),
-                LawSpec::SpringDamping(parameters) => damping = parameters.ratio,
+                LawSpec::SpringDamping(parameters) => damping = *parameters,
                 LawSpec::Creases(parameters) => {
                     oracle.crease_parameters = creases::Parameters::of(parameters);
                     oracle.creases = creases::all(parameters, assembly);
@@ -121,16 +121,20 @@ impl Oracle {
                 other => unreachable!("the oracle has the laws of model 1, not {other:?}"),
             }
         }
-        oracle.springs.extend(model.cords.iter().map(|cord| springs::Spring {
-            nodes: cord.nodes,
-            stiffness: cord.stiffness,
-            rest_length: cord.rest_length,
-            critical_length: cord.rest_length,
-            damping: 0.0,
-        }));
-        for spring in &mut oracle.springs {
+        let edges = oracle.springs.len();
+        oracle.springs.extend(springs::cords(assembly));
+        for (row, spring) in oracle.springs.iter_mut().enumerate() {
             let [i, j] = spring.nodes.map(|node| oracle.masses[node as usize]);
-            spring.damping = 2.0 * damping * (spring.stiffness * 0.5 * (i + j)).sqrt();
+            let mass = match damping.mass {
+                DashpotMass::Mean => 0.5 * (i + j),
+                DashpotMass::Reduced => springs::reduced_mass(spring.nodes, [i, j], &model.fixed),
+            };
+            spring.damping = 2.0 * damping.ratio * (spring.stiffness * mass).sqrt();
+            spring.is_limited = match damping.limited {
+                Limited::None => false,
+                Limited::Cords => row >= edges,
+                Limited::All => true,
+            };
         }
         oracle
     }

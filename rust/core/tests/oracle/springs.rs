@@ -13,6 +13,8 @@ pub struct Spring {
     pub rest_length: f64,
     pub critical_length: f64,
     pub damping: f64,
+    /// Whether the tension above that of buckling limits the resistance of the dashpot.
+    pub is_limited: bool,
 }
 
 /// The springs of the film, without dashpots.
@@ -27,9 +29,31 @@ pub fn film(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
         let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
         let rest_length = dot(sub(b, a), sub(b, a)).sqrt();
         let critical_length = rest_length - alpha * (PI * thickness).powi(2) / (12.0 * rest_length);
-        springs.push(Spring { nodes, stiffness, rest_length, critical_length, damping: 0.0 });
+        springs.push(Spring { nodes, stiffness, rest_length, critical_length, damping: 0.0, is_limited: false });
     }
     springs
+}
+
+/// The segments of the cords, without dashpots.
+pub fn cords(assembly: &Assembly) -> impl Iterator<Item = Spring> {
+    assembly.model.cords.iter().map(|cord| Spring {
+        nodes: cord.nodes,
+        stiffness: cord.stiffness,
+        rest_length: cord.rest_length,
+        critical_length: cord.rest_length,
+        damping: 0.0,
+        is_limited: false,
+    })
+}
+
+/// The reduced mass of two nodes [kg]; that of the other node where one is held.
+pub fn reduced_mass(nodes: [u32; 2], [i, j]: [f64; 2], held: &[u32]) -> f64 {
+    match nodes.map(|node| held.contains(&node)) {
+        [false, false] => i * j / (i + j),
+        [false, true] => i,
+        [true, false] => j,
+        [true, true] => 0.0,
+    }
 }
 
 impl Oracle {
@@ -43,7 +67,11 @@ impl Oracle {
             let length = dot(span, span).sqrt();
             let rate = dot(span, sub(velocities[j], velocities[i])) / length;
             let tension = spring.stiffness * (length.max(spring.critical_length) - spring.rest_length);
-            let resistance = spring.damping * rate;
+            let mut resistance = spring.damping * rate;
+            if spring.is_limited {
+                let most = spring.stiffness * (length - spring.critical_length).max(0.0);
+                resistance = resistance.abs().min(most) * rate.signum();
+            }
             power -= resistance * rate;
             let per_length = (tension + resistance) / length;
             add(&mut forces[i], per_length, span);
