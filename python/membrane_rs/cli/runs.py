@@ -110,6 +110,7 @@ def check(
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     with reported_errors():
         from membrane_rs.check.redundancy import idle_laws, step_savings
+        from membrane_rs.check.step_accuracy import step_accuracy
         from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
@@ -145,6 +146,8 @@ def check(
             )
             typer.echo(f"               {saving.advice}")
         _warn_of_step(sim)
+        if warning := step_accuracy(chosen).warning():
+            typer.secho(warning, fg="yellow", err=True)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
         if not sound:
