@@ -74,6 +74,7 @@ PARTS = (
     ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
     Part("limits", "docs/limits.md: limits predicted and measured", [("tests/limit_cases.py",)]),
+    Part("steps", "docs/step_accuracy.md: errors of default steps", [("tests/step_accuracy_cases.py",)]),
     Part("faults", "docs/fault_injection.md: outcomes of faulty runs", [("tests/fault_injection.py",)]),
     Part("motions", "docs/rigid_motions.md: verdicts on scenes that fly and turn", [("tests/rigid_motions.py",)]),
     Part(

@@ -47,6 +47,7 @@ CLEAN = (
     "tests/fault_injection.py",
     "tests/faults.py",
     "tests/limit_cases.py",
+    "tests/step_accuracy_cases.py",
 )
 """Files, and folders of files, that hold none."""
 SUFFIXES = {".md", ".py", ".rs", ".toml"}

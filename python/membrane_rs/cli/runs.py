@@ -137,6 +137,7 @@ def check(
         from membrane_rs.check import audit, facts
         from membrane_rs.check.net_of_springs import net_lines
         from membrane_rs.check.redundancy import step_savings
+        from membrane_rs.check.step_accuracy import step_accuracy
         from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
@@ -170,6 +171,8 @@ def check(
             )
             typer.echo(f"               {saving.advice}")
         _warn_of_step(sim)
+        if warning := step_accuracy(chosen).warning():
+            typer.secho(warning, fg="yellow", err=True)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
         if not found.ok:

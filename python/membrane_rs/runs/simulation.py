@@ -38,7 +38,8 @@ class Simulation(Stepper):
     dt : float, optional
         Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
         the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
-        other methods take 0.4 of the stability limit. All take a little less so that a whole number of steps makes a
+        other methods take 0.4 of the stability limit; less where the spin, the loads or the response to them would be
+        wrong (docs/model.md). All take a little less so that a whole number of steps makes a
         power of ten of a second. The step depends neither on the end of a run nor on its outputs.
 
     start : Simulation or path, optional

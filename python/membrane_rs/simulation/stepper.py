@@ -145,6 +145,10 @@ class Stepper(Motion):
         self._check_end(target, "time")
         self._advance(target, ())
 
+    def reach_within(self, time: float, seconds: float) -> bool:
+        """As `reach`, for about `seconds` of wall time; whether the time was reached."""
+        return seconds > 0.0 and self._core.reach(time, seconds)
+
     def _advance(self, time: float, watchers: Sequence[Callable[[Self], None]]) -> None:
         while not self._core.reach(time, CHUNK):
             for watcher in watchers:

@@ -275,7 +275,10 @@ impl Embedded for Dopri5 {
 
 impl Integrator for Dopri5 {
     fn properties(&self) -> Properties {
-        Properties { evaluations_at_start: 1, ..Properties::explicit("dopri5", 5, 6) }
+        Properties {
+            evaluations_at_start: 1,
+            ..Properties::explicit("dopri5", 5, 6, (1.0 / 600.0 - 1.0 / 720.0 + 1.0 / 5040.0, 6))
+        }
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {

@@ -281,7 +281,9 @@ fn largest(vectors: &NodeVectors) -> (usize, f64) {
 impl Integrator for GeneralizedAlpha {
     fn properties(&self) -> Properties {
         // Two evaluations for linear forces, one more for each further iteration.
-        let explicit = Properties::explicit("generalized_alpha", 2, 2);
+        let shift = self.alpha_f - self.alpha_m;
+        let frequency_error = (1.0 / 12.0 + 0.375 * shift * shift, 2);
+        let explicit = Properties::explicit("generalized_alpha", 2, 2, frequency_error);
         Properties { evaluations_at_start: 1, is_implicit: true, ..explicit }
     }
 

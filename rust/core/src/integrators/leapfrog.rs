@@ -52,7 +52,7 @@ pub(super) const PROPERTIES: Properties = Properties {
     conserves_energy: true,
     predicts_velocity: true,
     damping_weight: Some(4.0),
-    ..Properties::explicit("leapfrog", 2, 1)
+    ..Properties::explicit("leapfrog", 2, 1, (1.0 / 24.0, 2))
 };
 
 /// The method for a scene, without substeps.

@@ -54,6 +54,9 @@ pub struct Properties {
     pub name: &'static str,
     /// Order of the global error.
     pub order: u32,
+    /// c and p of the error c (omega dt)^p by which the frequency of x'' = -omega^2 x is wrong, relative to omega, for
+    /// small omega dt.
+    pub frequency_error: (f64, u8),
     /// Evaluations of the accelerations per step.
     pub evaluations_per_step: u32,
     /// Evaluations before the first step, and after a change of positions or velocities.
@@ -71,10 +74,11 @@ pub struct Properties {
 
 impl Properties {
     /// Those of an explicit one-step method.
-    const fn explicit(name: &'static str, order: u32, evaluations_per_step: u32) -> Self {
+    const fn explicit(name: &'static str, order: u32, evaluations_per_step: u32, frequency_error: (f64, u8)) -> Self {
         Self {
             name,
             order,
+            frequency_error,
             evaluations_per_step,
             evaluations_at_start: 0,
             conserves_energy: false,

@@ -109,7 +109,7 @@ impl Formula<1, 1> for End {
 
 impl Integrator for Rk4 {
     fn properties(&self) -> Properties {
-        Properties::explicit("rk4", 4, 4)
+        Properties::explicit("rk4", 4, 4, (1.0 / 120.0, 4))
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {

@@ -137,6 +137,7 @@ impl Integrator for SemiImplicitEuler {
         MethodProperties {
             name: "semi_implicit_euler",
             order: 1,
+            frequency_error: (1.0 / 24.0, 2),
             evaluations_per_step: 1,
             evaluations_at_start: 0,
             conserves_energy: false,

@@ -1,0 +1,117 @@
+"""The error of the step: a scene run twice, with its step and with half of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.errors import UnstableError
+from membrane_rs.scene import Scene
+from membrane_rs.simulation.methods import integrators
+from membrane_rs.simulation.stepper import Stepper
+
+ALLOWED = 0.01
+"""Share of the motion by which a step may be wrong."""
+INSTANTS = 200
+"""Times at which two runs are compared, evenly spaced."""
+FINER = {False: 2.0, True: 32.0}
+"""Divisor of the step, or of the tolerance where steps are chosen by their error."""
+AT_REST = 1e-9
+"""Extent of a motion below which nothing moves, as a share of the size of the scene."""
+SAFETY = 0.8
+"""Share of the step that would just be right, for the advice."""
+
+
+@dataclass(frozen=True)
+class StepAccuracy:
+    """The estimated error of the step.
+
+    Attributes
+    ----------
+    error : float
+        Largest distance of any node from where it should be, as a share of `extent`.
+    extent : float
+        Extent of the motion: the largest distance of any node from its start [m].
+    reached, until : float
+        Time up to which the error is known, and the end of the run [s].
+    dt : float
+        Step [s], the first one where steps are chosen by their error.
+    order : int
+        Order of the method.
+    is_adaptive : bool
+        Whether steps are chosen by their error.
+    failure : str
+        Why a run was stopped; empty otherwise.
+    """
+
+    error: float
+    extent: float
+    reached: float
+    until: float
+    dt: float
+    order: int
+    is_adaptive: bool
+    failure: str = ""
+
+    def warning(self) -> str | None:
+        """Why the step may not be right to 1 % of the motion, and what to do; None where it is right."""
+        if self.failure:
+            return f"Warning: the run stops by itself: {self.failure}"
+        share = f"{100.0 * self.error:.2g} % of the motion, whose extent is {self.extent:.3g} m"
+        if self.error > ALLOWED:
+            factor = (ALLOWED / self.error) ** (1.0 / self.order) * SAFETY
+            remedy = "use a smaller tolerance" if self.is_adaptive else f"use dt = {factor * self.dt:.2g} s"
+            return (
+                f"Warning: by t = {self.reached:.4g} s the step is wrong by {share}: {remedy}; where that does not "
+                "help, the motion is chaotic, and only its curves mean something (membrane-rs work-precision --curves)"
+            )
+        if self.reached < self.until:
+            known = f"wrong by {share}" if self.reached > 0.0 else "not known"
+            return (
+                f"Warning: the error of the step up to {self.until:g} s would take too long to estimate. Up to "
+                f"{self.reached:.3g} s it is {known}; compare steps by membrane-rs work-precision"
+            )
+        return None
+
+
+def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 2.0) -> StepAccuracy:
+    """Run a scene with its step and with half of it (of its tolerance a 32nd), and compare the positions.
+
+    With order p, the error is the difference over 1 - 2^-p. Both start as the scene is given, without relaxation. They
+    end at the end of the run, or where `seconds` of wall time are over.
+    """
+    coarse = Stepper(scene, integrator)
+    facts = integrators()[coarse.integrator]
+    divisor = FINER[coarse.is_adaptive]
+    finer = replace(scene.run, tolerance=scene.run.tolerance / divisor) if coarse.is_adaptive else scene.run
+    fine = Stepper(replace(scene, run=finer), coarse.integrator, None if coarse.is_adaptive else coarse.dt / divisor)
+    dt, until = coarse.dt, scene.run.until
+    start, deadline = coarse.positions, time.perf_counter() + seconds
+    largest = extent = reached = 0.0
+    failure = ""
+    try:
+        for instant in np.linspace(0.0, until, INSTANTS + 1)[1:].tolist():
+            if not _reach((coarse, fine), instant, deadline):
+                break
+            largest = max(largest, _distance(coarse.positions, fine.positions))
+            extent, reached = max(extent, _distance(fine.positions, start)), instant
+    except UnstableError as error:
+        failure = str(error)
+    rate = 1.0 if coarse.is_adaptive else 1.0 / (1.0 - divisor**-facts.order)
+    size = float(np.ptp(start, axis=0).max(initial=0.0))
+    share = rate * largest / extent if extent > AT_REST * size else 0.0
+    return StepAccuracy(share, extent, reached, until, dt, facts.order, coarse.is_adaptive, failure)
+
+
+def _reach(sims: Sequence[Stepper], instant: float, deadline: float) -> bool:
+    """Whether all have reached an instant [s] before the deadline."""
+    return all(sim.reach_within(instant, deadline - time.perf_counter()) for sim in sims)
+
+
+def _distance(one: Floats, other: Floats) -> float:
+    """The largest distance of any node."""
+    return float(np.sqrt(np.square(one - other).sum(axis=1)).max(initial=0.0))

@@ -1,0 +1,72 @@
+"""A default step is right to 1 % of the motion, or `check` warns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from membrane_rs import Scene, Simulation, integrators, scenes
+from membrane_rs.check.step_accuracy import ALLOWED, step_accuracy
+from step_accuracy_cases import fast_tether, random_scene, reference, row, short_tether
+
+METHODS = list(integrators())
+
+
+def until(scene: Scene, end: float) -> Scene:
+    return replace(scene, run=replace(scene.run, until=min(scene.run.until, end)))
+
+
+CASES = [until(fast_tether(), 0.1), short_tether(), *map(random_scene, (1, 2, 4, 8))]
+
+
+@pytest.mark.parametrize("scene", CASES, ids=lambda scene: scene.name)
+def test_a_default_step_is_right_to_a_hundredth_of_the_motion_or_check_warns(scene: Scene) -> None:
+    true = reference(scene)
+    for method in METHODS:
+        step, error, warning = row(scene, method, true, seconds=60.0)
+        assert error <= ALLOWED or warning, (method, step, error)
+        # The estimate is that of the error, and warns of nothing that is right.
+        assert not warning or not error <= 0.4 * ALLOWED, (method, step, error, warning)
+
+
+def test_the_explicit_methods_are_right_where_spin_or_few_elements_set_the_motion() -> None:
+    for scene in CASES[:2]:
+        true = reference(scene)
+        for method in ("rk4", "leapfrog"):
+            assert row(scene, method, true)[1] < ALLOWED, (scene.name, method)
+
+
+def test_a_given_step_that_is_wrong_is_told_with_one_that_is_right() -> None:
+    scene = short_tether()
+    limit = Simulation(scene, "leapfrog").stable_dt()
+    coarse = replace(scene, run=replace(scene.run, integrator="leapfrog", dt=0.4 * limit))
+    found = step_accuracy(coarse)
+    assert found.reached == found.until == 1.0
+    text = found.warning()
+    assert text is not None
+    assert text.startswith("Warning: by t = 1 s the step is wrong by ")
+    better = float(text.partition("use dt = ")[2].partition(" s")[0])
+    again = step_accuracy(replace(coarse, run=replace(coarse.run, dt=better)))
+    assert again.warning() is None
+    assert 0.1 * ALLOWED < again.error < ALLOWED
+
+
+def test_what_takes_too_long_or_stops_is_told() -> None:
+    sail = scenes.load("okuizumi-model-1")
+    text = step_accuracy(sail, seconds=0.0).warning()
+    assert text is not None
+    assert "would take too long to estimate. Up to 0 s it is not known" in text
+    tether = scenes.load("spinning-tether")
+    stiff = replace(tether, run=replace(tether.run, dt=1.5 * Simulation(tether).stable_dt(), until=0.1))
+    text = step_accuracy(stiff).warning()
+    assert text is not None
+    assert "the run stops by itself: stopped at t =" in text
+
+
+def test_a_scene_at_rest_has_no_error() -> None:
+    strip = scenes.load("hanging-strip")
+    rest = replace(strip, laws=[law for law in strip.laws if law.kind != "gravity"], run=replace(strip.run, until=0.01))
+    found = step_accuracy(rest)
+    assert found.warning() is None
+    assert not math.isnan(found.error)
