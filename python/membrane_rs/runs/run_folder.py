@@ -14,7 +14,7 @@ import os
 from contextlib import nullcontext, suppress
 from pathlib import Path, PurePath
 
-from membrane_rs._files import PART, output_errors
+from membrane_rs._files import PART, output_errors, path_of
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
@@ -81,7 +81,7 @@ class RunFolder:
         pictures: bool = True,
         progress: Progress | None = None,
     ) -> None:
-        self.path = Path(path)
+        self.path = path_of(path, "out")
         self._overwrite = overwrite
         self._record = Record(self.path, progress)
         self._summary = Summary()
