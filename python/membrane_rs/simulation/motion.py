@@ -61,9 +61,6 @@ class Motion(KnownAttributes, Copies):
                 f"the largest stable step is {self._core.dt} s, set by {self.limiting_part}: nothing moves in so short "
                 "a time; check the values of that law, of the material and of the masses"
             )
-        if step is None and not self.is_adaptive:
-            interval = scene.run.until / (scene.run.samples - 1)
-            self._core.set_dt(interval / math.ceil(interval / self._core.dt))
 
     @property
     def time(self) -> float:
