@@ -38,9 +38,9 @@ def test_a_start_keeps_motion_clock_and_hub_and_opens_the_ledger(integrator: str
 
 
 def test_gravity_across_the_axis_goes_on_from_where_it_pointed() -> None:
-    first = Simulation(spinning(1.0))
+    first = Simulation(spinning(1.0), dt=1e-3)
     first.run(until=0.125, frames=2, samples=2)
-    second = Simulation(spinning(2.0), start=first)
+    second = Simulation(spinning(2.0), dt=1e-3, start=first)
     angle = 2 * np.pi * 0.125
     expected = [np.cos(angle), -np.sin(angle), 0.0]
     for sim in (first, second):

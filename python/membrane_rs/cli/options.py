@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -109,12 +110,11 @@ def report_audit(scene: Scene) -> None:
 def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     """The scene with the run settings that were given on the command line.
 
-    Raises InputError for one that has no effect with the run's method.
+    Warns of one that has no effect with the run's method.
     """
     from dataclasses import asdict, replace
 
     from membrane_rs._validation import build
-    from membrane_rs.errors import InputError
     from membrane_rs.scene.run_settings import RunSettings
 
     given = {name: value for name, value in wanted.items() if value is not None}
@@ -124,7 +124,8 @@ def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     for name, (is_used, remedy) in _uses(run).items():
         if name in given and not is_used:
             option = "--" + name.replace("_", "-")
-            raise InputError(f"{option} = {given[name]}: has no effect with {run.integrator!r}{remedy}; leave it out")
+            what = f"{option} = {given[name]}: has no effect with {run.integrator!r}{remedy}; leave it out"
+            warnings.warn(what, stacklevel=2)
     return replace(scene, run=run)
 
 

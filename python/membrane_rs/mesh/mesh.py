@@ -85,7 +85,7 @@ class Mesh(Triangulation):
         folded = _indices(_or_empty(creases), "creases", 2, n)
         super().__init__(nodes, corners, folded, _indices(_or_empty(bridges), "bridges", 2, n))
         self.positions: Floats = stowed
-        self._node_sets = _node_sets(node_sets or {}, n)
+        self._node_sets = _node_sets({} if node_sets is None else node_sets, n)
         self._check_creases()
         self.fold_angles: Floats = self._fold_angles(fold_angles)
 

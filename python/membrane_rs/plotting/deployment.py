@@ -12,7 +12,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import plain_text, save_figure
 from membrane_rs.results.history import read_history
@@ -55,6 +55,8 @@ def compare_runs(
     `labels` are the folders' names where not given. Raises InputError where their number differs from the
     folders', MissingFileError for a folder without history, OutputError where `path` cannot be written.
     """
+    if isinstance(folders, str | Path) or not isinstance(folders, Sequence) or not folders:
+        raise InputTypeError(f"folders = {folders!r:.60}: must be a list of one or more folders of runs")
     paths = [path_of(folder, "folders") for folder in folders]
     names = [path.name for path in paths] if labels is None else list(labels)
     if len(names) != len(folders):

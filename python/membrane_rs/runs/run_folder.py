@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePath
 from time import monotonic
 
+from membrane_rs._files import path_of
 from membrane_rs.check import audit
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
@@ -89,7 +90,7 @@ class RunFolder:
         pictures: bool = True,
         progress: Progress | None = None,
     ) -> None:
-        self.path = Path(path)
+        self.path = path_of(path, "out")
         self.pictures = pictures
         self._place = Place(self.path, own_files(), overwrite=overwrite)
         self._record = Record(self.path, progress, Background(self._place.check_held))

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import number_of
+from membrane_rs._validation import number_of, show
 from membrane_rs.check import Audit, audit
 from membrane_rs.check.scene_audit import warn_of
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.runs import signals
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
@@ -158,6 +158,10 @@ class Simulation(Stepper):
         end = number_of("until", settings.until if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
+        if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
+            raise InputTypeError(f"observers = {show(observers)}: must be a list of observers")
+        if progress is not None and not callable(progress):
+            raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
         if overwrite and out is None:
             raise InputError("overwrite = True: without out nothing is written; give out a folder, or leave this out")
         beyond = [] if frames is None or isinstance(frames, int | str) else [t for t in np.ravel(frames) if t > end]

@@ -130,7 +130,9 @@ class Scene:
 
     def law(self, kind: str | type[Law]) -> Law | None:
         """The scene's law of a kind ("springs", ... or `Springs`, ...), or None."""
-        name = kind if isinstance(kind, str) else kind.kind
+        name = kind if isinstance(kind, str) else getattr(kind, "kind", None)
+        if name is None:
+            raise InputTypeError(f"kind = {show(kind)}: must be the name or the class of a law, such as 'springs'")
         return next((law for law in self.laws if law.kind == name), None)
 
     @property

@@ -57,7 +57,7 @@ def output_times(
 
 def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
     """Given times, or evenly spaced ones; the latter to twelve digits, so that they are round where they should be."""
-    if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes):
+    if isinstance(wanted, Sequence | np.ndarray) and getattr(wanted, "ndim", 1) and not isinstance(wanted, str | bytes):
         return np.array([number_of(name, t) for t in wanted], dtype=np.float64)
     try:
         count = operator.index(wanted)  # type: ignore[arg-type]

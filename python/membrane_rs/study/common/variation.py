@@ -6,8 +6,8 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from membrane_rs._renamed import new_names
-from membrane_rs._validation import nearest
-from membrane_rs.errors import SceneError
+from membrane_rs._validation import nearest, show
+from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import LAWS
 
@@ -25,6 +25,8 @@ def varied(scene: Scene, parameter: str, value: Any) -> Scene:
     InputError
         A value outside its range.
     """
+    if not isinstance(parameter, str):
+        raise InputTypeError(f"parameter = {show(parameter)}: must be a name such as 'laws.creases.stiffness'")
     head, *rest = parameter.split(".")
     if head == "laws" and len(rest) == 2:
         kind = _known(rest[0], list(LAWS), "laws")
