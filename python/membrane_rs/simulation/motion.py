@@ -327,7 +327,10 @@ class Motion(KnownAttributes, Copies, Readings):
         """
         if not isinstance(state, dict):
             raise InputTypeError(f"state = {show(state)}: must be a dict that `state` gave")
-        if state.get("scene_digest", self._digest) != self._digest:
+        for name in ("hub_phase", "scene_digest"):
+            if name not in state:
+                raise InputError(f"saved state: {name} is missing; give one that this version saved")
+        if str(state["scene_digest"]) != self._digest:
             raise InputError(
                 "saved state: scene_digest is that of another scene, with other laws, parts or values; set it in a "
                 "simulation of its own scene, or go on from that one under this scene: Simulation(scene, start=other)"
