@@ -10,7 +10,6 @@ import pytest
 from membrane_rs import Creases, Fixed, Mesh, MeshError, Scene, Simulation, Springs
 from membrane_rs.folding import Strip
 from membrane_rs.mesh.fold_angles import measured_fold_angles
-from membrane_rs.scene.toml import load_mesh
 from small_scenes import RUBBER, Floats, rotation
 
 RNG = np.random.default_rng(3)
@@ -125,7 +124,7 @@ def test_a_mesh_file_is_refused_alike(tmp_path: Path) -> None:
     values["fold_angles"] = -values["fold_angles"]
     np.savez(tmp_path / "mesh.npz", **values)
     with pytest.raises(MeshError, match="contradicts positions"):
-        load_mesh(tmp_path / "mesh.npz")
+        Mesh.load(tmp_path / "mesh.npz")
     path = tmp_path / "scene.toml"
     material = "[material]\nyoungs_modulus = 1e6\npoisson_ratio = 0.3\ndensity = 1000.0\nthickness = 2e-4\n"
     path.write_text(f'[mesh]\nfile = "mesh.npz"\n{material}[laws.springs]\n', encoding="utf-8")

@@ -57,7 +57,8 @@ def output_times(
 
 def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
     """Given times, or evenly spaced ones; the latter to twelve digits, so that they are round where they should be."""
-    if isinstance(wanted, Sequence | np.ndarray) and getattr(wanted, "ndim", 1) and not isinstance(wanted, str | bytes):
+    is_scalar = isinstance(wanted, np.ndarray) and wanted.ndim == 0
+    if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes) and not is_scalar:
         return np.array([number_of(name, t) for t in wanted], dtype=np.float64)
     try:
         count = operator.index(wanted)  # type: ignore[arg-type]
@@ -65,4 +66,4 @@ def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
         raise InputTypeError(f"{name} = {show(wanted)}: must be a whole number or a list of times (s)") from None
     if not 2 <= count <= MOST_INSTANTS:
         raise InputError(f"{name} = {show(count)}: must be from 2 to {MOST_INSTANTS}, or a list of times (s)")
-    return np.array([float(f"{time:.12g}") for time in np.linspace(0.0, end, count)])
+    return np.array([*(float(f"{time:.12g}") for time in np.linspace(0.0, end, count)[:-1]), end])
