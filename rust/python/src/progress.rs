@@ -157,7 +157,7 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
         Err(wrong_value(format!("saved state: {name} {why}; it is damaged, give one that Simulation.save wrote")))
     };
     let not_finite = || "holds a value that is not finite".to_owned();
-    if let Some(time) = times.chain(control).find(|time| !(time.abs() <= LONGEST)) {
+    if let Some(time) = times.chain(control).find(|time| time.is_nan() || time.abs() > LONGEST) {
         return wrong("origin, output_time or adaptive_numbers", format!("= {time}, which is no time of a run"));
     }
     for (name, count) in [("step_count", progress.step_count), ("evaluation_count", progress.evaluation_count / 100)] {
