@@ -13,8 +13,7 @@
 
 use super::free_pieces::FreePieces;
 use crate::arrays::state::columns;
-use crate::laws::Instant;
-use crate::laws::Law;
+use crate::laws::{Instant, Law, Properties, WorkClass};
 
 /// Kinetic and potential energies at an instant \[J\].
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +47,9 @@ pub enum Scope {
     /// Kinetic energy in the turning frame, and all laws.
     #[default]
     Whole,
+    /// The same, where a potential that is fixed in space acts on single nodes, such as that of contact: it exchanges
+    /// energy with the translation of free pieces, which counts then.
+    Obstructed,
     /// In an isolated scene: the motion about the centres of mass, and the laws that are internal.
     Isolated {
         /// Whether each law is internal.
@@ -60,13 +62,26 @@ impl Scope {
     pub fn of(laws: &[Box<dyn Law>], pieces: &FreePieces) -> Self {
         let is_internal: Vec<bool> = laws.iter().map(|law| law.properties().is_internal).collect();
         let is_isolated = laws.iter().all(|law| law.properties().is_internal || law.is_inertial());
-        if is_isolated && pieces.are_all() { Self::Isolated { is_internal } } else { Self::Whole }
+        let is_obstacle = |law: &Box<dyn Law>| {
+            let Properties { work_class, is_internal, .. } = law.properties();
+            work_class == WorkClass::Conservative && !is_internal && !law.is_inertial()
+        };
+        match is_isolated && pieces.are_all() {
+            true => Self::Isolated { is_internal },
+            false if laws.iter().any(is_obstacle) => Self::Obstructed,
+            false => Self::Whole,
+        }
+    }
+
+    /// The kinetic energy that may be exchanged \[J\].
+    fn kinetic(&self, terms: &EnergyTerms) -> f64 {
+        if *self == Self::Obstructed { terms.kinetic } else { terms.internal_kinetic }
     }
 
     /// Whether a law is part of the balance.
     pub fn includes(&self, law: usize) -> bool {
         match self {
-            Self::Whole => true,
+            Self::Whole | Self::Obstructed => true,
             Self::Isolated { is_internal } => is_internal[law],
         }
     }
@@ -96,7 +111,7 @@ impl Ledger {
 
     /// The reference energy, with the present terms \[J\].
     pub fn reference_energy(&self, now: &EnergyTerms) -> f64 {
-        let kinetic = (now.internal_kinetic - self.start.internal_kinetic).abs();
+        let kinetic = (self.scope.kinetic(now) - self.scope.kinetic(&self.start)).abs();
         let of_law = |k: usize| (now.stored[k] - self.start.stored[k]).abs().max(self.work[k].abs());
         let laws = (0..self.work.len()).filter(|&k| self.scope.includes(k));
         laws.map(of_law).fold(self.largest_change.max(kinetic), f64::max)
@@ -112,10 +127,10 @@ impl Ledger {
         now.internal_kinetic - self.start.internal_kinetic + of_laws.sum::<f64>()
     }
 
-    /// The largest energy that the motion has at present, without the translation of free pieces \[J\].
+    /// The largest energy that the motion has at present, without a translation of free pieces that does not count \[J\].
     pub fn largest_energy(&self, now: &EnergyTerms) -> f64 {
         let stored = (0..now.stored.len()).filter(|&k| self.scope.includes(k)).map(|k| now.stored[k].abs());
-        stored.fold(now.internal_kinetic, f64::max)
+        stored.fold(self.scope.kinetic(now), f64::max)
     }
 
     /// The residual relative to the reference energy.

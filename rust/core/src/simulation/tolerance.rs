@@ -52,7 +52,7 @@ impl Simulation {
         let vibration = self.kinetic_at(ULPS * f64::EPSILON * (rate * length + speed));
         let whole = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
         let largest = match self.ledger.scope {
-            Scope::Whole => whole,
+            Scope::Whole | Scope::Obstructed => whole,
             Scope::Isolated { .. } => self.ledger.largest_energy(now),
         };
         let steps = FIRST_STEPS.max(self.step_count as f64);
@@ -93,7 +93,7 @@ impl Simulation {
         let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
         let seen_from_frame = match self.ledger.scope {
-            Scope::Whole => translation + rotation + carried,
+            Scope::Whole | Scope::Obstructed => translation + rotation + carried,
             Scope::Isolated { .. } => rotation + carried,
         };
         let floor = tangents.min(most) * rotation + against_frame.min(most) * seen_from_frame;
