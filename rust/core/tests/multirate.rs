@@ -56,10 +56,11 @@ fn the_default_step_is_shorter_than_half_a_period_of_any_mode() {
     for count in 2..12 {
         let simulation = sail_in(count, None);
         let phase = simulation.dt() * simulation.limit().unwrap().largest_frequency;
-        assert!(phase < std::f64::consts::PI && phase >= last, "{count}: {phase}");
+        assert!(phase < std::f64::consts::PI && phase >= 0.99 * last, "{count}: {phase}");
         last = phase;
     }
-    assert!(last > 2.8);
+    // Steps of a whole number in a power of ten of a second are shorter by up to a hundredth.
+    assert!(last > 2.75, "{last}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod common;
 use common::toys::WearingFriction;
 use common::{Dice, methods, sheet, simulation_of};
 use membrane_core::assembly::Assembly;
-use membrane_core::integrators::{METHODS, Method};
+use membrane_core::integrators::{METHODS, Method, Options};
 use membrane_core::laws::Law;
 use membrane_core::model::input::{Cord, Model};
 use membrane_core::simulation::{Settings, Simulation};
@@ -75,7 +75,9 @@ fn oscillator_model() -> Model {
 }
 
 fn oscillator(method: Method, dt: f64) -> Simulation {
-    let settings = Settings { check_interval: 1, loss_tolerance: 1e-3, energy_tolerance: 1e-3, ..Settings::default() };
+    // A method of order 1 loses energy at once.
+    let most = if (method.make)(&Options::default()).properties().order == 1 { 1.0 } else { 1e-3 };
+    let settings = Settings { check_interval: 1, loss_tolerance: most, energy_tolerance: most, ..Settings::default() };
     simulation_of(oscillator_model(), &[], method, Some(dt), settings, |_| Vec::new())
 }
 
@@ -143,7 +145,8 @@ fn a_motion_or_a_step_set_between_two_steps_continues_from_there() {
             a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
         // Two steps of 1 us at 0.1 m/s: both went on from the same state.
-        assert!(distance(&set, &new_step) < 1e-9, "{}: {:e}", method.name, distance(&set, &new_step));
+        let most = if new_step.integrator().properties().order == 1 { 1e-6 } else { 1e-9 };
+        assert!(distance(&set, &new_step) < most, "{}: {:e}", method.name, distance(&set, &new_step));
         let progress = new_step.progress();
         assert_eq!((progress.origin, progress.step_count), (time, 4));
     }
@@ -174,13 +177,13 @@ fn times_in_the_past_without_end_or_beyond_all_steps_are_refused() {
 
 #[test]
 fn a_multiple_of_the_step_is_the_end_of_a_step_however_it_was_computed() {
-    let mut simulation = moving(METHODS[0], Some(1e-3 / 282.0), 1);
+    let mut simulation = moving(METHODS[0], Some(1e-4 / 282.0), 1);
     for k in 1..=20 {
-        simulation.reach(f64::from(k) * 1e-3, u64::MAX).unwrap();
+        simulation.reach(f64::from(k) * 1e-4, u64::MAX).unwrap();
         assert_eq!(simulation.step_count(), 282 * u64::from(k as u32));
         let shown = (simulation.positions(), simulation.velocities());
         simulation.step(0).unwrap();
-        let mut stepped = moving(METHODS[0], Some(1e-3 / 282.0), 1);
+        let mut stepped = moving(METHODS[0], Some(1e-4 / 282.0), 1);
         if k == 20 {
             stepped.step(simulation.step_count()).unwrap();
             assert_eq!(shown, (stepped.positions(), stepped.velocities()));

@@ -22,6 +22,8 @@ fn sheet_with(laws: &[LawSpec], (columns, rows): (usize, usize), method: &str, s
     let kicks = Dice(1).vectors(model.positions.len(), 2e-4);
     for (point, kick) in model.positions.iter_mut().zip(kicks) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
+        // Above the middle of the spool, in which it would be too deep.
+        point[2] += 0.015;
     }
     model.velocities = Dice(2).vectors(model.positions.len(), 0.1);
     Simulation::new(model, laws, method, Some(1e-6), settings).unwrap()

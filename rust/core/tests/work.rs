@@ -112,5 +112,5 @@ fn a_known_limit_is_not_computed_again() {
     assert!(less < allocated / 10, "{less} bytes, {allocated} where the limit is computed");
     // It is not checked.
     let (doubled, _) = new(Some(Limit { dt: 2.0 * limit.dt, ..limit }));
-    assert_eq!(doubled.dt(), 2.0 * found.dt());
+    assert!((doubled.dt() / found.dt() - 2.0).abs() < 0.02, "{} {}", doubled.dt(), found.dt());
 }

@@ -69,7 +69,7 @@ pub struct Oracle {
     pub drag: (f64, f64),
     /// Omega and Omega'.
     pub spin: (f64, f64),
-    /// Radius and stiffness, and the nodes in contact.
+    /// Radius and stiffness, and the nodes in contact: held ones have none.
     pub spool: (f64, f64),
     pub contact_nodes: Vec<u32>,
 }
@@ -98,7 +98,7 @@ impl Oracle {
             drag: (0.0, 0.0),
             spin: (0.0, 0.0),
             spool: (0.0, 0.0),
-            contact_nodes: model.contacts.nodes.clone(),
+            contact_nodes: model.contacts.nodes.iter().copied().filter(|node| !model.fixed.contains(node)).collect(),
             masses,
         };
         let spin = spin_of(laws);
