@@ -115,7 +115,9 @@ def test_limit_of_a_uniform_chain(name: str) -> None:
     positions[1:, 0] = np.cumsum(stretched)
     velocities = np.zeros_like(positions)
     velocities[1:, 0] = 1e-6 * (-1.0) ** np.arange(n)
-    for factor, bounded in ((0.99, True), (1.02, False)):
+    # Beyond its limit dopri5 amplifies by little in a step.
+    beyond = 1.1 if name == "dopri5" else 1.02
+    for factor, bounded in ((0.99, True), (beyond, False)):
         sim = Simulation(scene, name, factor * expected)
         sim.positions = positions
         sim.velocities = velocities
@@ -124,7 +126,7 @@ def test_limit_of_a_uniform_chain(name: str) -> None:
             assert np.abs(sim.positions - positions).max() < 1e-6
         else:
             with pytest.raises(UnstableError):
-                sim.step(3_000_000 if name == "dopri5" else 20_000)
+                sim.step(120_000 if name == "dopri5" else 20_000)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.4, 0.95])
@@ -225,7 +227,7 @@ def test_a_given_step_is_kept(name: str) -> None:
     sim = Simulation(whirled(dt=2e-5), name)
     assert not sim.is_adaptive
     sim.run()
-    assert sim.time == sim.step_count * 2e-5
+    assert sim.time == pytest.approx(sim.step_count * 2e-5, rel=1e-15)
     assert sim.rejected_count == 0
 
 

@@ -19,7 +19,7 @@ def tip() -> Scene:
 def test_a_fast_tip_does_not_pass_the_spool_without_a_word(speed: float, dt: float | None) -> None:
     sim = Simulation(tip(), dt=dt)
     end = sim.assembly.node_count - 1
-    positions, velocities = sim.positions, sim.velocities
+    positions, velocities = sim.positions.copy(), sim.velocities.copy()
     positions[end], velocities[end] = [0.2, 0.002, 0.0], [-speed, 0.0, 0.0]
     sim.positions, sim.velocities = positions, velocities
     with pytest.raises(UnstableError) as stopped:
