@@ -135,7 +135,8 @@ impl Simulation {
             let what = format!("{work} exceeds the energy lost by {residual:.3e} J, {of_reference}");
             return Some(self.hardly_resolved(what, law, "so that this work is inaccurate"));
         }
-        if !self.exceeds(-residual, share + self.overshoot(reference_energy), now) {
+        let vibration = self.overshoot(reference_energy).max(self.damped_within_tolerance(reference_energy));
+        if !self.exceeds(-residual, share + vibration, now) {
             return None;
         }
         let what = format!("a loss of {:.3e} J that is no law's work, {of_reference}", -residual);

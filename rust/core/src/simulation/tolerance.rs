@@ -24,8 +24,8 @@ const SUMMATION: f64 = 1e-13;
 const NO_EXCHANGE: f64 = 100.0;
 
 /// Error of the balance of a turning piece in a step over K_rigid (omega dt)^4: the stages of a step lie on tangents to
-/// the circles, so that dashpots do work there. Largest measured value, at damping ratios from 0 to 3: 6.
-const TANGENTS: f64 = 10.0;
+/// the circles, so that dashpots do work there. Largest value seen in random scenes: between 10 and 20.
+const TANGENTS: f64 = 20.0;
 /// Vibration about the widened shape of a piece that is set turning without strain, over the largest exchange. With x
 /// the widening and U = k x^2/2 the spring overshoots to 2 x, so that it exchanges 4 U, of which U is vibration: 1/4.
 const OVERSHOOT: f64 = 0.3;
@@ -75,6 +75,17 @@ impl Simulation {
         errors + 2.0 * (errors * self.ledger.reference_energy(now)).sqrt()
     }
 
+    /// Vibration that an adaptive run may lose, as errors of one sign: within the tolerance it damps what its steps hardly
+    /// resolve \[J\].
+    pub(super) fn damped_within_tolerance(&self, reference_energy: f64) -> f64 {
+        if self.adaptive.is_none() {
+            return 0.0;
+        }
+        let steps = self.step_count as f64;
+        let errors = steps * steps * self.kinetic_at(self.speed_error());
+        (OVERSHOOT * reference_energy).min(errors + 2.0 * (errors * reference_energy).sqrt())
+    }
+
     /// Allowed error of the velocities in a step of an adaptive run, which grows with the speed of the nodes \[m/s\].
     fn speed_error(&self) -> f64 {
         let Tolerance { relative, speed, .. } = self.settings.tolerance;
@@ -89,14 +100,17 @@ impl Simulation {
         }
         let RigidMotion { translation, rotation, rate, carried } = self.rigid_motion();
         let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
-        let tangents = TANGENTS * (self.time() / dt) * (rate * dt).powi(4);
+        // In a turning frame the circles are those of the motion against it, whose rate is at most Omega for a piece that
+        // does not turn.
+        let tangents = |rate: f64| (TANGENTS * (self.time() / dt) * (rate * dt).powi(4)).min(most);
         let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
         let seen_from_frame = match self.ledger.scope {
             Scope::Whole | Scope::Obstructed => translation + rotation + carried,
             Scope::Isolated { .. } => rotation + carried,
         };
-        let floor = tangents.min(most) * rotation + against_frame.min(most) * seen_from_frame;
+        let circles = tangents(rate) * rotation + tangents(frame_rate) * carried;
+        let floor = circles + against_frame.min(most) * seen_from_frame;
         if floor.is_finite() { floor } else { 0.0 }
     }
 
