@@ -5,14 +5,26 @@ from __future__ import annotations
 import pkgutil
 import re
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from importlib import import_module
 from pathlib import Path
 
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import InputError, RunSettings, Scene, SceneError, Simulation, SpringDamping, scenes
+from membrane_rs import (
+    InputError,
+    RunSettings,
+    Scene,
+    SceneError,
+    Simulation,
+    SpringDamping,
+    Springs,
+    integrators,
+    scenes,
+)
+from membrane_rs.folding import Disc
+from small_scenes import RUBBER
 
 SCENE = scenes.load("spinning-tether")
 SPARE = """
@@ -89,6 +101,35 @@ def test_a_newer_scene_is_refused_by_the_key_that_is_not_known(tmp_path: Path) -
 def test_an_older_state_is_refused_by_the_entry_that_it_lacks(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="origin is missing"):
         Simulation.restore(saved(tmp_path, lambda entries: entries.pop("origin")))
+
+
+LATER = ("hub_phase", "scene_digest", "start_internal_kinetic")
+"""Entries of a state that version 0.1 did not write."""
+
+
+@pytest.mark.parametrize("method", integrators())
+def test_a_state_of_version_0_1_is_read(tmp_path: Path, method: str) -> None:
+    scene = replace(scenes.load("spinning-tether"), run=RunSettings(until=0.1, integrator=method))
+    before = Simulation(scene)
+    before.step(30)
+    before.save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as file:
+        np.savez(tmp_path / "old.npz", **{name: value for name, value in file.items() if name not in LATER})
+    sim = Simulation.restore(tmp_path / "old.npz")
+    for one in (before, sim):
+        one.run(until=0.1)
+    assert before.state().keys() == sim.state().keys()
+    assert all(np.array_equal(value, sim.state()[name]) for name, value in before.state().items())
+    assert sim.ledger() == before.ledger()
+
+
+def test_a_state_of_version_0_1_in_which_nothing_is_held_is_refused_by_name(tmp_path: Path) -> None:
+    free = Scene(Disc(0.1, 1).mesh(), RUBBER, [Springs()], run=RunSettings(until=0.1))
+    Simulation(free).save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as file:
+        np.savez(tmp_path / "old.npz", **{name: value for name, value in file.items() if name not in LATER})
+    with pytest.raises(InputError, match="holds no 'start_internal_kinetic', which a scene needs that nothing holds"):
+        Simulation.restore(tmp_path / "old.npz")
 
 
 def test_an_entry_of_a_newer_state_is_passed_over(tmp_path: Path) -> None:

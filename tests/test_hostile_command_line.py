@@ -64,6 +64,16 @@ def test_numbers(option: str, value: str, words: str, scene: Path, tmp_path: Pat
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize("options", [("--dt", "5e-324"), ("--dt", "1e-300", "--until", "1e12")])
+def test_check_refuses_more_steps_than_a_run_takes(options: tuple[str, ...], scene: Path) -> None:
+    assert "Error: until = " in printed("check", scene, *options, "--integrator", "rk4", code=2)
+
+
+@pytest.mark.parametrize("integrator", ["leapfrog", "dopri5", "generalized_alpha"])
+def test_check_of_the_shortest_run(integrator: str, scene: Path) -> None:
+    assert "1 steps, about" in printed("check", scene, "--until", "1e-15", "--integrator", integrator, code=0)
+
+
 def test_ends_that_no_step_can_count() -> None:
     for until in (1e308, 5e-324, 1e-320, 1e13):
         refused(lambda until=until: RunSettings(until=until), InputError, "must be from 1e-15 to 1e.12")  # type: ignore[misc]

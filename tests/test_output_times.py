@@ -82,7 +82,7 @@ def test_a_run_is_the_beginning_of_a_longer_one(method: str, dt: float | None, t
 def test_the_default_step_depends_on_neither_end_nor_outputs(method: str) -> None:
     steps = {
         Simulation(scene_of(method, until=until, samples=samples)).dt
-        for until, samples in [(2.0, 1001), (1e-7, 2), (0.317, 7), (1e300, 11)]
+        for until, samples in [(2.0, 1001), (1e-7, 2), (0.317, 7), (1e-15, 3), (1e12, 11)]
     }
     assert len(steps) == 1
     if not integrators()[method.partition("-")[0]].is_adaptive:
@@ -100,8 +100,8 @@ def test_the_default_step_depends_on_neither_end_nor_outputs(method: str) -> Non
         ("hanging-strip", "rk4", 6e-4, 8.9e-4),
         ("hanging-strip", "leapfrog", 3e-4, 1e-4),
         ("hanging-strip", "dopri5", 3e-4, 1e-4),
-        ("hanging-strip", "rk4", 5e-4, 5e-324),
-        ("hanging-strip", "dopri5", None, 5e-324),
+        ("hanging-strip", "rk4", 5e-4, 1e-15),
+        ("hanging-strip", "dopri5", None, 1e-15),
         ("single-crease", "leapfrog", None, 1e-9),
     ],
 )
@@ -114,10 +114,9 @@ def test_a_run_ends_at_its_end_with_all_frames(
     sim.run(out=tmp_path / "run", pictures=False)
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert (summary["outcome"], summary["until"], summary["time"], sim.time) == ("finished", until, until, until)
-    frames = 5 if until > 1e-300 else 2
-    assert summary["frames"] == summary["samples"] == frames
+    assert summary["frames"] == summary["samples"] == 5
     rows = np.loadtxt(tmp_path / "run" / "history.csv", delimiter=",", skiprows=1)
-    assert rows[:, 0] == pytest.approx(np.linspace(0, until, frames), rel=1e-9, abs=0)
+    assert rows[:, 0] == pytest.approx(np.linspace(0, until, 5), rel=1e-9, abs=0)
     fine = Simulation(scene, "rk4", 5e-7)
     fine.reach(until)
     assert np.abs(sim.positions - fine.positions).max() < 2e-6

@@ -147,13 +147,13 @@ def test_the_load_on_the_hub_balances_the_momentum_of_the_sail(spool: float | No
     laws: list[Law] = [Spin(2.0, acceleration), SpringDamping(0.1)]
     laws += [SpoolContact(spool, stiffness=500.0)] if spool else []
     cords = [Tether((0.1, 0.0, 0.0), (0.125, 0.3, 0.05), 6, 60.0, 0.01, tip_mass=0.02)]
-    sim = Simulation(Scene(None, None, laws, cords), integrator="rk4", dt=2e-5)
-    speeds = sim.velocities
+    sim = Simulation(Scene(None, None, laws, cords), integrator="rk4", dt=1e-5)
+    speeds = sim.velocities.copy()
     speeds[1:] += np.random.default_rng(2).normal(size=speeds[1:].shape) * 0.5 + [-0.5, 0.0, 0.0]
     sim.velocities = speeds
     touched = 0.0
     for _ in range(40):
-        sim.step(100)
+        sim.step(200)
         states = []
         for _ in range(3):
             omega = 2.0 * np.pi * (2.0 + acceleration * sim.time)
@@ -165,8 +165,9 @@ def test_the_load_on_the_hub_balances_the_momentum_of_the_sail(spool: float | No
         turning = [0.0, 0.0, omega]
         force = -((after - before) / (2.0 * sim.dt) + np.cross(turning, now))
         torque = -((spin_after - spin_before) / (2.0 * sim.dt) + np.cross(turning, spin_now))
-        assert load.force == pytest.approx(force, abs=2e-3 * np.abs(force).max())
-        assert load.torque == pytest.approx(torque, abs=2e-3 * np.abs(torque).max())
+        # A slack cord has no force: there the differences of the momentum leave their own error.
+        assert load.force == pytest.approx(force, abs=2e-3 * np.abs(force).max() + 1e-8)
+        assert load.torque == pytest.approx(torque, abs=2e-3 * np.abs(torque).max() + 1e-8)
         assert sim.hub_force().shape == sim.hub_torque().shape == (3,)
     assert (touched > 0.01) == bool(spool)
 

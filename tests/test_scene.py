@@ -183,7 +183,8 @@ def test_node_indices_beyond_all_bounds() -> None:
     [
         ({"until": 0}, r"until = 0: must be greater than 0 \(s\)"),
         ({"dt": 0}, r"dt = 0: must be greater than 0 \(s\)"),
-        ({"dt": 1e9}, "dt = 1000000000.0: must be greater than 0 and at most until = 0.8"),
+        ({"until": 5e-324}, r"until = 5e-324: must be from 1e-15 to 1e\+12 \(s\)"),
+        ({"until": 1e300}, r"until = 1e\+300: must be from 1e-15 to 1e\+12 \(s\)"),
         ({"dt": float("nan")}, "dt = nan: must be finite"),
         ({"frames": 1}, "frames = 1: must be at least 2"),
         ({"frames": 10**7 + 1}, r"frames = 10000001: must be at least 2 and at most 1e\+07"),

@@ -83,8 +83,14 @@ def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 
 
     With order p, the error is the difference over 1 - 2^-p. Both start as the scene is given, without relaxation. They
     end at the end of the run, or where `seconds` of wall time are over.
+
+    Raises
+    ------
+    InputError
+        More steps to the end than a run takes.
     """
     coarse = Stepper(scene, integrator)
+    coarse._check_end(scene.run.until)
     facts = integrators()[coarse.integrator]
     divisor = FINER[coarse.is_adaptive]
     finer = replace(scene.run, tolerance=scene.run.tolerance / divisor) if coarse.is_adaptive else scene.run

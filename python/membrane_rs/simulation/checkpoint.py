@@ -20,6 +20,7 @@ from membrane_rs.errors import InputError, MembraneError, MissingFileError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scene import SCENE_FILE
 from membrane_rs.scene.toml import MESH_FILE
+from membrane_rs.simulation.continuation import scene_digest
 
 _SCENE = "scene/"
 _RENAMED = {"is_settled": "is_relaxed"}
@@ -105,7 +106,26 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
             scene = Scene.from_toml(Path(folder) / SCENE_FILE)
         except MembraneError as error:
             raise InputError(f"{path}: its scene cannot be read ({error}); the file is damaged") from None
-    return scene, {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
+    state = {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
+    _complete(path, scene, state)
+    return scene, state
+
+
+def _complete(path: Path, scene: Scene, state: dict[str, Any]) -> None:
+    """Add what a state of version 0.1 lacks: its hub began at the angle 0, and its scene is the one beside it.
+
+    Where something is held, `start_internal_kinetic` has no part in the residual of the energy balance. Where nothing
+    is, it cannot be known any more.
+    """
+    state.setdefault("hub_phase", 0.0)
+    state.setdefault("scene_digest", scene_digest(scene))
+    if "start_internal_kinetic" not in state and "start_kinetic" in state:
+        if not len(scene.assemble().fixed):
+            raise InputError(
+                f"{path}: holds no 'start_internal_kinetic', which a scene needs that nothing holds; go on with the "
+                "version that wrote it, or start from the positions and velocities in the file"
+            )
+        state["start_internal_kinetic"] = state["start_kinetic"]
 
 
 def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:

@@ -32,7 +32,7 @@ def output_times(
     frames, samples : int or sequence of float
         How many, evenly spaced from time 0 to the end, or their times [s]. Those outside the run are left out.
     snapshots : sequence of float
-        Further times of frames [s].
+        Further times [s], of no frame.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def output_times(
         Neither a whole number nor a list of times; fewer than 2, or more than 10^7.
     """
     # By rank: of times that are one, the first of the lowest rank is taken.
-    lists = [(np.array([now, end]), True), (np.array([number_of("snapshots", t) for t in snapshots]), True)]
+    lists = [(np.array([now, end]), True), (np.array([number_of("snapshots", t) for t in snapshots]), False)]
     lists += [(_times_of(frames, end, "frames"), True), (_times_of(samples, end, "samples"), False)]
     times = np.concatenate([times for times, _ in lists]).astype(np.float64)
     is_frame = np.concatenate([np.full(len(times), flag) for times, flag in lists])
