@@ -115,10 +115,11 @@ def _equilateral(distance: Floats) -> FlatPetal:
     side = 2.0 / math.sqrt(3.0) * height
     along = []
     for i, half in enumerate(distance):
-        # At least a row's height from the end, so that no angle at a slanted side is obtuse but by little.
+        # At least a row's height from the end, so that no angle at a slanted side is obtuse but by little; but every
+        # other row has a node in its middle, even where rows are higher than half of the inner edge is long.
         shift = 0.5 * (i % 2)
         count = math.floor((half - height) / side - shift + 1e-9) + 1
-        right = side * (np.arange(max(count, 0)) + shift)
+        right = side * (np.arange(max(count, 1)) + shift)
         left = -right[::-1] if i % 2 else -right[:0:-1]
         along.append(np.concatenate([[-half], left, right, [half]]))
     index = numbered(along)
