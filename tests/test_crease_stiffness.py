@@ -20,9 +20,7 @@ def folded(fold: float, natural_angle: float, collapse: float) -> Simulation:
     positions = REFERENCE.copy()
     positions[2:, 1] = REFERENCE[2:, 1] * np.cos(turn)
     positions[2:, 2] = REFERENCE[2:, 1] * np.sin(turn)
-    mesh = Mesh(
-        REFERENCE, [[0, 1, 2], [1, 0, 3]], positions=positions, creases=[[0, 1]], fold_angles=[np.copysign(0.5, fold)]
-    )
+    mesh = Mesh(REFERENCE, [[0, 1, 2], [1, 0, 3]], positions=positions, creases=[[0, 1]], fold_angles=[fold or 0.5])
     return Simulation(Scene(mesh, FILM, [Creases(BETA, natural_angle=natural_angle, collapse=collapse)]), dt=1e-6)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Creases, Fixed, Mesh, MeshError, Scene, Simulation, Springs
-from membrane_rs.folding import Strip
+from membrane_rs.folding import SquareSail, Strip
 from membrane_rs.mesh.fold_angles import measured_fold_angles
 from small_scenes import RUBBER, Floats, rotation
 
@@ -96,6 +96,37 @@ def test_a_flat_crease_may_have_any_angle_and_a_shut_one_either_sign() -> None:
         Mesh(**values | {"fold_angles": np.zeros(6)})
     with pytest.raises(MeshError, match=r"left out, and creases\[0\] \(nodes 6 and 7\) is shut"):
         Mesh(**values | {"fold_angles": None})
+
+
+@pytest.mark.parametrize(
+    "dimensions",
+    [
+        {"layout": "fan", "outer_width": 0.807, "inner_width": 0.162, "fold_lines": 2, "spool_radius": 0.0679},
+        {"layout": "fan", "outer_width": 2.19, "inner_width": 0.167, "spool_radius": 0.0669, "fillet_radius": 0.013},
+        {
+            "layout": "equilateral",
+            "outer_width": 0.0855,
+            "inner_width": 0.0106,
+            "fold_lines": 1,
+            "rows": 4,
+            "spool_radius": 0.00246,
+        },
+        {"outer_width": 0.101, "inner_width": 0.0107, "rows": 24, "spool_radius": 0.0042, "layer_gap": 3.5e-4},
+    ],
+)
+def test_a_coarse_stowed_sail_does_not_contradict_itself(dimensions: dict[str, Any]) -> None:
+    assert (np.abs(SquareSail(**dimensions).mesh().fold_angles) == np.pi).all()
+
+
+@pytest.mark.parametrize(("shown", "is_refused"), [(176, False), (174, True)])
+def test_flat_facets_that_are_given_as_shut_interpenetrate_by_little(shown: float, is_refused: bool) -> None:
+    values = wings(shown)
+    values["fold_angles"] = -np.pi * np.sign(values["fold_angles"])
+    if not is_refused:
+        Mesh(**values)
+        return
+    with pytest.raises(MeshError, match=r"\(6 such creases\)"):
+        Mesh(**values)
 
 
 def test_noise_of_a_part_in_a_thousand_is_no_contradiction() -> None:

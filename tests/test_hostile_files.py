@@ -169,4 +169,5 @@ def test_charts_are_written_in_the_format_that_their_name_says(tmp_path: Path) -
     for name, start in (("a.png", b"\x89PNG"), ("a.pdf", b"%PDF"), ("a.svg", b"<?xml")):
         compare_runs([folder, str(folder)], tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(start)
-    refused(lambda: compare_runs([folder], tmp_path / "a.jpg"), InputError, "must end in one of .png, .pdf, .svg")
+    words = "is no format of a figure; must be one of .png, .pdf, .svg"
+    refused(lambda: compare_runs([folder], tmp_path / "a.jpg"), InputError, words)

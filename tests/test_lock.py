@@ -17,30 +17,13 @@ from membrane_rs import OutputError, Simulation, scenes
 from membrane_rs.results import read_summary
 from membrane_rs.results.lock import LOCK, FolderLock, is_locked
 from membrane_rs.runs import RunFolder, resume
+from observers import At
 
 SCENE = scenes.load("single-crease")
 
 
-class AtFrame:
-    """An observer that acts at the third frame."""
-
-    def __init__(self, act: Callable[[], object]) -> None:
-        self._left, self._act = 3, act
-
-    def start(self, sim: Simulation) -> None: ...
-
-    def sample(self, sim: Simulation) -> None: ...
-
-    def frame(self, sim: Simulation) -> None:
-        self._left -= 1
-        if self._left == 0:
-            self._act()
-
-    def finish(self, sim: Simulation, error: BaseException | None) -> None: ...
-
-
 def run_with(path: Path, act: Callable[[], object]) -> None:
-    Simulation(SCENE).run(0.02, frames=9, out=path, pictures=False, observers=[AtFrame(act)])
+    Simulation(SCENE).run(0.02, frames=9, out=path, pictures=False, observers=[At(3, act)])
 
 
 def test_a_second_run_is_refused_by_the_process_that_holds_the_folder(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from membrane_rs import Fixed, MassDamping, Material, Mesh, MeshError, Scene, Simulation, scenes
+from membrane_rs.check import audit
 from membrane_rs.check.net_of_springs import net_lines
 from membrane_rs.cli import app
 from membrane_rs.folding import Disc, EquilateralLattice, SquareSail, Strip
@@ -115,6 +116,9 @@ def test_what_has_no_moduli_is_refused() -> None:
 def test_check_says_what_the_net_of_springs_represents(name: str) -> None:
     scene = scenes.load(name)
     lines = dict(net_lines(scene))
+    fact = audit(scene).find("net_of_springs")
+    assert bool(lines) == (fact is not None)
+    assert fact is None or (fact.severity == "info" and lines["uniform"] in fact.message)
     if scene.mesh is None or scene.negative_springs == "unused":
         assert not lines
     else:
@@ -128,7 +132,7 @@ def test_check_prints_it() -> None:
     out = CliRunner().invoke(app, ["check", "hanging-strip"]).output
     assert "E 0.982 along 0 degrees, 0.614 along 45 degrees; G 0.545; nu 0.200" in out
     assert "45 % softer in shear than the film" in out
-    assert "Net of springs" not in CliRunner().invoke(app, ["check", "spinning-tether"]).output
+    assert "net of springs" not in CliRunner().invoke(app, ["check", "spinning-tether"]).output
 
 
 def test_the_scene_of_the_disc_is_a_film() -> None:

@@ -121,7 +121,7 @@ def test_sound_variations_are_free_of_warnings() -> None:
         ("run.until", 60.0),
         ("laws.air_drag.pressure", 100.0),
         ("parts.0.mass", 1e-2),
-        ("parts.1.segments", 3.0),
+        ("parts.1.segments", 8.0),
     ):
         assert warnings_of(varied(MODEL, parameter, value)) == {}, parameter
     assert warnings_of(replace(hanging_strip(), parts=[Fixed("start"), TipMasses(0.05, nodes=(5,))])) == {}

@@ -119,7 +119,7 @@ def test_killed_while_it_is_relaxed(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     scene = replace(SCENE, run=replace(SCENE.run, relax=0.002))
     whole, sims = tmp_path / "whole", [Simulation(scene, dt=2e-6) for _ in range(2)]
     for sim in sims:
-        sim.positions += 1e-4 * np.sin(np.arange(3 * sim.node_count)).reshape(-1, 3)
+        sim.positions = sim.positions + 1e-4 * np.sin(np.arange(3 * sim.node_count)).reshape(-1, 3)
     relax = Simulation.relax
 
     def late(self: Simulation, *words: Any) -> float:
@@ -153,7 +153,7 @@ def test_pictures_are_those_of_the_run_that_nobody_stopped(tmp_path: Path) -> No
     run_copied(Simulation(scene), whole, pictures=True)
     resume(tmp_path / "left-6")
     assert contents(tmp_path / "left-6") == contents(whole)
-    assert len(list((whole / "snapshots").glob("*.png"))) == 8
+    assert len(list((whole / "snapshots").glob("*.png"))) == 4  # no hub turns: one view
 
 
 def test_a_finished_run_stays_and_goes_on_to_a_later_end(tmp_path: Path) -> None:

@@ -19,30 +19,13 @@ from membrane_rs.errors import Interrupted
 from membrane_rs.results.state import State
 from membrane_rs.runs import signals
 from numpy.testing import assert_array_equal
+from observers import At
 from small_scenes import hanging_strip
 
 COMMAND = [sys.executable, "-m", "membrane_rs.cli"]
 SCENE = scenes.load("single-crease")
 SECONDS = 60.0
 ENDING = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], ids=lambda n: str(n.name))
-
-
-class At:
-    """An observer that acts at its `count`-th frame."""
-
-    def __init__(self, count: int, act: Callable[[], object]) -> None:
-        self._left, self._act = count, act
-
-    def start(self, sim: Simulation) -> None: ...
-
-    def sample(self, sim: Simulation) -> None: ...
-
-    def frame(self, sim: Simulation) -> None:
-        self._left -= 1
-        if self._left == 0:
-            self._act()
-
-    def finish(self, sim: Simulation, error: BaseException | None) -> None: ...
 
 
 def waiting_for(condition: Callable[[], bool], process: subprocess.Popen[Any]) -> None:

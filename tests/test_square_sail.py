@@ -166,6 +166,24 @@ def test_equilateral_triangles_but_for_the_slanted_sides(dimensions: dict[str, A
     assert len(np.unique(mesh.creases)) > 4 * sail.fold_lines
 
 
+@pytest.mark.parametrize("rows", [1, 2, 3, 9])
+@pytest.mark.parametrize("inner", [0.01, 0.05, 0.1, 0.2])
+def test_equilateral_rows_may_be_higher_than_the_inner_edge_is_long(inner: float, rows: int) -> None:
+    sail = SquareSail(
+        0.4,
+        inner,
+        fold_lines=rows - 1,
+        rows=rows,
+        layout="equilateral",
+        spool_radius=inner / 9,
+        fillet_radius=inner / 50,
+    )
+    mesh = sail.mesh()
+    x, t = mesh.reference, mesh.triangles
+    assert (np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]])[:, 2] > 0).all()
+    assert mesh.areas().sum() == pytest.approx(0.4**2 - inner**2, rel=1e-12)
+
+
 def test_the_equilateral_sail_is_the_film_where_the_papers_is_soft_in_shear() -> None:
     plain, equilateral = (net_moduli(SquareSail(layout=layout).mesh(), FILM) for layout in ("ruled", "equilateral"))
     assert float(plain.shear_modulus()) == pytest.approx(0.544, abs=1e-3)

@@ -4,10 +4,12 @@ Shapes: n nodes, m triangles, e edges. Arrays are C-contiguous or not, of exactl
 caller's, in and out. Raises the package's own errors: MeshError, InputTypeError, InputError, UnstableError.
 """
 
-from typing import Any, Protocol, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from membrane_rs._core_input import Model, Settings
 
 __all__ = [
     "EnergyBalance",
@@ -48,102 +50,6 @@ def hinge_count(reference: NDArray[np.float64], triangles: NDArray[np.int64], cr
 
 def integrators() -> list[MethodFacts]:
     """What is known of each method, in the order in which they are listed."""
-
-class _Nodes(Protocol):
-    @property
-    def positions(self) -> NDArray[np.float64]: ...
-    @property
-    def velocities(self) -> NDArray[np.float64]: ...
-    @property
-    def extra_masses(self) -> NDArray[np.float64]: ...
-    @property
-    def fixed(self) -> NDArray[np.int64]: ...
-
-class _Surface(Protocol):
-    @property
-    def reference(self) -> NDArray[np.float64]: ...
-    @property
-    def triangles(self) -> NDArray[np.int64]: ...
-
-class _Film(Protocol):
-    @property
-    def youngs_modulus(self) -> float: ...
-    @property
-    def poisson_ratio(self) -> float: ...
-    @property
-    def density(self) -> float: ...
-    @property
-    def thickness(self) -> float: ...
-    @property
-    def negative_springs(self) -> str: ...
-
-class _Creases(Protocol):
-    @property
-    def nodes(self) -> NDArray[np.int64]: ...
-    @property
-    def fold_signs(self) -> NDArray[np.float64]: ...
-
-class _Cords(Protocol):
-    @property
-    def nodes(self) -> NDArray[np.int64]: ...
-    @property
-    def stiffness(self) -> NDArray[np.float64]: ...
-    @property
-    def rest_length(self) -> NDArray[np.float64]: ...
-    @property
-    def strain_limit(self) -> NDArray[np.float64]: ...
-
-class _Links(Protocol):
-    @property
-    def nodes(self) -> NDArray[np.int64]: ...
-    @property
-    def stiffness(self) -> float: ...
-
-class _ContactSet(Protocol):
-    @property
-    def nodes(self) -> NDArray[np.int64]: ...
-
-class _Model(Protocol):
-    """The components of a scene; what each holds is said in `membrane_rs.scene.components`."""
-
-    @property
-    def nodes(self) -> _Nodes: ...
-    @property
-    def surface(self) -> _Surface: ...
-    @property
-    def film(self) -> _Film | None: ...
-    @property
-    def creases(self) -> _Creases: ...
-    @property
-    def cords(self) -> _Cords: ...
-    @property
-    def bridges(self) -> _Links: ...
-    @property
-    def contacts(self) -> _ContactSet: ...
-
-class _Settings(Protocol):
-    """How a run is monitored and stepped; what each value means is said in `membrane_rs.simulation.core_input`."""
-
-    @property
-    def margin(self) -> float: ...
-    @property
-    def check_interval(self) -> int: ...
-    @property
-    def energy_tolerance(self) -> float: ...
-    @property
-    def loss_tolerance(self) -> float: ...
-    @property
-    def tolerance(self) -> float: ...
-    @property
-    def tolerance_length(self) -> float: ...
-    @property
-    def tolerance_speed(self) -> float: ...
-    @property
-    def spectral_radius(self) -> float: ...
-    @property
-    def substeps(self) -> int: ...
-    @property
-    def frozen_at(self) -> float | None: ...
 
 @final
 class MethodFacts:
@@ -269,11 +175,11 @@ class Simulation:
 
     def __new__(
         cls,
-        model: _Model,
+        model: Model,
         laws: list[tuple[str, dict[str, Any]]],
         integrator: str,
         dt: float | None,
-        settings: _Settings,
+        settings: Settings,
         instructions: str | None = None,
     ) -> Simulation:
         """Assemble a scene.

@@ -111,7 +111,7 @@ def energy(until: float = 0.02) -> list[Row]:
 def growth(shift: float = 1e-12) -> list[Row]:
     """Growth of a displacement of one corner of model 1: the largest distance of any node between two runs."""
     runs = [Simulation(scenes.load("okuizumi-model-1")) for _ in range(2)]
-    moved = runs[1].positions
+    moved = runs[1].positions.copy()
     moved[runs[1].assembly.node_sets["corners"][0], 2] += shift
     runs[1].positions = moved
     rows: list[Row] = []

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from membrane_rs.errors import MeshError
+from membrane_rs.mesh.findings import Finding
 from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
 from membrane_rs.scene import Scene
 
 _SAME = 0.002
 """Difference of two moduli, over the film's, below which the second is left out."""
+
+
+def net_of_springs(scene: Scene) -> Iterator[Finding]:
+    """The moduli of the net of springs, as a fact."""
+    lines = net_lines(scene)
+    if lines:
+        rows = [f"    {what:<12} {text}" for what, text in lines]
+        message = "\n".join(["net of springs, relative to the film", *rows])
+        yield Finding("info", "net_of_springs", 1, message, "")
 
 
 def net_lines(scene: Scene) -> list[tuple[str, str]]:

@@ -11,6 +11,7 @@ from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
 from membrane_rs.check.mesh_faults import growing_modes, mesh_faults
+from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.spool import spool
@@ -37,6 +38,7 @@ CHECKS: list[Check] = [
 
 COSTLY_CHECKS: list[Check] = [
     growing_modes,
+    net_of_springs,
 ]
 """Checks that take longer: made by `check` alone."""
 

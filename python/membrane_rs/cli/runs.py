@@ -135,7 +135,6 @@ def check(
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     with reported_errors():
         from membrane_rs.check import audit, facts
-        from membrane_rs.check.net_of_springs import net_lines
         from membrane_rs.check.redundancy import step_savings
         from membrane_rs.check.step_accuracy import step_accuracy
         from membrane_rs.runs import Simulation
@@ -150,11 +149,6 @@ def check(
         found = audit(chosen)
         typer.echo(f"\nAudit\n{_indented(str(found))}")
         sim = Simulation(chosen)
-        net = net_lines(chosen)
-        if net:
-            typer.echo("\nNet of springs, relative to the film")
-            for what, text in net:
-                typer.echo(f"  {what:<12} {text}")
         typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
         typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
         typer.echo(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")

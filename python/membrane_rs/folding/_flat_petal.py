@@ -55,16 +55,16 @@ class FlatPetal:
 
 def mean_columns(layout: str, rows: int, columns: float) -> float:
     """Columns of a petal's middle row, from those of its innermost one."""
-    return columns + {"ruled": 1, "even": 4, "fan": 0}[layout] * rows
+    return columns + {"ruled": 1.0, "equilateral": 0.5 * math.sqrt(3.0), "even": 4.0, "fan": 0.0}[layout] * rows
 
 
 def default_columns(layout: str, inner_width: float, row_height: float, rows: int) -> float:
     """Columns across the inner width that make cells a little narrower than high; inf where they are beyond counting.
 
-    In the other layouts than "ruled" they are a quarter as wide. The fan gets the even layout's mean number,
-    so that both have the same counts.
+    Those of "even" and "fan" are a quarter as wide; the fan gets the even layout's mean number, so that both have the
+    same counts. Those of "equilateral" are the sides of its triangles.
     """
-    width = 0.875 * row_height * (1.0 if layout == "ruled" else 0.25)
+    width = row_height * {"ruled": 0.875, "equilateral": 2.0 / math.sqrt(3.0)}.get(layout, 0.21875)
     if not width > 0.0 or inner_width / width > MOST:
         return math.inf
     columns = math.ceil(round(inner_width / width, 9))
@@ -115,10 +115,11 @@ def _equilateral(distance: Floats) -> FlatPetal:
     side = 2.0 / math.sqrt(3.0) * height
     along = []
     for i, half in enumerate(distance):
-        # At least a row's height from the end, so that no angle at a slanted side is obtuse but by little.
+        # At least a row's height from the end, so that no angle at a slanted side is obtuse but by little; but every
+        # other row has a node in its middle, even where rows are higher than half of the inner edge is long.
         shift = 0.5 * (i % 2)
         count = math.floor((half - height) / side - shift + 1e-9) + 1
-        right = side * (np.arange(max(count, 0)) + shift)
+        right = side * (np.arange(max(count, 1)) + shift)
         left = -right[::-1] if i % 2 else -right[:0:-1]
         along.append(np.concatenate([[-half], left, right, [half]]))
     index = numbered(along)

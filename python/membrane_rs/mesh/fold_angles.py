@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from membrane_rs._arrays import Bools, Floats
+from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.errors import MeshError
 from membrane_rs.mesh.triangulation import Triangulation
 
@@ -14,8 +14,8 @@ SHUT = np.radians(179.0)
 """Beyond it a crease is shut: noise and layers that touch decide on which side its facets seem to lie."""
 TOLERANCE = np.radians(5.0)
 """Between a given and a measured angle: angles of other programs are rounded, and shapes are a little relaxed."""
-OPEN, OVERLAP = np.radians(30.0), np.radians(9.5)
-"""By how much a crease that is given as shut may be open, or interpenetrate: stowed shapes are coarse polygons."""
+OPEN = np.radians(45.0)
+"""By how much a crease that is given as shut may be open: layers are then as far apart as its facets are high."""
 STRAIN = 0.05
 """Strain of a side beyond which a facet is crumpled, and shows no fold."""
 
@@ -29,26 +29,50 @@ def measured_fold_angles(mesh: Triangulation, positions: Floats) -> Floats:
     `rust/core/src/elements/hinge.rs`. NaN where the two facets are wound in opposite senses, or where a side of them is
     strained by 5 % or more.
     """
-    index = mesh.find_edges(mesh.creases)[0]
-    is_crease = np.zeros(len(mesh.edges), dtype=bool)
-    is_crease[index] = True
+    facets = _facets(mesh, mesh.creases)
+    angles = _angles(positions, facets)
+    has_fold = (facets >= 0).all(axis=1)
+    for i, j in ((0, 1), (0, 2), (1, 2), (0, 3), (1, 3)):
+        before, now = (
+            np.linalg.norm(points[facets[:, j]] - points[facets[:, i]], axis=1)
+            for points in (mesh.reference, positions)
+        )
+        has_fold &= np.abs(now - before) < STRAIN * before
+    angles[~has_fold] = np.nan
+    return angles
+
+
+def _facets(mesh: Triangulation, pairs: Ints) -> Ints:
+    """(k, 4) nodes A, B, C, D of edges (k, 2), as in `measured_fold_angles`; -1 where there is no such facet."""
+    index = mesh.find_edges(pairs)[0]
+    is_wanted = np.zeros(len(mesh.edges), dtype=bool)
+    is_wanted[index] = True
     apexes = np.full((len(mesh.edges), 2), -1, dtype=np.int64)
-    rows, corners = np.nonzero(is_crease[mesh.triangle_edges])
+    rows, corners = np.nonzero(is_wanted[mesh.triangle_edges])
     ends = (mesh.triangles[rows, (corners + k) % 3] for k in (1, 2))
     side = np.greater(*ends).astype(np.int64)
     apexes[mesh.triangle_edges[rows, corners], side] = mesh.triangles[rows, corners]
-    apex_c, apex_d = apexes[index].T
-    a, b = np.sort(mesh.creases, axis=1).T
-    e, c, d = (positions[node] - positions[a] for node in (b, apex_c, apex_d))
+    return np.concatenate([np.sort(pairs, axis=1), apexes[index]], axis=1)
+
+
+def _angles(positions: Floats, facets: Ints) -> Floats:
+    a = positions[facets[:, 0]]
+    e, c, d = (positions[facets[:, k]] - a for k in (1, 2, 3))
     normal_c, normal_d = np.cross(e, c), np.cross(d, e)
     sine = np.linalg.norm(e, axis=1) * np.einsum("ij,ij->i", normal_d, c)
-    angle: Floats = np.arctan2(sine, np.einsum("ij,ij->i", normal_c, normal_d))
-    has_fold = (apex_c >= 0) & (apex_d >= 0)
-    for first, second in ((a, b), (a, apex_c), (b, apex_c), (a, apex_d), (b, apex_d)):
-        before, now = (np.linalg.norm(points[second] - points[first], axis=1) for points in (mesh.reference, positions))
-        has_fold &= np.abs(now - before) < STRAIN * before
-    angle[~has_fold] = np.nan
-    return angle
+    angles: Floats = np.arctan2(sine, np.einsum("ij,ij->i", normal_c, normal_d))
+    return angles
+
+
+def _bend(mesh: Triangulation, positions: Floats, creases: Ints) -> Floats:
+    """(k,) the largest angle [rad] by which the film bends at another side of the two facets of creases (k, 2)."""
+    sides = _facets(mesh, creases)[:, [0, 2, 1, 2, 0, 3, 1, 3]].reshape(-1, 2)
+    facets = _facets(mesh, sides)
+    bend = np.abs(_angles(positions, facets))
+    is_crease = np.isin(mesh.find_edges(sides)[0], mesh.find_edges(mesh.creases)[0])
+    bend[is_crease | (facets < 0).any(axis=1)] = 0.0
+    largest: Floats = bend.reshape(-1, 4).max(axis=1)
+    return largest
 
 
 def fold_angles_of(mesh: Triangulation, positions: Floats) -> Floats:
@@ -75,8 +99,9 @@ def check_fold_angles(mesh: Triangulation, positions: Floats, given: Floats) -> 
     """Compare given fold angles (c,) [rad] with those that positions (n, 3) show.
 
     Where a crease is folded by 1 to 179 degrees, both have one sign, and differ by 5 degrees at most. One that is given
-    as shut may be open by 30 degrees, or interpenetrate by 9.5. A flat crease may have any angle: its sign says to
-    which side it will fold. A shut one may have either sign.
+    as shut may be open by 45 degrees, as layers are that lie on each other. It may interpenetrate by 5 degrees, or by
+    as much as the film bends at another side of its facets, up to 45: what is stowed round a hub is a polygon. A flat
+    crease may have any angle: its sign says to which side it will fold. A shut one may have either sign.
 
     Raises
     ------
@@ -85,7 +110,7 @@ def check_fold_angles(mesh: Triangulation, positions: Floats, given: Floats) -> 
     """
     found = measured_fold_angles(mesh, positions)
     with np.errstate(invalid="ignore"):
-        bad = np.flatnonzero(_contradicts(given, found))
+        bad = np.flatnonzero(_contradicts(mesh, positions, given, found))
     if not len(bad):
         return
     k = bad[0]
@@ -106,13 +131,19 @@ def check_fold_angles(mesh: Triangulation, positions: Floats, given: Floats) -> 
     )
 
 
-def _contradicts(given: Floats, found: Floats) -> Bools:
+def _contradicts(mesh: Triangulation, positions: Floats, given: Floats, found: Floats) -> Bools:
     apart = np.abs((given - found + np.pi) % (2.0 * np.pi) - np.pi)
     is_clear = (np.abs(found) >= FLAT) & (np.abs(found) <= SHUT)
-    is_opposite = (given * found < 0.0) & (np.abs(given) >= FLAT) & (np.abs(given) <= SHUT)
+    is_opposite = given * found < 0.0
+    is_given_as_shut = np.abs(given) > SHUT
+    tolerance = np.full(len(given), TOLERANCE)
+    tolerance[is_given_as_shut & ~is_opposite] = OPEN
+    overlaps = np.flatnonzero(is_given_as_shut & is_opposite & is_clear & (apart > TOLERANCE))
+    if len(overlaps):
+        tolerance[overlaps] = np.clip(_bend(mesh, positions, mesh.creases[overlaps]), TOLERANCE, OPEN)
+    is_reversed = is_opposite & (np.abs(given) >= FLAT) & ~is_given_as_shut
     is_shut = np.abs(found) > SHUT
-    tolerance = np.where(np.abs(given) <= SHUT, TOLERANCE, np.where(given * found < 0.0, OVERLAP, OPEN))
-    wrong: Bools = (is_clear & ((apart > tolerance) | is_opposite)) | (is_shut & (np.abs(given) < np.pi / 2.0))
+    wrong: Bools = (is_clear & ((apart > tolerance) | is_reversed)) | (is_shut & (np.abs(given) < np.pi / 2.0))
     return wrong
 
 

@@ -253,9 +253,9 @@ def _indices(values: ArrayLike, name: str, width: int, node_count: int) -> Ints:
     array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
     if array.size == 0:
         array = np.empty((0, width), dtype=np.int64)
-    if name == "triangles" and array.ndim == 2 and array.shape[1] == 4:
+    if width == 3 and array.shape[1:] == (4,):
         raise MeshError(
-            f"triangles has shape {array.shape}: these are quadrilaterals; split each a, b, c, d into the triangles "
+            f"{name} has shape {array.shape}: these are quadrilaterals; split each a, b, c, d into the triangles "
             "a, b, c and a, c, d: numpy.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])"
         )
     if array.ndim != 2 or array.shape[1] != width:

@@ -34,7 +34,7 @@ def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
         raise InputError(f"dpi = {dpi}: must be from 10 to 2400 (pixels per inch)")
     ending = path.suffix.lower()
     if ending not in FORMATS:
-        raise InputError(f"{path}: the ending {ending!r} is no format of a figure; take {', '.join(FORMATS)}")
+        raise InputError(f"{path}: the ending {ending!r} is no format of a figure; must be one of {', '.join(FORMATS)}")
     with replacing(path) as part, rc_context({"svg.hashsalt": "membrane_rs"}):
         figure.savefig(part, format=ending[1:], dpi=dots, metadata=FORMATS[ending])
 

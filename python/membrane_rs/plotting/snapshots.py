@@ -49,14 +49,11 @@ class Snapshots(Drawing):
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Wait for the times that are still to come."""
-        super().start(sim, record)
-        self._views = VIEWS if any(law.turns_hub for law in sim.scene.laws) else VIEWS[1:]
-        self._taker = SnapshotTaker(sim.scene.run.snapshots, sim.time)
+        self._begin(sim, record, sim.time)
 
     def resume(self, sim: Stepper, record: Record) -> None:
         """Take over the shapes up to now."""
-        super().start(sim, record)
-        self._taker = SnapshotTaker(sim.scene.run.snapshots, record.summary["start_time"])
+        self._begin(sim, record, record.summary["start_time"])
         for shape in (Snapshot(*content) for content in read_shapes(record.path, sim.time)):
             record.shapes.append(self._taker.take(shape).positions)
 
@@ -79,6 +76,11 @@ class Snapshots(Drawing):
             with painter(self.subject(sim), SIZE) as artist:
                 folder = self.record.path / "snapshots"
                 write_snapshots(folder, shots, artist, sim.scene.name, self.record.tick, views=self._views)
+
+    def _begin(self, sim: Stepper, record: Record, since: float) -> None:
+        super().start(sim, record)
+        self._views = VIEWS if any(law.turns_hub for law in sim.scene.laws) else VIEWS[1:]
+        self._taker = SnapshotTaker(sim.scene.run.snapshots, since)
 
     def _spread_frames(self) -> list[tuple[float, str]]:
         """Frames spread over a run that came to few of its snapshots; none where it came to them."""

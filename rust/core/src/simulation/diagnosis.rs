@@ -53,8 +53,14 @@ impl Simulation {
             .iter()
             .enumerate()
             .find_map(|(k, law)| law.inspection()?.first_excess(self.instant()).map(|excess| (k, excess)))?;
-        let nodes: Vec<String> = excess.nodes.iter().map(|&node| self.node(node as usize)).collect();
-        Some(self.described(excess.what, nodes.join(" and "), Some(k), now))
+        let place = match *excess.nodes.as_slice() {
+            [i, j] => {
+                let [i, j] = [i, j].map(|node| self.numbering.to_external(node as usize));
+                format!("between nodes {i} and {j}")
+            }
+            ref nodes => nodes.iter().map(|&node| self.node(node as usize)).collect::<Vec<_>>().join(" and "),
+        };
+        Some(self.described(excess.what, place, Some(k), now))
     }
 
     /// Row and work \[J\] of each law whose work a step may hardly resolve: those that dissipate, and loads that depend
