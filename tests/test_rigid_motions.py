@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from membrane_rs import Gravity, RunSettings, Scene, Simulation, SpringDamping, Springs, Triangles, UnstableError
@@ -96,3 +98,10 @@ def test_a_restart_goes_on_with_the_same_balance() -> None:
     second.set_state(first.state())
     second.step(25)
     assert second.ledger() == whole.ledger()
+
+
+def test_the_table_has_no_false_stop_and_no_missed_fault() -> None:
+    text = (Path(__file__).parents[1] / "docs" / "rigid_motions.md").read_text(encoding="utf-8")
+    totals = [line for line in text.splitlines() if line.startswith("| **all")]
+    assert len(totals) == 2
+    assert all([cell.strip() for cell in line.split("|")[-3:-1]] == ["0", "0"] for line in totals)
