@@ -111,21 +111,24 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
     return scene, state
 
 
+NEW = ("hub_phase", "scene_digest", "start_internal_kinetic")
+"""Entries that a state of version 0.1 lacks, all of them: a file that lacks one is damaged."""
+
+
 def _complete(path: Path, scene: Scene, state: dict[str, Any]) -> None:
     """Add what a state of version 0.1 lacks: its hub began at the angle 0, and its scene is the one beside it.
 
     Where something is held, `start_internal_kinetic` has no part in the residual of the energy balance. Where nothing
     is, it cannot be known any more.
     """
-    state.setdefault("hub_phase", 0.0)
-    state.setdefault("scene_digest", scene_digest(scene))
-    if "start_internal_kinetic" not in state and "start_kinetic" in state:
-        if not len(scene.assemble().fixed):
-            raise InputError(
-                f"{path}: holds no 'start_internal_kinetic', which a scene needs that nothing holds; go on with the "
-                "version that wrote it, or start from the positions and velocities in the file"
-            )
-        state["start_internal_kinetic"] = state["start_kinetic"]
+    if any(name in state for name in NEW) or "start_kinetic" not in state:
+        return
+    if not len(scene.assemble().fixed):
+        raise InputError(
+            f"{path}: holds no 'start_internal_kinetic', which a scene needs that nothing holds; go on with the "
+            "version that wrote it, or start from the positions and velocities in the file"
+        )
+    state |= {"hub_phase": 0.0, "scene_digest": scene_digest(scene), "start_internal_kinetic": state["start_kinetic"]}
 
 
 def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:

@@ -70,15 +70,15 @@ impl Simulation {
     /// The right to step or to set the motion.
     fn stepping(&self) -> PyResult<Stepping<'_>> {
         if self.is_stepping.swap(true, Ordering::AcqRel) {
-            let what = "this simulation is being stepped by another thread, or by what called this; wait until its step \
-                        or run has ended, or give each thread a simulation of its own (copy.copy)";
+            let what = "this simulation is being stepped by another thread, or by what called this; wait until its \
+                        step or run has ended, or give each thread a simulation of its own (copy.copy)";
             return Err(wrong_value(what.to_owned()));
         }
         Ok(Stepping(self))
     }
 
-    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has passed.
-    /// Whether it returned true.
+    /// Calls `advance` with a number of steps, for about `SIGNAL_INTERVAL`, until it returns true or `longest` has
+    /// passed. Whether it returned true.
     ///
     /// The number is kept from call to call: each check needs the interpreter lock, for which the core may wait.
     fn in_chunks(

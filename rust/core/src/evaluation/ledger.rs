@@ -62,13 +62,13 @@ impl Scope {
     pub fn of(laws: &[Box<dyn Law>], pieces: &FreePieces) -> Self {
         let is_internal: Vec<bool> = laws.iter().map(|law| law.properties().is_internal).collect();
         let is_isolated = laws.iter().all(|law| law.properties().is_internal || law.is_inertial());
-        let is_obstacle = |law: &Box<dyn Law>| {
+        let is_obstacle = |law: &dyn Law| {
             let Properties { work_class, is_internal, .. } = law.properties();
             work_class == WorkClass::Conservative && !is_internal && !law.is_inertial()
         };
         match is_isolated && pieces.are_all() {
             true => Self::Isolated { is_internal },
-            false if laws.iter().any(is_obstacle) => Self::Obstructed,
+            false if laws.iter().any(|law| is_obstacle(law.as_ref())) => Self::Obstructed,
             false => Self::Whole,
         }
     }
@@ -127,7 +127,8 @@ impl Ledger {
         now.internal_kinetic - self.start.internal_kinetic + of_laws.sum::<f64>()
     }
 
-    /// The largest energy that the motion has at present, without a translation of free pieces that does not count \[J\].
+    /// The largest energy that the motion has at present, without a translation of free pieces that does not count
+    /// \[J\].
     pub fn largest_energy(&self, now: &EnergyTerms) -> f64 {
         let stored = (0..now.stored.len()).filter(|&k| self.scope.includes(k)).map(|k| now.stored[k].abs());
         stored.fold(self.scope.kinetic(now), f64::max)

@@ -8,8 +8,9 @@
 //!     U     = w_C w_D u,   w = (1 + c^2) A^2 / (A^2 + (c A0)^2)
 //!
 //! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
-//! A0 the reference area of a facet, at which w = 1: a crease of unstrained facets has exactly kappa. Without the weights w the force on an apex, u'/height, is singular as a facet
-//! collapses, and a run gains energy there. With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
+//! A0 the reference area of a facet, at which w = 1: a crease of unstrained facets has exactly kappa. Without the
+//! weights w the force on an apex, u'/height, is singular as a facet collapses, and a run gains energy there.
+//! With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
 //! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
 //! and from flat. The sign of the fold angle gives the side to which a crease folds (valley +1, mountain -1).

@@ -8,7 +8,8 @@
 //! The force points to the nearest surface: a node beyond the axis would be pushed out on the other side. So d has a
 //! bound, half of min(R, Z). Each step is checked on the straight path of each node: the path may not meet the core,
 //! the cylinder in which d exceeds the bound, and may not dip in by more than a twentieth of min(R, Z) where the step
-//! starts and ends outside, so that no evaluation need have felt the contact. A node that is in the core at a check stops the run.
+//! starts and ends outside, so that no evaluation need have felt the contact. A node that is in the core at a check
+//! stops the run.
 
 use serde::Deserialize;
 
@@ -222,8 +223,8 @@ impl Inspection for SpoolContact {
         };
         let (node, depth) = self.passed.or_else(now)?;
         let what = format!(
-            "a node goes {depth:.4e} m deep into the spool, over its bound of {:.4e} m for a node in contact and {:.4e} m \
-             within a step, and may come out on another side",
+            "a node goes {depth:.4e} m deep into the spool, over its bound of {:.4e} m for a node in contact and \
+             {:.4e} m within a step, and may come out on another side",
             self.bound, self.unfelt_bound
         );
         Some(Excess { nodes: vec![node], what })

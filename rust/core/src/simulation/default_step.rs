@@ -2,8 +2,9 @@
 //! depends neither on the end of the run nor on its outputs. Three bounds apply, of which the smallest counts:
 //!
 //! 1. stability: a share of the limit, or of an implicit method `LONG_STEP` explicit limits 2/omega;
-//! 2. slow motion: the frequency error c (omega dt)^p of the method (`Properties::frequency_error`) at the rate at which
-//!    the frame turns velocities, 2 Omega, and at the frequency of the external loads, omega^2 = (mean |a|^2)^1/2 / size;
+//! 2. slow motion: the frequency error c (omega dt)^p of the method (`Properties::frequency_error`) at the rate at
+//!    which the frame turns velocities, 2 Omega, and at the frequency of the external loads,
+//!    omega^2 = (mean |a|^2)^1/2 / size;
 //! 3. response: the same at the frequency of the response of the scene to its loads at the start, where few elements
 //!    carry the motion, so that their own vibration is the motion. With M a the force at the start and K the stiffness,
 //!    (K + omega_0^2 M) u = M a,   omega^2 = (u . M a)/(u . M u),   omega_0 the frequency of 2.
@@ -30,8 +31,8 @@ struct Allowed {
 const EXPLICIT: Allowed = Allowed { slow: 5e-7, response: 5e-5 };
 const IMPLICIT: Allowed = Allowed { slow: 1e-5, response: 1e-3 };
 
-/// Number of iterations for the response, the residual at which they are enough, relative to the loads, and nodes beyond
-/// which they are not tried.
+/// Number of iterations for the response, the residual at which they are enough, relative to the loads, and nodes
+/// beyond which they are not tried.
 const ITERATIONS: usize = 60;
 const RESIDUAL: f64 = 1e-2;
 const MOST_NODES: usize = 1000;

@@ -75,8 +75,8 @@ impl Simulation {
         errors + 2.0 * (errors * self.ledger.reference_energy(now)).sqrt()
     }
 
-    /// Vibration that an adaptive run may lose, as errors of one sign: within the tolerance it damps what its steps hardly
-    /// resolve \[J\].
+    /// Vibration that an adaptive run may lose, as errors of one sign: within the tolerance it damps what its steps
+    /// hardly resolve \[J\].
     pub(super) fn damped_within_tolerance(&self, reference_energy: f64) -> f64 {
         if self.adaptive.is_none() {
             return 0.0;
@@ -100,8 +100,8 @@ impl Simulation {
         }
         let RigidMotion { translation, rotation, rate, carried } = self.rigid_motion();
         let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
-        // In a turning frame the circles are those of the motion against it, whose rate is at most Omega for a piece that
-        // does not turn.
+        // In a turning frame the circles are those of the motion against it, whose rate is at most Omega for a piece
+        // that does not turn.
         let tangents = |rate: f64| (TANGENTS * (self.time() / dt) * (rate * dt).powi(4)).min(most);
         let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);

@@ -8,9 +8,9 @@
 //!     f_pe = n e^T/(L q) - L [p]x/q - 2 L n (p x n)^T/q^2
 //!     f_ee = -f_p (p/L^2 - 2 (p . e) e/L^4)^T - t f_pe
 //!
-//! and theta = pi - sign phi. The weights w = q/(q + s), up to the constant factor 1 + c^2 that the stiffness holds, are
-//! functions of q = L^2 p^2 - (e . p)^2. As a facet collapses f is singular, but w f_pp remains bounded. Tamstorf and
-//! Grinspun, Graphical Models 75 (2013), give the same Hessian in terms of the angles of the triangles.
+//! and theta = pi - sign phi. The weights w = q/(q + s), up to the constant factor 1 + c^2 that the stiffness holds,
+//! are functions of q = L^2 p^2 - (e . p)^2. As a facet collapses f is singular, but w f_pp remains bounded. Tamstorf
+//! and Grinspun, Graphical Models 75 (2013), give the same Hessian in terms of the angles of the triangles.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -4,8 +4,8 @@
 //!     reduced   m = m_i m_j/(m_i + m_j)       zeta is the damping ratio of the two nodes as a free pair
 //!
 //! The elongation s of a free pair has the equation m_r s'' + c s' + k s = 0 with the reduced mass m_r, and therefore
-//! the damping ratio c/(2 sqrt(k m_r)). With equal masses the mean is twice the reduced mass: the ratio is sqrt(2) zeta.
-//! The reduced mass of a free node and a held one is that of the free node.
+//! the damping ratio c/(2 sqrt(k m_r)). With equal masses the mean is twice the reduced mass: the ratio is
+//! sqrt(2) zeta. The reduced mass of a free node and a held one is that of the free node.
 
 use serde::Deserialize;
 
