@@ -134,6 +134,11 @@ impl Ledger {
         stored.fold(self.scope.kinetic(now), f64::max)
     }
 
+    /// The kinetic energy that may be exchanged \[J\].
+    pub fn kinetic(&self, now: &EnergyTerms) -> f64 {
+        self.scope.kinetic(now)
+    }
+
     /// The residual relative to the reference energy.
     pub fn error(&self, now: &EnergyTerms) -> f64 {
         let reference_energy = self.reference_energy(now);

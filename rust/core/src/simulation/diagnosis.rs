@@ -92,11 +92,12 @@ impl Simulation {
         (smaller, reference_energy)
     }
 
-    /// Whether an error of the balance is beyond what is allowed, `share` of the reference energy and the floor.
-    fn exceeds(&self, error: f64, share: f64, now: &EnergyTerms) -> bool {
-        let allowed = share + self.resting_floor(now);
+    /// Whether an error of the balance is beyond what is allowed: a `tolerance` of the reference energy, `more` \[J\],
+    /// and the floor.
+    fn exceeds(&self, error: f64, tolerance: f64, more: f64, now: &EnergyTerms) -> bool {
+        let allowed = tolerance * self.ledger.reference_energy(now) + more + self.resting_floor(now);
         // The rigid motion is asked only where it decides. An error that is not a number exceeds.
-        !(error <= allowed || error <= allowed + self.turning_floor())
+        !(error <= allowed || error <= allowed + self.moving_floor(tolerance, now))
     }
 
     /// A spurious gain: a positive residual that exceeds the total work of damping.
@@ -112,7 +113,7 @@ impl Simulation {
         // it damps them: the larger tolerance applies.
         let allowed =
             if self.properties().is_implicit { energy_tolerance.max(loss_tolerance) } else { energy_tolerance };
-        if !self.exceeds(gain, allowed * reference_energy, now) {
+        if !self.exceeds(gain, allowed, 0.0, now) {
             return None;
         }
         let what = format!("a spurious gain of {gain:.3e} J, {}", share_of(gain, reference_energy));
@@ -126,8 +127,8 @@ impl Simulation {
     /// resolves, or the step hardly resolves the damping, whose work is then inaccurate.
     fn out_of_balance(&self, now: &EnergyTerms) -> Option<Fault> {
         let (residual, reference_energy) = self.balance(now);
-        let share = self.settings.loss_tolerance * reference_energy;
-        if self.is_within_tolerance(reference_energy) || !self.exceeds(residual.abs(), share, now) {
+        let tolerance = self.settings.loss_tolerance;
+        if self.is_within_tolerance(reference_energy) || !self.exceeds(residual.abs(), tolerance, 0.0, now) {
             return None;
         }
         let of_reference = share_of(residual, reference_energy);
@@ -142,7 +143,7 @@ impl Simulation {
             return Some(self.hardly_resolved(what, law, "so that this work is inaccurate"));
         }
         let vibration = self.overshoot(reference_energy).max(self.damped_within_tolerance(reference_energy));
-        if !self.exceeds(-residual, share + vibration, now) {
+        if !self.exceeds(-residual, tolerance, vibration, now) {
             return None;
         }
         let what = format!("a loss of {:.3e} J that is no law's work, {of_reference}", -residual);

@@ -92,13 +92,17 @@ impl Simulation {
         relative * speed.hypot(self.state.velocities.amax())
     }
 
-    /// The method's own error of the rigid motion of free pieces \[J\]: that of their rotation, and in a turning frame
-    /// that of the motion against the frame. At most `energy_loss` of the energy of this motion.
-    pub(super) fn turning_floor(&self) -> f64 {
+    /// The floor of what moves \[J\]. A `tolerance` of the kinetic energy without rigid motion: from a start at rest it
+    /// would have been exchanged, and a tip that is thrown on a slack cord exchanges it later. The method's own error
+    /// of the rigid motion of free pieces: that of their rotation, and in a turning frame that of the motion against
+    /// the frame, at most `energy_loss` of the energy of this motion.
+    pub(super) fn moving_floor(&self, tolerance: f64, now: &EnergyTerms) -> f64 {
+        let kinetic = self.ledger.kinetic(now);
         if self.mechanics.pieces.is_empty() {
-            return 0.0;
+            return tolerance * kinetic;
         }
         let RigidMotion { translation, rotation, rate, carried } = self.rigid_motion();
+        let own = tolerance * (kinetic - rotation).max(0.0);
         let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
         // In a turning frame the circles are those of the motion against it, whose rate is at most Omega for a piece
         // that does not turn.
@@ -110,7 +114,7 @@ impl Simulation {
             Scope::Isolated { .. } => rotation + carried,
         };
         let circles = tangents(rate) * rotation + tangents(frame_rate) * carried;
-        let floor = circles + against_frame.min(most) * seen_from_frame;
+        let floor = own + circles + against_frame.min(most) * seen_from_frame;
         if floor.is_finite() { floor } else { 0.0 }
     }
 
