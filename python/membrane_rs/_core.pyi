@@ -298,8 +298,8 @@ class Simulation:
     def reach(self, time: float, seconds: float | None = None) -> bool:
         """Step to a time [s] and show the state there; whether it was reached within about `seconds` of wall time."""
 
-    def check(self) -> None:
-        """Look for a fault now, beside the regular checks."""
+    def check(self, is_end: bool) -> None:
+        """Look for a fault now, beside the regular checks; at the end of a run in the energy balance too."""
 
     def progress(self) -> dict[str, Any]:
         """What `resume` continues from with the same bits."""

@@ -16,7 +16,8 @@ CENTRED = 0.01
 
 def supports(scene: Scene) -> Iterator[Finding]:
     """Without a fixed node the whole flies freely: it falls under gravity, and, in the frame that turns with the hub,
-    goes outward if its centre of mass lies off the axis. A balanced body that turns freely about the axis is meant so.
+    goes outward if its centre of mass lies off the axis. A balanced body without creases that turns freely about the
+    axis is meant so; a folded one is a sail, which its hub holds.
     """
     assembly = scene.assemble()
     if len(assembly.fixed):
@@ -29,10 +30,11 @@ def supports(scene: Scene) -> Iterator[Finding]:
     total = float(masses.sum())
     centre = masses @ assembly.positions / total if total > 0.0 else np.zeros(3)
     off_axis = float(np.hypot(centre[0], centre[1]))
-    if turns and not falls and off_axis <= CENTRED * span(assembly.positions):
+    is_flat = scene.mesh is None or not len(scene.mesh.creases)
+    if turns and not falls and is_flat and off_axis <= CENTRED * span(assembly.positions):
         return
     why = "it falls" if falls else "any push moves it as a whole"
-    if turns and not falls:
+    if turns and not falls and off_axis > CENTRED * span(assembly.positions):
         why = f"its centre of mass lies {off_axis:.4g} m from the axis of the hub, and goes outward"
     what = "sail" if scene.mesh is not None else "scene"
     yield Finding(

@@ -7,6 +7,7 @@ is closed, or when nothing was asked of it for a while.
 
 from __future__ import annotations
 
+import atexit
 import os
 import pickle
 import subprocess
@@ -48,6 +49,7 @@ class PaintingProcess:
             env={**os.environ, "PYTHONPATH": paths},
             start_new_session=True,
         )
+        atexit.register(self.end)
 
     def wait(self, seconds: float) -> None:
         """Wait until its first picture is drawn. Raises PaintingError where it fails."""
@@ -64,6 +66,7 @@ class PaintingProcess:
 
     def end(self) -> None:
         """End the process."""
+        atexit.unregister(self.end)
         with suppress(OSError):
             self._process.kill()
         for pipe in (self._process.stdin, self._process.stdout):

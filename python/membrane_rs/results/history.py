@@ -65,8 +65,8 @@ class History(Writer):
     def resume(self, sim: Stepper, record: Record) -> None:
         """Keep the lines up to now, and remove later ones. Raises OutputError where they are not this run's."""
         self._begin(sim, record)
-        with output_errors(self._path):
-            text = self._path.read_text(encoding="utf-8") if self._path.is_file() else ""
+        with reading_errors(self._path, "history of a run"):
+            text = read_text(self._path) if self._path.is_file() else ""
         lines = text[: text.rfind("\n") + 1].splitlines(keepends=True)
         if not lines:
             self._open("w")

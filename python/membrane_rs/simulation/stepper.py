@@ -107,7 +107,7 @@ class Stepper(Motion):
             for time, is_frame in times:
                 self._refuse_past(time)
                 self._advance(time, watchers)
-                self._core.check()
+                self._core.check(time >= end)
                 self._show(observers, is_frame=is_frame)
                 for watcher in watchers if time < end else watchers[: progress is not None]:
                     watcher(self)

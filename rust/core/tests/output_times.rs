@@ -44,7 +44,7 @@ fn output_times_change_no_bit_of_a_run_whole_or_resumed_within_a_step() {
             assert_eq!(cut.time(), time, "{}", method.name);
             let before = cut.progress();
             cut.forces(None).unwrap();
-            cut.check().unwrap();
+            cut.check(true).unwrap();
             let shown = (cut.positions(), cut.velocities(), cut.energy_terms());
             cut = new();
             cut.resume(&before).unwrap();
@@ -104,7 +104,7 @@ fn the_monitor_judges_the_balance_of_steps_and_any_state_that_is_shown() {
     for k in 1..300 {
         simulation.reach(0.4321 * f64::from(k), u64::MAX).unwrap();
         let before = (simulation.progress(), simulation.positions());
-        simulation.check().unwrap();
+        simulation.check(true).unwrap();
         assert_eq!((simulation.progress(), simulation.positions()), before);
     }
     // A cord that is beyond its bound only between two steps.

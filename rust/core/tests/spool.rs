@@ -34,7 +34,7 @@ fn every(check_interval: u64) -> Settings {
 
 fn run(model: Model, law: LawSpec, method: Method, dt: f64, settings: Settings, until: f64) -> (Simulation, String) {
     let mut simulation = simulation_of(model, &[law], method, Some(dt), settings, |_| Vec::new());
-    let result = simulation.step((until / dt).ceil() as u64).and_then(|()| simulation.check());
+    let result = simulation.step((until / dt).ceil() as u64).and_then(|()| simulation.check(true));
     (simulation, result.err().map_or_else(String::new, |error| error.to_string()))
 }
 
@@ -120,7 +120,7 @@ fn a_start_deep_inside_is_named_at_the_first_check_and_a_held_node_is_not() {
         let mut model = flight(&[[0.2, 0.0, 0.0], [x, 0.0, 0.0]], &[[0.0; 3]; 2]);
         model.fixed = fixed;
         let laws = [spool(200.0, half_height)];
-        Simulation::new(model, &laws, "rk4", Some(1e-4), Settings::default()).unwrap().check().err()
+        Simulation::new(model, &laws, "rk4", Some(1e-4), Settings::default()).unwrap().check(true).err()
     };
     let text = inside(vec![], 0.01, None).unwrap().to_string();
     assert!(text.contains("node 1") && text.contains("4.0000e-2 m deep"), "{text}");
@@ -152,9 +152,9 @@ fn a_passage_is_found_after_a_restart_too() {
         second.resume(&first.progress()).unwrap();
         assert_eq!(second.progress(), first.progress());
         second.step(3).unwrap();
-        let [found, expected] = [second.check(), {
+        let [found, expected] = [second.check(true), {
             first.step(3).unwrap();
-            first.check()
+            first.check(true)
         }]
         .map(|result| {
             let Err(Error::Unstable { what, place, .. }) = result else { panic!("not found after {steps}") };

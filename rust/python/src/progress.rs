@@ -149,7 +149,8 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
         vectors.iter().flatten().flatten().chain(numbers).all(|value| value.is_finite())
     };
     let ledger = &progress.ledger;
-    let terms = [ledger.start.kinetic, ledger.largest_change, ledger.start_shift];
+    let start = &ledger.start;
+    let terms = [start.kinetic, start.internal_kinetic, ledger.largest_change, ledger.start_shift];
     let times = [progress.origin].into_iter().chain(progress.output_time);
     let control =
         progress.adaptive.iter().flat_map(|adaptive| [adaptive.step_end_time, adaptive.controller.last_error]);

@@ -353,9 +353,9 @@ impl Simulation {
         self.in_chunks(py, longest, |core, chunk| core.reach(time, chunk))
     }
 
-    /// Checks for a fault, between the regular checks.
-    fn check(&self, py: Python<'_>) -> PyResult<()> {
-        checked(self.core(py).check())
+    /// Checks for a fault, between the regular checks; at the end of a run the energy balance too.
+    fn check(&self, py: Python<'_>, is_end: bool) -> PyResult<()> {
+        checked(self.core(py).check(is_end))
     }
 
     /// The data of a checkpoint, for `resume`.

@@ -154,6 +154,13 @@ impl Mechanics {
         }
     }
 
+    /// Whether a law with a history has found a fault in the last step.
+    #[inline]
+    pub(crate) fn is_at_fault(&self) -> bool {
+        let has_found = |row: &usize| self.laws[*row].history_dependent().is_some_and(|law| law.is_at_fault());
+        self.history_dependent.iter().any(has_found)
+    }
+
     /// The instant of a point.
     pub(crate) fn instant<'a>(&self, point: PhasePoint<'a>) -> Instant<'a> {
         Instant::new(point, self.spin)

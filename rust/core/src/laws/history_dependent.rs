@@ -14,6 +14,11 @@ pub trait HistoryDependent {
     /// and the new history is that of all later evaluations.
     fn accept(&mut self, at: Instant<'_>);
 
+    /// Whether the last step went beyond a bound of the law, which a later state may not show; `Inspection` tells it.
+    fn is_at_fault(&self) -> bool {
+        false
+    }
+
     /// Data kept from step to step, saved and restored with the run.
     fn history(&self) -> History;
 

@@ -256,6 +256,10 @@ impl HistoryDependent for SpoolContact {
         }
     }
 
+    fn is_at_fault(&self) -> bool {
+        self.passed.is_some()
+    }
+
     /// The node that went beyond the bound, until the next check; positions are those of the state.
     fn history(&self) -> History {
         let numbers = self.passed.map_or_else(Vec::new, |(node, depth)| vec![f64::from(node), depth]);

@@ -348,8 +348,12 @@ impl Simulation {
                 self.refuse_stall()?;
             }
             self.mechanics.accept(self.state.at(self.time()));
-            if self.step_count.is_multiple_of(self.settings.check_interval) {
+            let (count, interval) = (self.step_count, self.settings.check_interval);
+            if count.is_multiple_of(interval) || self.mechanics.is_at_fault() {
                 self.regular_check()?;
+            } else if count < interval && count.is_power_of_two() {
+                // So that the first checks know what was exchanged, be it in a few long steps.
+                self.record_exchange();
             }
         }
         Ok(())
