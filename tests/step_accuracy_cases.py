@@ -40,7 +40,7 @@ REFERENCE_SHARE = 16.0
 """The step of the reference, rk4, is the default one over this."""
 SAIL_UNTIL = 0.004
 """Time up to which the chaotic sails are compared [s]."""
-UNWATCHED = 10**9
+UNCHECKED = 10**9
 """Steps between two checks of a run that is never checked."""
 SHIFT = 1e-12
 """Random displacement of the second start of a sail [m]."""
@@ -125,14 +125,14 @@ def shapes(scene: Scene, method: str, dt: float | None = None, shift: float = 0.
     for instant in np.linspace(0.0, scene.run.until, INSTANTS + 1)[1:].tolist():
         sim.reach(instant)
         kept.append(sim.positions)
-    if scene.run.watch < UNWATCHED:
+    if scene.run.watch < UNCHECKED:
         sim._core.check(True)
     return Shapes(np.array(kept))
 
 
 def reference(scene: Scene) -> Shapes:
     """A run by tiny steps, without monitor."""
-    free = replace(scene, run=replace(scene.run, energy_loss=1e9, watch=UNWATCHED))
+    free = replace(scene, run=replace(scene.run, energy_loss=1e9, watch=UNCHECKED))
     return shapes(free, "rk4", Simulation(scene, "rk4").dt / REFERENCE_SHARE)
 
 

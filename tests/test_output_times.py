@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import InputError, RunSettings, Scene, Simulation, integrators, scenes
+from membrane_rs import Gravity, InputError, RunSettings, Scene, Simulation, Tether, integrators, scenes
 
 METHODS = [*integrators(), "leapfrog-4"]
 T1, T2 = 0.0123, 0.0217
@@ -168,3 +168,13 @@ def test_nearly_equal_times_are_one() -> None:
     Simulation(scene_of("rk4")).run(0.3, frames=[0.1 + 0.2 - 1e-16, 3 * 0.1], samples=4, observers=[seen])
     assert list(seen.samples) == [0.0, 0.1, 0.2, 0.3]
     assert seen.frames == [0.0, 0.3]
+
+
+@pytest.mark.parametrize("end", [(0.3, 0.0, 0.0), (0.2, 0.0, -0.2), (0.1, 0.0, -0.3)])
+@pytest.mark.parametrize("samples", [2, 801])
+def test_no_output_of_a_swinging_pendulum_stops_it(end: tuple[float, float, float], samples: int) -> None:
+    # At its turning points little is in motion, and in fewer than a hundred steps little was exchanged before.
+    tether = Tether((0.0, 0.0, 0.0), end, 1, 50.0, 0.0, tip_mass=0.01)
+    sim = Simulation(Scene(None, None, [Gravity((0.0, 0.0, -9.81))], [tether]))
+    sim.run(until=1.0, samples=samples)
+    assert sim.time == 1.0

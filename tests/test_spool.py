@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from membrane_rs import Scene, Simulation, SpoolContact, Tether, UnstableError, scenes
+from membrane_rs import Scene, Simulation, SpoolContact, Tether, UnstableError, integrators, scenes
 from membrane_rs.check.contact import SAG_SHARE, chord_sag, start_inside
 
 
@@ -53,3 +53,20 @@ def test_coarse_segments_are_warned_of() -> None:
     assert 0.05 - np.sqrt(0.05**2 - (0.2 / 16) ** 2 / 4) < SAG_SHARE * 0.05
     assert "may sink 0.05 m" in str(*chord_sag(scene(1)))
     assert not list(chord_sag(scenes.load("okuizumi-model-1")))
+
+
+@pytest.mark.parametrize("method", integrators())
+def test_single_steps_notice_a_node_that_crosses(method: str) -> None:
+    tether = Tether((0.06, 0, 0), (0.2, 0, 0), 1, 50.0, 0.0, tip_mass=0.01)
+    sim = Simulation(Scene(None, None, [SpoolContact(0.05)], [tether]), method)
+    positions, velocities = sim.positions.copy(), sim.velocities.copy()
+    positions[1], velocities[1] = (0.2, 0.002, 0.0), (-10.0, 0.0, 0.0)
+    sim.positions, sim.velocities = positions, velocities
+
+    def step_by_step() -> None:
+        while sim.time < 0.04:
+            sim.step(1)
+
+    with pytest.raises(UnstableError, match="deep into the spool"):
+        step_by_step()
+    assert sim.positions[1, 0] > 0.0

@@ -90,6 +90,8 @@ fn disturbed(film: LawSpec, seed: u64) -> (Model, Vec<LawSpec>) {
     let mut dice = Dice(seed);
     for (point, kick) in model.positions.iter_mut().zip(dice.vectors(100, 2e-4)) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
+        // Above the middle of the spool, in which it would be too deep.
+        point[2] += 0.015;
     }
     model.fixed = vec![0, 1, 2, 3, 4];
     (model, every_law_with(film))

@@ -113,9 +113,9 @@ fn the_monitor_judges_the_balance_of_steps_and_any_state_that_is_shown() {
     model.cords.iter_mut().for_each(|cord| cord.strain_limit = 1.5);
     let settings = Settings { check_interval: 1_000, ..Settings::default() };
     let mut fast = simulation_of(model, &[], leapfrog, Some(1.9), settings, |_| Vec::new());
-    fast.check().unwrap();
+    fast.check(true).unwrap();
     fast.reach(0.9, u64::MAX).unwrap();
-    let text = fast.check().unwrap_err().to_string();
+    let text = fast.check(true).unwrap_err().to_string();
     assert!(text.contains("over its bound") && fast.time() == 0.0, "{text}");
     fast.step(2).unwrap();
 }

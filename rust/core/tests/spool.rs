@@ -145,18 +145,13 @@ fn a_passage_is_found_after_a_restart_too() {
         let model = flight(&[[0.2, 0.0, 0.0]], &[[-100.0, 0.0, 0.0]]);
         Simulation::new(model, &[spool(200.0, None)], "rk4", Some(1e-3), every(1000)).unwrap()
     };
-    // Between two steps before, and after the passage that no check has seen yet.
-    for steps in [1, 3, 5] {
+    // Before the passage, near and far.
+    for steps in [0, 1] {
         let (mut first, mut second) = (new(), new());
         first.step(steps).unwrap();
         second.resume(&first.progress()).unwrap();
         assert_eq!(second.progress(), first.progress());
-        second.step(3).unwrap();
-        let [found, expected] = [second.check(true), {
-            first.step(3).unwrap();
-            first.check(true)
-        }]
-        .map(|result| {
+        let [found, expected] = [second.step(3), first.step(3)].map(|result| {
             let Err(Error::Unstable { what, place, .. }) = result else { panic!("not found after {steps}") };
             (what, place)
         });

@@ -21,8 +21,7 @@ use crate::evaluation::ledger::{EnergyTerms, Ledger};
 use crate::evaluation::mechanics::Mechanics;
 use crate::evaluation::plan::Plan;
 use crate::integrators::{self, Integrator, Method, Options, Properties};
-use crate::laws::Instant;
-use crate::laws::{self, Law, LawSpec};
+use crate::laws::{self, Instant, Law, LawSpec};
 use crate::layout::Renumbering;
 use crate::linear::tangent::Tangent;
 use crate::model::checks::{finite, non_negative, positive, within};
@@ -38,6 +37,8 @@ pub use settings::{Settings, Setup};
 
 /// A step is refused at once above this multiple of the limit.
 const HOPELESS: f64 = 100.0;
+/// The largest changes of the first steps are recorded before a regular check.
+const FIRST_STEPS: u64 = 100;
 
 /// The state at the last check without fault.
 struct GoodState {
@@ -348,11 +349,9 @@ impl Simulation {
                 self.refuse_stall()?;
             }
             self.mechanics.accept(self.state.at(self.time()));
-            let (count, interval) = (self.step_count, self.settings.check_interval);
-            if count.is_multiple_of(interval) || self.mechanics.is_at_fault() {
+            if self.step_count.is_multiple_of(self.settings.check_interval) || self.mechanics.is_at_fault() {
                 self.regular_check()?;
-            } else if count < interval && count.is_power_of_two() {
-                // So that the first checks know what was exchanged, be it in a few long steps.
+            } else if self.step_count < FIRST_STEPS && self.step_count.is_power_of_two() {
                 self.record_exchange();
             }
         }
