@@ -105,9 +105,7 @@ def _nodes(value: object) -> object:
         if not value:
             raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
         return value
-    if not isinstance(value, tuple) or not all(
-        isinstance(i, Integral) and not isinstance(i, NO_NUMBERS) for i in value
-    ):
+    if not isinstance(value, tuple) or not all(map(_is_whole, value)):
         raise _wrong_type("the name of a node set or a list of node indices")
     nodes = tuple(int(i) for i in value)
     if not nodes or min(nodes) < 0 or max(nodes) > MOST:

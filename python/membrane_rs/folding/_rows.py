@@ -16,10 +16,7 @@ def cells(lower: Ints, upper: Ints, flip: NDArray[np.bool_]) -> Ints:
     The diagonal runs from lower[c] to upper[c + 1], or where `flip` (k,) is true from lower[c + 1] to
     upper[c].
     """
-    a, b, c, d = lower[:-1], upper[:-1], upper[1:], lower[1:]
-    first = np.where(flip[:, None], np.stack([a, b, d], 1), np.stack([a, b, c], 1))
-    second = np.where(flip[:, None], np.stack([d, b, c], 1), np.stack([a, c, d], 1))
-    return np.stack([first, second], axis=1).reshape(-1, 3)
+    return grid_cells(np.stack([lower, upper]), flip[None])
 
 
 def grid_cells(index: Ints, flip: NDArray[np.bool_]) -> Ints:

@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from membrane_rs._files import output_errors, sync_all
-from membrane_rs.results.pvd import PvdWriter, read_pvd
+from membrane_rs.results.pvd import PVD, PvdWriter, read_pvd
 from membrane_rs.results.record import Record
 from membrane_rs.results.vtk import Frame, FrameWriter
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
 
 FRAMES = "frames"
-PVD = "frames.pvd"
+FILES = f"{FRAMES}/frame-*.vtu"
 
 
 class Frames(Writer):
     """Writes frames in the background, from copies."""
 
-    own_files = (PVD, f"{FRAMES}/frame-*.vtu")
+    own_files = (PVD, FILES)
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Work out what is the same in all frames."""
@@ -37,7 +37,7 @@ class Frames(Writer):
             self._list.frames += [(time, file) for time, file in listed if time <= sim.time]
             self._times = [time for time, _ in record.frames]
         kept = {record.path / file for _, file in record.frames}
-        for file in record.path.glob(f"{FRAMES}/frame-*.vtu"):
+        for file in record.path.glob(FILES):
             if file not in kept:
                 with output_errors(file):
                     file.unlink()

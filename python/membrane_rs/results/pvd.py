@@ -10,6 +10,8 @@ from xml.sax.saxutils import quoteattr
 from membrane_rs._files import check_regular, output_errors, path_of, reading_errors, replacing
 from membrane_rs.errors import MissingFileError, OutputError
 
+PVD = "frames.pvd"
+
 _BEGIN = """<?xml version='1.0' encoding='utf-8'?>
 <VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
   <Collection>
@@ -75,7 +77,7 @@ def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
     path = path_of(path)
     with reading_errors(path, "PVD file"):
         if path.is_dir():
-            path /= "frames.pvd"
+            path /= PVD
         if not path.is_file():
             raise MissingFileError(f"no frames.pvd at {path}; name a run's folder that holds frames")
         check_regular(path)

@@ -25,7 +25,8 @@ from membrane_rs.plotting.deployment import DeploymentPicture
 from membrane_rs.plotting.snapshots import Snapshots
 from membrane_rs.results.background import Background
 from membrane_rs.results.frames import Frames
-from membrane_rs.results.history import History
+from membrane_rs.results.history import HISTORY, History
+from membrane_rs.results.pvd import PVD
 from membrane_rs.results.record import Progress, Record
 from membrane_rs.results.scene_file import SceneFile
 from membrane_rs.results.state import State
@@ -238,8 +239,8 @@ class RunFolder:
         """Where the run is resumed, raise OutputError for an instant before `now` [s] that its files lack."""
         frames, samples = {time for time, _ in self._record.frames}, self._record.table.get("time", ())
         for file, known, wanted in (
-            ("frames.pvd", frames, {time for time, is_frame in self._shown.items() if is_frame}),
-            ("history.csv", set(samples), self._shown.keys()),
+            (PVD, frames, {time for time, is_frame in self._shown.items() if is_frame}),
+            (HISTORY, set(samples), self._shown.keys()),
         ):
             lacking = sorted(time for time in wanted if time < now and time not in known)
             if lacking:

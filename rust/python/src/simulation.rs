@@ -219,7 +219,7 @@ impl Simulation {
 
     #[getter]
     fn law_names(&self, py: Python<'_>) -> Vec<&'static str> {
-        self.core(py).laws().iter().map(|law| law.name()).collect()
+        names_of(&self.core(py))
     }
 
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -260,12 +260,17 @@ impl Simulation {
 
     /// Energies in joules by name: "kinetic", and one for each law that has a potential.
     fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (terms, energies) = (self.core(py).energy_terms(), PyDict::new(py));
-        energies.set_item("kinetic", terms.kinetic)?;
-        for (law, energy) in self.core(py).laws().iter().zip(terms.stored) {
-            if law.properties().work_class == WorkClass::Conservative {
-                energies.set_item(law.name(), energy)?;
-            }
+        let (kinetic, stored) = {
+            let core = self.core(py);
+            let terms = core.energy_terms();
+            let laws = core.laws().iter().zip(terms.stored);
+            let stored = laws.filter(|(law, _)| law.properties().work_class == WorkClass::Conservative);
+            (terms.kinetic, stored.map(|(law, energy)| (law.name(), energy)).collect::<Vec<_>>())
+        };
+        let energies = PyDict::new(py);
+        energies.set_item("kinetic", kinetic)?;
+        for (law, energy) in stored {
+            energies.set_item(law, energy)?;
         }
         Ok(energies)
     }

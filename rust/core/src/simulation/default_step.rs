@@ -102,10 +102,7 @@ impl Simulation {
             self.response_by_iteration(&loads, shift)
         };
         let Some(response) = response else { return 0.0 };
-        let weighted = |other: &NodeVectors| -> f64 {
-            let rows = response.row_iter().zip(other.row_iter()).zip(&self.mechanics.masses);
-            rows.map(|((u, other), m)| m * u.dot(&other)).sum()
-        };
+        let weighted = |other: &NodeVectors| self.mechanics.mass_product(&response, other);
         let square = weighted(&loads) / weighted(&response);
         if square.is_finite() && square > 0.0 { square.sqrt() } else { 0.0 }
     }
