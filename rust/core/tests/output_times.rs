@@ -104,7 +104,7 @@ fn the_monitor_judges_the_balance_of_steps_and_any_state_that_is_shown() {
     for k in 1..300 {
         simulation.reach(0.4321 * f64::from(k), u64::MAX).unwrap();
         let before = (simulation.progress(), simulation.positions());
-        simulation.check(true).unwrap();
+        simulation.check(simulation.step_count() > 0).unwrap();
         assert_eq!((simulation.progress(), simulation.positions()), before);
     }
     // A cord that is beyond its bound only between two steps.
@@ -118,6 +118,18 @@ fn the_monitor_judges_the_balance_of_steps_and_any_state_that_is_shown() {
     let text = fast.check(true).unwrap_err().to_string();
     assert!(text.contains("over its bound") && fast.time() == 0.0, "{text}");
     fast.step(2).unwrap();
+}
+
+#[test]
+fn a_run_that_ends_within_its_first_step_is_judged() {
+    // The whole step is beyond the limit of 2.83; the part of it up to the end gains a tenth of the energy.
+    let rk4 = METHODS.iter().find(|method| method.name == "rk4").copied().unwrap();
+    let mut simulation = oscillator(rk4, 5.0);
+    simulation.reach(3.0, u64::MAX).unwrap();
+    assert_eq!(simulation.step_count(), 0);
+    simulation.check(false).unwrap();
+    let text = simulation.check(true).unwrap_err().to_string();
+    assert!(text.contains("a spurious gain") && simulation.time() == 0.0, "{text}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ impl Simulation {
     /// # Errors
     /// `Unstable`; the state is then that of the last good regular check.
     pub fn check(&mut self, is_end: bool) -> Result<()> {
-        self.at_last_step(|simulation| {
+        self.at_last_step(is_end, |simulation| {
             let now = simulation.energy_terms();
             if is_end || simulation.fault_of_state(&now).is_some() { simulation.refuse_fault(&now) } else { Ok(()) }
         })

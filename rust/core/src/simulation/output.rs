@@ -153,11 +153,14 @@ impl Simulation {
 
     /// Checks the state that is shown, where it lies between two steps, for values out of bounds; then calls `check`
     /// with the state at the end of the last step in place. The balance is that of the steps: so output times do not
-    /// decide whether a run is stopped.
-    pub(super) fn at_last_step(&mut self, check: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+    /// decide whether a run is stopped. A run that ends within its first step has no other balance than that of the
+    /// state it shows.
+    pub(super) fn at_last_step(&mut self, is_end: bool, check: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         if self.output.as_ref().is_some_and(|output| output.held.is_some()) {
             let now = self.energy_terms();
-            if let Some(fault) = self.fault_of_state(&now) {
+            let is_all = is_end && self.step_count == 0;
+            let fault = if is_all { self.fault(&now) } else { self.fault_of_state(&now) };
+            if let Some(fault) = fault {
                 return Err(self.roll_back(fault));
             }
         }
