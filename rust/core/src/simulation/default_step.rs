@@ -9,8 +9,8 @@
 //!    carry the motion, so that their own vibration is the motion. With M a the force at the start and K the stiffness,
 //!    (K + omega_0^2 M) u = M a,   omega^2 = (u . M a)/(u . M u),   omega_0 the frequency of 2.
 //!
-//!    Where no element bears these loads, as in a slack cord, a free flight or a scene without loads, nothing is known
-//!    of the motion: in a scene of few nodes it is the largest frequency, since a cord becomes taut with all its modes.
+//!    Where there are no loads, or no element bears them, as in a slack cord that falls, nothing is known of the
+//!    motion: in a scene of few nodes it is the largest frequency, since a cord becomes taut with all its modes.
 //!
 //! An error of 1 % of the motion is reached after 0.01 over the frequency error, in radians.
 
@@ -26,9 +26,9 @@ use crate::stability::Limit;
 /// Least number of default steps in a power of ten of a second: rounding shortens a step by at most one in this.
 const LEAST_COUNT: f64 = 100.0;
 
-/// Frequency errors of slow motion and of the response that a default step may have, and the free nodes up to which
-/// loads that no element bears leave the largest frequency as that of the motion. An implicit method is chosen for its
-/// long steps.
+/// Frequency errors of slow motion and of the response that a default step may have, and the free nodes up to which a
+/// scene without loads has the largest frequency as that of its motion. An implicit method is chosen for its long
+/// steps.
 struct Allowed {
     slow: f64,
     response: f64,
@@ -42,6 +42,8 @@ const IMPLICIT: Allowed = Allowed { slow: 1e-5, response: 1e-3, few_nodes: 1 };
 const ITERATIONS: usize = 60;
 const RESIDUAL: f64 = 1e-2;
 const MOST_NODES: usize = 1000;
+/// Free nodes up to which the same holds of loads that no element bears: those of cords. A film that falls is slow.
+const FALLING_NODES: usize = 10;
 /// Least omega^2 of a response that elements bear, in omega_0^2.
 const LEAST_BORNE: f64 = 2.0;
 /// Least omega_0, relative to the largest frequency.
@@ -105,7 +107,9 @@ impl Simulation {
         let loads = self.accelerations_by(|_, _| true);
         let shift = slow.max(LEAST_SHIFT * largest);
         let rounding = ULPS * f64::EPSILON * largest * largest * self.state.positions.amax();
-        let square = if loads.amax() > rounding { self.response_square(&loads, shift) } else { Some(0.0) };
+        let is_loaded = loads.amax() > rounding;
+        let square = if is_loaded { self.response_square(&loads, shift) } else { Some(0.0) };
+        let few_nodes = if is_loaded { few_nodes.min(FALLING_NODES) } else { few_nodes };
         let free = self.mechanics.inverse_masses.iter().filter(|inverse| **inverse > 0.0).count();
         match square {
             Some(square) if square < LEAST_BORNE * shift * shift && free <= few_nodes => largest,
