@@ -42,6 +42,8 @@ WRONG = 0.5
 """Difference from the energy of the reference run, over the largest exchange, at which a run is wrong."""
 SMALL = 1e-4
 """Share of the energy itself below which a difference does not count: the floor of the monitor, tenfold."""
+SHARE = 0.4
+"""Step over the limit."""
 RESOLVED = 0.1
 """Step of an implicit method over the limit of rk4."""
 FASTEST = 1000.0
@@ -53,7 +55,7 @@ RUN = RunSettings(until=10.0, watch=20, snapshots=())
 
 @dataclass(frozen=True)
 class Case:
-    """A free scene about its centre of mass: velocities [m/s], and the step over the stability limit, or None."""
+    """A free scene about its centre of mass: velocities [m/s], and the step over the limit where it is the fault."""
 
     scene: Scene
     velocities: Floats
@@ -208,12 +210,11 @@ def verdict(kind: Kind, motion: str, method: str, seed: int, is_compared: bool =
     scene, positions, velocities = moving(case, motion, rng)
     name = kind.__name__.replace("_", " ")
     limit = Simulation(scene, "rk4" if integrators()[method].imaginary_limit == inf else method, dt=1e-9).stable_dt()
-    dt = None if case.share is None else case.share * limit
-    if dt is None and integrators()[method].imaginary_limit == inf:
-        # Its default step would damp the vibrations.
-        dt = RESOLVED * limit
-    sim = Simulation(scene, method, dt)
-    step = 0.4 * limit if sim.is_adaptive else sim.dt
+    # The default step of an implicit method would damp the vibrations, and that of so few nodes resolves them all.
+    share = case.share or (RESOLVED if integrators()[method].imaginary_limit == inf else SHARE)
+    is_adaptive = case.share is None and Simulation(scene, method).is_adaptive
+    sim = Simulation(scene, method, None if is_adaptive else share * limit)
+    step = share * limit
     sim.velocities = velocities
     made = (name, kind in SOUND, motion, method, seed)
     try:
@@ -285,10 +286,10 @@ def page(found: list[Verdict]) -> str:
         "",
         "Each run is of a small free scene of rubber film, of one kind (fixed seeds), to which a random rigid motion",
         f"is added: a speed from 0.1 to {FASTEST:g} m/s, a rate of rotation up to {LARGEST_RATE:g} rad/s about the",
-        f"axis of the hub or any other, a frame that turns. Methods: {', '.join(integrators())}; {STEPS} steps of 0.4",
-        f"of the limit (`generalized_alpha`: {RESOLVED:g} of that of rk4), or of the step that is the fault. A false",
-        "stop is one of a sound scene. A missed fault is a run to its end whose energy about the centres of mass",
-        "differs from that of a reference run (rk4 at a tenth of its limit, without monitor) by more than",
+        f"axis of the hub or any other, a frame that turns. Methods: {', '.join(integrators())}; {STEPS} steps of",
+        f"{SHARE:g} of the limit (`generalized_alpha`: {RESOLVED:g} of that of rk4), or of the step that is the fault.",
+        "A false stop is one of a sound scene. A missed fault is a run to its end whose energy about the centres of",
+        "mass differs from that of a reference run (rk4 at a tenth of its limit, without monitor) by more than",
         f"{100 * WRONG:g} % of the largest exchange and {100 * SMALL:g} % of itself, with what a rotation with the",
         "frame would add. A kind of fault may do no harm:",
         "with dopri5, whose steps are chosen by their error, a scene may vibrate within the tolerance. Made by",

@@ -99,6 +99,16 @@ def test_the_stress_of_springs_does_the_work_of_their_forces(material: Material)
     assert virial == pytest.approx(of_forces, abs=5e-3 * np.abs(of_forces).max())
 
 
+def test_the_peak_stress_of_springs_is_that_of_the_film_they_stand_for() -> None:
+    for strains in ((0.001, 0.001), (0.001, 0.0)):
+        sim = strained(UNBUCKLED, np.diag([1.0 + strains[0], 1.0 + strains[1], 1.0]))
+        assert peak_stress(sim) == pytest.approx(hooke(*strains)[0], rel=1e-9)
+        stress = sim.film_stress().principal
+        assert sim.largest_film_stress() == stress.max()
+        # Their own stress is another, as the documentation of both says.
+        assert 0.01 < abs(stress.max() / peak_stress(sim) - 1.0) < 0.2
+
+
 def test_springs_that_buckle_press_with_their_critical_force_alone() -> None:
     sim = strained(Springs(buckling=0.0, buckling_on_creases=0.0), 0.9 * np.eye(3))
     assert (sim.film_stress().principal == 0.0).all()

@@ -90,6 +90,31 @@ def test_the_reference_energy_of_a_falling_film_is_not_that_of_its_fall() -> Non
     assert -0.5 < ledger["error"] < 0.0
 
 
+def vibrating(speed: float, distance: float, tolerance: float = 1e-5) -> Simulation:
+    """A film that is stretched and thrown, after 20 ms of steps chosen by their error."""
+    run = RunSettings(until=1.0, snapshots=(), tolerance=tolerance)
+    sim = Simulation(Scene(Strip(0.1, 0.1, 4, 4).mesh(), RUBBER, [UNBUCKLED], run=run), "dopri5")
+    about = sim.positions - sim.positions.mean(axis=0)
+    sim.positions = sim.positions + np.array([distance, 0.0, 0.0])
+    sim.velocities = about * [1.0, -1.0, 0.0] + [speed, 0.0, 0.0]
+    sim.reach(0.02)
+    return sim
+
+
+@pytest.mark.parametrize(("speed", "distance"), [(100.0, 0.0), (1000.0, 0.0), (0.0, 100.0), (100.0, 1000.0)])
+def test_the_tolerance_of_a_step_does_not_grow_with_the_flight_of_the_whole(speed: float, distance: float) -> None:
+    exact, rest, flown = vibrating(0.0, 0.0, 1e-9), vibrating(0.0, 0.0), vibrating(speed, distance)
+
+    def apart(one: Simulation, other: Simulation) -> list[float]:
+        own = [(sim.positions, sim.velocities) for sim in (one, other)]
+        return [float(np.abs((a - a.mean(axis=0)) - (b - b.mean(axis=0))).max()) for a, b in zip(*own, strict=True)]
+
+    assert flown.step_count == rest.step_count
+    for found, allowed in zip(apart(flown, exact), apart(rest, exact), strict=True):
+        assert found < 1.1 * allowed
+    assert flown.ledger()["error"] == pytest.approx(rest.ledger()["error"], rel=1e-2)
+
+
 def test_a_restart_goes_on_with_the_same_balance() -> None:
     whole, first = (shaken(0.4, 100.0, 1e-4) for _ in range(2))
     whole.step(40)

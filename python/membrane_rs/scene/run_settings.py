@@ -31,9 +31,10 @@ class RunSettings:
         and all outputs are met, also where they lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
-        sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity.
+        sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity, with x and v of
+        a piece that nothing holds about its centre of mass.
     tolerance_length : float
-        Distance from the origin below which the tolerance is absolute [m].
+        Distance from the origin (of such a piece: from its centre) below which the tolerance is absolute [m].
     tolerance_speed : float
         Speed below which the tolerance is absolute [m/s].
     spectral_radius : float

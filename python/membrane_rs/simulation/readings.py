@@ -88,7 +88,10 @@ class Readings:
         return FilmStress(found.principal, np.stack([found.first, found.second], axis=1))
 
     def largest_film_stress(self) -> float:
-        """The largest principal stress of the film now [Pa]; 0 where none of it is in tension, NaN without its law."""
+        """The largest principal stress of `film_stress` now [Pa]; 0 where none is in tension, NaN without a film law.
+
+        Of a film of springs `membrane_rs.results.peak_stress` is another number: that of the film they stand for.
+        """
         found = self._core.largest_film_stress()
         return float("nan") if found is None else found
 

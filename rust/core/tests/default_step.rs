@@ -86,3 +86,28 @@ fn the_vibration_of_few_elements_is_resolved_where_it_is_the_motion() {
         assert!(found <= 1.01 * allowed && found > 0.5 * allowed, "{}: {found:e}", method.name);
     }
 }
+
+#[test]
+fn few_nodes_that_no_load_strains_are_resolved_at_their_largest_frequency() {
+    for method in METHODS.iter().filter(|method| method.name != "dopri5") {
+        let resolved = |model: Model, laws: &[LawSpec]| {
+            let (dt, simulation) = default_dt(model, laws, method.name);
+            let (error, exponent) = simulation.integrator().properties().frequency_error;
+            let allowed = if method.name == "generalized_alpha" { 1e-3 } else { 5e-5 };
+            let largest = simulation.limit().unwrap().largest_frequency;
+            error * (largest * dt).powi(i32::from(exponent)) / allowed
+        };
+        let across = common::gravity([0.0, 0.0, -9.81]);
+        // Long steps are what an implicit method is chosen for.
+        let most = if method.name == "generalized_alpha" { 1 } else { 60 };
+        for masses in [1, 10, 60].into_iter().filter(|masses| *masses <= most) {
+            let loads = [&[][..], std::slice::from_ref(&across)];
+            for laws in &loads[..if masses > 10 { 1 } else { 2 }] {
+                let found = resolved(chain(masses, 1e6), laws);
+                assert!(found <= 1.01 && found > 0.5, "{}, {masses} masses: {found:e}", method.name);
+            }
+        }
+        // Many nodes: the motion is slower than their vibrations.
+        assert!(resolved(chain(most + 1, 1e6), &[]) > 10.0, "{}", method.name);
+    }
+}

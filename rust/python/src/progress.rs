@@ -120,7 +120,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
         step_count: get(saved, WHAT, "step_count")?,
         evaluation_count: get(saved, WHAT, "evaluation_count")?,
         origin: get(saved, WHAT, "origin")?,
-        hub_phase: if saved.contains("hub_phase")? { get(saved, WHAT, "hub_phase")? } else { 0.0 },
+        hub_phase: get(saved, WHAT, "hub_phase")?,
         positions: rows("positions", &array("positions")?)?,
         velocities: rows("velocities", &array("velocities")?)?,
         ledger: Ledger {

@@ -11,6 +11,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::arrays::jacobian::at as row;
+use crate::arrays::state::{PhasePoint, State};
 use crate::laws::{Instant, Law};
 
 /// Eigenvalue of a tensor of inertia below which a piece has no extent across that axis, relative to the largest.
@@ -80,6 +81,18 @@ impl FreePieces {
         of_pieces.sum::<f64>() + of_others.sum::<f64>()
     }
 
+    /// Positions \[m\] and velocities \[m/s\], of free pieces relative to those of their centres of mass.
+    pub fn about_centres(&self, masses: &[f64], at: PhasePoint<'_>) -> State {
+        let mut state = State { positions: at.positions.clone(), velocities: at.velocities.clone() };
+        for piece in &self.pieces {
+            for vectors in [&mut state.positions, &mut state.velocities] {
+                let own = mean(piece, masses, |i| row(vectors, i)).transpose();
+                piece.iter().for_each(|&i| vectors.row_mut(i as usize).zip_apply(&own, |value, own| *value -= own));
+            }
+        }
+        state
+    }
+
     /// The rigid motion of the free pieces, in inertial space.
     pub fn rigid_motion(&self, masses: &[f64], at: Instant<'_>) -> RigidMotion {
         let mut motion = RigidMotion::default();
@@ -128,15 +141,17 @@ fn inertial(at: Instant<'_>, node: u32) -> Vector3<f64> {
 
 /// Position \[m\] and velocity in inertial space \[m/s\] of the centre of mass.
 fn centre(piece: &[u32], masses: &[f64], at: Instant<'_>) -> (Vector3<f64>, Vector3<f64>) {
-    let mean = |value: &dyn Fn(u32) -> Vector3<f64>| {
-        // Relative to the first node, so that equal values have exactly that mean.
-        let first = value(piece[0]);
-        let (mut mass, mut sum) = (0.0, Vector3::zeros());
-        for &i in piece {
-            mass += masses[i as usize];
-            sum += masses[i as usize] * (value(i) - first);
-        }
-        first + sum / mass
-    };
-    (mean(&|i| row(at.positions, i)), mean(&|i| inertial(at, i)))
+    (mean(piece, masses, |i| row(at.positions, i)), mean(piece, masses, |i| inertial(at, i)))
+}
+
+/// The mean of a value of nodes by their masses, relative to the first node, so that equal values have exactly that
+/// mean.
+fn mean(piece: &[u32], masses: &[f64], value: impl Fn(u32) -> Vector3<f64>) -> Vector3<f64> {
+    let first = value(piece[0]);
+    let (mut mass, mut sum) = (0.0, Vector3::zeros());
+    for &i in piece {
+        mass += masses[i as usize];
+        sum += masses[i as usize] * (value(i) - first);
+    }
+    first + sum / mass
 }

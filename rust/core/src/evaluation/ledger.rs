@@ -73,6 +73,11 @@ impl Scope {
         }
     }
 
+    /// Whether the balance is that about the centres of mass.
+    pub fn is_isolated(&self) -> bool {
+        matches!(self, Self::Isolated { .. })
+    }
+
     /// The kinetic energy that may be exchanged \[J\].
     fn kinetic(&self, terms: &EnergyTerms) -> f64 {
         if *self == Self::Obstructed { terms.kinetic } else { terms.internal_kinetic }

@@ -316,6 +316,10 @@ impl System for Mechanics {
         self.masses.iter().enumerate().map(|(node, mass)| mass * a.row(node).dot(&b.row(node))).sum()
     }
 
+    fn about_centres(&self, at: PhasePoint<'_>) -> Option<State> {
+        (!self.pieces.is_empty()).then(|| self.pieces.about_centres(&self.masses, at))
+    }
+
     fn coriolis_rate(&self, time: f64) -> f64 {
         let frame = self.spin.at(time);
         self.laws.iter().filter_map(|law| law.linearisation()).map(|law| law.coriolis_rate(frame)).sum()

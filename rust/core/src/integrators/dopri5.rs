@@ -215,9 +215,12 @@ impl Embedded for Dopri5 {
         let largest_ratio = |error: &NodeVectors, value: &NodeVectors, floor: f64| {
             self.instructions.run(LargestRatio { error: columns(error), value: columns(value), floor })
         };
+        let end = PhasePoint { time: from.time + dt, positions: &self.position, velocities: &self.velocities[6] };
+        let own = system.about_centres(end);
+        let own = own.as_ref().map_or(end, |own| own.at(end.time));
         let ratios = [
-            largest_ratio(of_position, &self.position, tolerance.length),
-            largest_ratio(of_velocity, &self.velocities[6], tolerance.speed),
+            largest_ratio(of_position, own.positions, tolerance.length),
+            largest_ratio(of_velocity, own.velocities, tolerance.speed),
         ];
         ratios[0].max(ratios[1]).sqrt() / tolerance.relative
     }

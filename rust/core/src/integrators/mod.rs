@@ -181,7 +181,7 @@ pub struct Endpoint<'a> {
 }
 
 /// The allowed error of a step on each node: `relative` (length^2 + |x|^2)^1/2 in position, `relative` (speed^2 +
-/// |v|^2)^1/2 in velocity.
+/// |v|^2)^1/2 in velocity, with x and v of pieces that nothing holds relative to their centres of mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Relative tolerance.

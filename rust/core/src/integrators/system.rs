@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::arrays::blocks::{row_blocks, rows_of, tiles};
-use crate::arrays::state::{NodeVectors, PhasePoint, rows_mut};
+use crate::arrays::state::{NodeVectors, PhasePoint, State, rows_mut};
 use crate::linear::tangent::Weights;
 
 /// The laws of one evaluation, for methods with substeps.
@@ -57,4 +57,9 @@ pub trait System {
     fn solve(&mut self, accelerations: &mut NodeVectors);
     /// sum m a . b over the nodes, of two accelerations.
     fn mass_product(&self, a: &NodeVectors, b: &NodeVectors) -> f64;
+    /// Positions and velocities as the error of a step is measured by: those of pieces that nothing holds relative to
+    /// their centres of mass. `None` where there are no such pieces.
+    fn about_centres(&self, _at: PhasePoint<'_>) -> Option<State> {
+        None
+    }
 }

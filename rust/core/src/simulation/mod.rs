@@ -279,8 +279,7 @@ impl Simulation {
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
         self.integrator.restore_history(History::default());
         self.mechanics.restore_histories(&[]);
-        self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms());
-        self.record_good(self.ledger.start.clone());
+        self.open_ledger();
         Ok(())
     }
 

@@ -25,8 +25,13 @@ impl Simulation {
         (self.output, self.origin, self.step_count) = (None, time, 0);
         self.roll_back_adaptive(time);
         self.mechanics.spin = self.mechanics.spin.through(time, hub_angle);
+        self.open_ledger();
+        Ok(())
+    }
+
+    /// Opens the ledger anew, with the present motion as its start and as the last good state.
+    pub(super) fn open_ledger(&mut self) {
         self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms());
         self.record_good(self.ledger.start.clone());
-        Ok(())
     }
 }

@@ -1,21 +1,21 @@
 //! What the energy balance may be off by: rounding, and the method's own error of a rigid motion.
 //!
-//!     |residual| <= share of the reference energy + floor
+//!     |residual| <= share (reference energy + kinetic energy without rigid motion) + floor
 //!     floor = 1e-5 (largest energy) + turning + rounding                                        [J]
 //!
-//! for gains and losses alike. None of the three grows with the speed at which the whole flies, except rounding.
+//! for gains and losses alike. None of these grows with the speed at which the whole flies, except rounding.
 
 use super::Simulation;
 use crate::evaluation::free_pieces::RigidMotion;
-use crate::evaluation::ledger::{EnergyTerms, Scope};
-use crate::integrators::Tolerance;
+use crate::evaluation::ledger::EnergyTerms;
+use crate::integrators::{System, Tolerance};
 
 /// Error that is allowed at any reference energy, relative to the largest energy of the motion without the translation
 /// of free pieces: springs that become taut, and facets that shut, do so between two steps.
 const FLOOR: f64 = 1e-5;
 
 /// Rounding of a position or a velocity in a step, in units in the last place of the largest one.
-const ULPS: f64 = 4.0;
+pub(super) const ULPS: f64 = 4.0;
 /// Steps whose rounding is allowed from the start on.
 const FIRST_STEPS: f64 = 256.0;
 /// Rounding of the sums of energies and works, relative to the largest term.
@@ -29,6 +29,9 @@ const TANGENTS: f64 = 60.0;
 /// Vibration about the widened shape of a piece that is set turning without strain, over the largest exchange. With x
 /// the widening and U = k x^2/2 the spring overshoots to 2 x, so that it exchanges 4 U, of which U is vibration: 1/4.
 const OVERSHOOT: f64 = 0.3;
+
+/// Number of frequencies up to the largest one at which the damping by the method is evaluated.
+const FREQUENCIES: u32 = 16;
 
 /// Speed of nodes of an adaptive run whose shape is at rest, relative to the allowed error of a step: there the steps
 /// grow beyond the limit until the error reaches the tolerance.
@@ -50,10 +53,10 @@ impl Simulation {
         let (length, speed) = (self.state.positions.amax(), self.state.velocities.amax());
         let rate = self.start_limit.largest_frequency + frame_rate;
         let vibration = self.kinetic_at(ULPS * f64::EPSILON * (rate * length + speed));
-        let whole = now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()));
-        let largest = match self.ledger.scope {
-            Scope::Whole | Scope::Obstructed => whole,
-            Scope::Isolated { .. } => self.ledger.largest_energy(now),
+        let largest = if self.ledger.scope.is_isolated() {
+            self.ledger.largest_energy(now)
+        } else {
+            now.stored.iter().fold(now.kinetic, |most, stored| most.max(stored.abs()))
         };
         let steps = FIRST_STEPS.max(self.step_count as f64);
         let rounding = steps * vibration + 2.0 * (steps * vibration * largest).sqrt() + SUMMATION * largest;
@@ -86,10 +89,12 @@ impl Simulation {
         (OVERSHOOT * reference_energy).min(errors + 2.0 * (errors * reference_energy).sqrt())
     }
 
-    /// Allowed error of the velocities in a step of an adaptive run, which grows with the speed of the nodes \[m/s\].
+    /// Allowed error of the velocities in a step of an adaptive run, which grows with the speed of the nodes, of free
+    /// pieces about their centres of mass \[m/s\].
     fn speed_error(&self) -> f64 {
         let Tolerance { relative, speed, .. } = self.settings.tolerance;
-        relative * speed.hypot(self.state.velocities.amax())
+        let own = self.mechanics.about_centres(self.state.at(self.time()));
+        relative * speed.hypot(own.as_ref().unwrap_or(&self.state).velocities.amax())
     }
 
     /// The floor of what moves \[J\]. A `tolerance` of the kinetic energy without rigid motion: from a start at rest it
@@ -109,21 +114,31 @@ impl Simulation {
         let tangents = |rate: f64| (TANGENTS * (self.time() / dt) * (rate * dt).powi(4)).min(most);
         let turns = if self.properties().conserves_energy { 1.0 } else { (frame_rate * self.time()).max(1.0) };
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
-        let seen_from_frame = match self.ledger.scope {
-            Scope::Whole | Scope::Obstructed => translation + rotation + carried,
-            Scope::Isolated { .. } => rotation + carried,
-        };
+        let translation = if self.ledger.scope.is_isolated() { 0.0 } else { translation };
+        let seen_from_frame = translation + rotation + carried;
         let circles = tangents(rate) * rotation + tangents(frame_rate) * carried;
         let floor = own + circles + against_frame.min(most) * seen_from_frame;
         if floor.is_finite() { floor } else { 0.0 }
     }
 
-    /// Vibration that a piece set turning without strain begins with, which a method damps in the long run \[J\].
+    /// Vibration that a piece set turning without strain begins with, as far as the method has damped it \[J\].
     pub(super) fn overshoot(&self, reference_energy: f64) -> f64 {
         if self.mechanics.pieces.is_empty() {
             return 0.0;
         }
-        (OVERSHOOT * reference_energy).min(self.settings.loss_tolerance * self.rigid_motion().rotation)
+        let vibration = OVERSHOOT * self.damped_share() * reference_energy;
+        vibration.min(self.settings.loss_tolerance * self.rigid_motion().rotation)
+    }
+
+    /// The largest share of the energy of an undamped vibration, of any frequency of the scene, that the steps so far
+    /// have damped; 1 where their lengths differ.
+    fn damped_share(&self) -> f64 {
+        if self.adaptive.is_some() {
+            return 1.0;
+        }
+        let frequencies = (1..=FREQUENCIES).map(|k| self.start_limit.largest_frequency * k as f64 / FREQUENCIES as f64);
+        let kept = frequencies.map(|omega| self.integrator.amplification(omega, 0.0, self.dt)).fold(1.0, f64::min);
+        1.0 - kept.powf(2.0 * self.step_count as f64)
     }
 
     fn rigid_motion(&self) -> RigidMotion {
