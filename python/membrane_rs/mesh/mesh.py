@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,7 +59,11 @@ class Mesh(Triangulation):
         `positions`, a shut crease whose fold angle is left out.
     InputTypeError
         Something that is no number, or no whole number where an index is asked for.
+
+    A mesh is read only, its arrays as well.
     """
+
+    ONCE: ClassVar[tuple[str, ...]] = (*Triangulation.ONCE, "positions", "fold_angles", "source")
 
     def __init__(
         self,
