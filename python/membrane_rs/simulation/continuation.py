@@ -34,13 +34,11 @@ ENTRIES = {
 """Entries of a state, beside the histories of the method and of the laws."""
 
 
-def check_entries(names: Iterable[object], laws: Iterable[str]) -> None:
-    """Refuse a state with entries that a state of a scene with these laws does not have. Raises InputError."""
+def unknown_entries(names: Iterable[object], laws: Iterable[str]) -> dict[object, str]:
+    """Entries that a state of a scene with these laws does not have, and the end of a message about each."""
     histories = ("history", "memory", *(f"history_{law}" for law in laws))  # memory: of version 0.1
     known = ENTRIES | {f"{name}_{part}" for name in histories for part in ("count", "vectors", "numbers")}
-    for name in names:
-        if name not in known:
-            raise InputError(f"saved state: {name}: no such entry; {nearest(str(name), known)}")
+    return {name: f"no such entry; {nearest(str(name), known)}" for name in names if name not in known}
 
 
 def check_same_nodes(wanted: Assembly, found: Assembly) -> None:

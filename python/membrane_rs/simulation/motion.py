@@ -20,7 +20,7 @@ from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
-from membrane_rs.simulation.continuation import check_entries, check_same_nodes, scene_digest
+from membrane_rs.simulation.continuation import check_same_nodes, scene_digest, unknown_entries
 from membrane_rs.simulation.copies import Copies
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
 from membrane_rs.simulation.readings import Readings
@@ -334,7 +334,8 @@ class Motion(KnownAttributes, Copies, Readings):
         for name in ("hub_phase", "scene_digest"):
             if name not in state:
                 raise InputError(f"saved state: {name} is missing; give one that this version saved")
-        check_entries(state, self._core.law_names)
+        for entry, words in unknown_entries(state, self._core.law_names).items():
+            raise InputError(f"saved state: {entry}: {words}")
         if str(state["scene_digest"]) != self._digest:
             raise InputError(
                 "saved state: scene_digest is that of another scene, with other laws, parts or values; set it in a "
