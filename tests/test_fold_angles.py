@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Creases, Fixed, Mesh, MeshError, Scene, Simulation, Springs
+from membrane_rs.check import audit
 from membrane_rs.folding import SquareSail, Strip
 from membrane_rs.mesh.fold_angles import measured_fold_angles
 from small_scenes import RUBBER, Floats, rotation
@@ -81,6 +82,23 @@ def test_triangles_wound_from_the_other_side_exchange_valley_and_mountain() -> N
     values["triangles"] = values["triangles"][:, ::-1]
     with pytest.raises(MeshError, match="order of nodes in all triangles"):
         Mesh(**values)
+
+
+@pytest.mark.parametrize(
+    ("shown", "given", "warns"),
+    [
+        *[(0, 60, True), (0, -6, True), (0, 178, True), (180, 100, True), (180, -91, True)],
+        *[(0, 0, False), (0, 4, False), (0, 180, False), (0, -180, False), (180, 180, False), (180, -140, False)],
+    ],
+)
+def test_an_angle_that_says_more_than_a_side_is_warned_of(shown: float, given: float, warns: bool) -> None:
+    values = wings(shown, turned=False) | {"fold_angles": np.full(6, np.radians(given))}
+    found = audit(Scene(Mesh(**values), RUBBER, [Springs(), Creases()], [Fixed((0,))])).find("fold_angles")
+    assert (found is not None) == warns
+    if found is not None:
+        assert (found.severity, found.count) == ("warning", 6)
+        assert f"({given} degrees), but creases[0] is folded by {shown} degrees in positions" in found.message
+        assert "Creases.natural_angle" in found.remedy
 
 
 def test_a_flat_crease_may_have_any_angle_and_a_shut_one_either_sign() -> None:

@@ -46,7 +46,7 @@ def test_copies_are_independent_and_go_on_with_the_same_bits(copied: Callable[[A
     sim = Counting(SCENE, integrator)
     sim.step(7)
     sim.count = 3
-    sim.note = "mine"
+    sim.note = "mine"  # type: ignore[attr-defined]
     other = copied(sim)
     assert (type(other), other.count, other.note) == (Counting, 3, "mine")
     assert equal(sim, other)

@@ -106,6 +106,38 @@ def test_a_scene_that_nothing_holds() -> None:
     assert "nothing holds the scene" in warnings_of(Scene(None, None, [SpringDamping()], [free]))["supports"].message
 
 
+def test_a_free_body_that_turns_in_balance_is_a_fact() -> None:
+    found = audit(Scene(Disc(0.1, rings=2).mesh(), RUBBER, [Springs(), Spin(1.0)])).find("supports")
+    assert found is not None
+    assert (found.severity, found.count) == ("info", 1)
+    assert "nothing holds the sail: it flies freely" in found.message
+    folded = Strip(0.1, 0.04, 6, 2, creases=(0.5,)).mesh()
+    middle = Mesh(folded.reference - folded.positions.mean(axis=0), folded.triangles, creases=folded.creases)
+    assert "supports" in warnings_of(Scene(middle, RUBBER, [Springs(), Spin(1.0)]))
+
+
+def test_a_piece_that_nothing_holds_beside_one_that_is_held() -> None:
+    disc = Disc(0.1, rings=2).mesh()
+    nodes = np.concatenate([disc.reference, disc.reference + np.array([0.0, 0.0, 0.1])])
+    triangles = np.concatenate([disc.triangles, disc.triangles + disc.node_count])
+    for shift, laws, severity, words in (
+        (0.0, [Springs(), Spin(1.0)], "info", "it flies freely"),
+        (0.0, [Springs(), Gravity()], "warning", "it falls"),
+        (0.3, [Springs(), Spin(1.0)], "warning", "centre of mass lies 0.3 m from the axis"),
+    ):
+        moved = nodes + np.where(np.arange(len(nodes)) < disc.node_count, 0.0, shift)[:, None] * [1.0, 0.0, 0.0]
+        found = audit(Scene(Mesh(moved, triangles), RUBBER, laws, [Fixed((0,))])).find("supports")
+        assert found is not None
+        assert (found.severity, found.count) == (severity, 1)
+        free = f"nothing holds {disc.node_count} of {len(nodes)} nodes, node {disc.node_count} among them"
+        assert free in found.message
+        assert words in found.message
+    parts = [cord(fixed=True, linear_density=0.1), cord(fixed=False, linear_density=0.1)]
+    found = audit(Scene(None, None, [SpringDamping()], parts)).find("supports")
+    assert found is not None
+    assert found.count == 1
+
+
 def test_a_heavy_tip_without_a_film() -> None:
     heavy = Tether((0.1, 0, 0), (0.4, 0, 0), 1, 50.0, 0.0, tip_mass=300.0)
     found = warnings_of(Scene(None, None, [Spin(1.0)], [heavy]))

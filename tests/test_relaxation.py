@@ -25,10 +25,12 @@ from membrane_rs import (
     Tether,
     Tethers,
     Triangles,
+    scenes,
 )
 from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.methods import integrators
+from membrane_rs.simulation.relaxation import AT_REST, FrozenStepper, held_scene
 from small_scenes import RUBBER
 
 ACROSS = Gravity((3.0, -2.0, 1.0))
@@ -110,8 +112,6 @@ def test_nothing_of_the_run_is_frozen() -> None:
 
 def test_work_balances_while_the_hub_is_frozen() -> None:
     # Neither the turning of gravity nor the change of Omega is work; the force of Euler is.
-    from membrane_rs.simulation.relaxation import FrozenStepper
-
     scene = tether(Spin(1.0, 2.0), ACROSS)
     # So short that the error of the method is far below the bound.
     held = FrozenStepper(replace(scene, run=replace(scene.run, dt=1e-3)), "rk4", 0.3)
@@ -123,15 +123,51 @@ def test_work_balances_while_the_hub_is_frozen() -> None:
     assert "gravity" not in held.ledger()["work_by_law"]
 
 
-def test_a_scene_that_has_not_come_to_rest_says_so() -> None:
-    scene = tether(Spin(1.0), ACROSS)
-    with pytest.warns(UserWarning, match=r"not at rest after 0\.02 s.*node 1 has a net force of .* N.*relax longer"):
-        Simulation(scene).relax(0.02, 20.0)
-    with pytest.warns(UserWarning, match="not at rest"):
-        Simulation(scene).relax(0.2, 1e4)  # it creeps
+@pytest.mark.parametrize(("duration", "rate"), [(2.0, 20.0), (0.02, 20.0), (0.2, 1e4), (0.5, 0.1)])
+@pytest.mark.parametrize("acceleration", [0.0, 0.5, -0.5])
+def test_relaxation_goes_on_until_rest_whatever_the_rate(acceleration: float, duration: float, rate: float) -> None:
+    sim = Simulation(tether(Spin(1.0, acceleration), ACROSS))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        Simulation(scene).relax(8.0, 8.0)
+        sim.relax(duration, rate)
+    assert left(sim) < AT_REST
+    assert not sim.velocities.any()
+    assert sim.time == 0.0
+
+
+@pytest.mark.parametrize("method", list(integrators()))
+@pytest.mark.parametrize("name", ["hanging-strip", "spinning-disc", "spinning-tether"])
+def test_so_do_built_in_scenes_by_every_method(name: str, method: str) -> None:
+    sim = Simulation(scenes.load(name), method)
+    sim.relax(0.02, 100.0)
+    assert left(sim) < AT_REST
+
+
+def test_rest_without_any_force_is_rest() -> None:
+    sim = Simulation(scenes.load("single-crease"))
+    free = np.setdiff1d(np.arange(sim.node_count), sim.assembly.fixed)
+    bent = np.linalg.norm(sim.forces("creases")[free], axis=1).max()
+    sim.relax(0.02, 100.0)
+    assert np.linalg.norm(sim.forces()[free], axis=1).max() < 1e-6 * bent
+
+
+def test_what_is_at_rest_after_the_duration_is_left_as_it_is() -> None:
+    scene = tether(Spin(1.0), ACROSS)
+    held = FrozenStepper(held_scene(scene, 8.0), "rk4", 0.0)
+    held.reach(8.0)
+    sim = Simulation(scene)
+    assert sim.relax(8.0, 8.0) == np.linalg.norm(held.velocities, axis=1).max()
+    assert (sim.positions == held.positions).all()
+
+
+@pytest.mark.filterwarnings("ignore::membrane_rs.errors.AuditWarning")
+def test_a_scene_without_a_state_of_rest_says_so() -> None:
+    words = r"not at rest after 2 s at rate = 20 1/s.* kinetic damping.*node 1 has a net force of .* N.*relax longer"
+    with pytest.warns(UserWarning, match=words):
+        Simulation(tether(Spin(1.0, 4.0))).relax(2.0, 20.0)
+    falling = disc(Springs(), Gravity((0.0, 0.0, -1.0)))
+    with pytest.warns(UserWarning, match=r"not at rest after 0\.02 s at rate = 100 1/s and .* s of kinetic damping"):
+        Simulation(replace(falling, parts=[])).relax(0.02, 100.0)
 
 
 def test_guide_bars_hold_the_force_that_drives_the_release() -> None:

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from membrane_rs import Scene, Simulation, integrators, scenes
+from membrane_rs import Scene, Simulation, UnstableError, integrators, scenes
 from membrane_rs.check.step_accuracy import ALLOWED, step_accuracy
 from step_accuracy_cases import fast_tether, random_scene, reference, row, short_tether
 
@@ -56,12 +56,30 @@ def test_what_takes_too_long_or_stops_is_told() -> None:
     sail = scenes.load("okuizumi-model-1")
     text = step_accuracy(sail, seconds=0.0).warning()
     assert text is not None
-    assert "would take too long to estimate. Up to 0 s it is not known" in text
+    # Beyond the first step, which is compared in any case.
+    assert f"would take too long to estimate. Up to {Simulation(sail).dt:.3g} s it is wrong by" in text
     tether = scenes.load("spinning-tether")
     stiff = replace(tether, run=replace(tether.run, dt=1.5 * Simulation(tether).stable_dt(), until=0.1))
     text = step_accuracy(stiff).warning()
     assert text is not None
     assert "the run stops by itself: stopped at t =" in text
+
+
+@pytest.mark.parametrize("name", [name for name in scenes.names() if name.startswith("okuizumi")])
+def test_a_run_that_soon_stops_is_told_however_slow_its_steps_are(name: str) -> None:
+    sail = scenes.load(name)
+    found = step_accuracy(replace(sail, run=replace(sail.run, integrator="generalized_alpha")), seconds=0.0)
+    assert found.reached == found.dt
+    assert "the run stops by itself: stopped at t =" in (found.warning() or "")
+
+
+def test_the_energy_balance_is_judged_at_the_end() -> None:
+    # So it is in a run, which ends before its first regular check.
+    sail = scenes.load("okuizumi-model-1")
+    run = replace(sail.run, integrator="generalized_alpha", until=3e-4)
+    with pytest.raises(UnstableError, match="spurious gain"):
+        Simulation(replace(sail, run=run)).run(frames=2, samples=2)
+    assert "spurious gain" in step_accuracy(replace(sail, run=run), seconds=60.0).failure
 
 
 def test_a_scene_at_rest_has_no_error() -> None:

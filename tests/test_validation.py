@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from membrane_rs import Creases, Gravity, RunSettings, Spin, SpringDamping, Tether
+from membrane_rs._other_names import OTHER_NAMES
 from membrane_rs._validation import (
     Count,
     Flag,
@@ -28,7 +30,10 @@ from membrane_rs._validation import (
     validated,
 )
 from membrane_rs.errors import InputError, InputTypeError, MeshError
+from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
+from membrane_rs.scene.laws import LAWS
+from membrane_rs.scene.parts import PARTS
 
 T = TypeVar("T")
 
@@ -204,3 +209,39 @@ def test_any_value_is_taken_or_refused_by_name(name: str, value: object) -> None
 def test_any_table_is_taken_or_refused_by_name(values: dict[str, object]) -> None:
     sample, refusal = attempt(Sample, values, "table")
     assert (sample is None) == refusal.startswith("table.")
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "hint"),
+    [
+        (Spin, "omega angular_velocity spin_rate speed rotation_rate", r"'frequency' \(in Hz: omega / \(2 pi\)\)"),
+        (Spin, "rpm RPM", r"'frequency' \(in Hz: rpm / 60\)"),
+        (Spin, "spin_hz freq hz", r"'frequency' \(in Hz\)"),
+        (Spin, "angular_acceleration omega_dot alpha", r"'acceleration' \(in Hz/s: rad/s2 / \(2 pi\)\)"),
+        (Material, "E modulus young elastic_modulus", r"'youngs_modulus' \(in Pa\)"),
+        (Material, "nu poisson", "'poisson_ratio'"),
+        (Material, "t h", r"'thickness' \(in m\)"),
+        (Material, "rho", r"'density' \(in kg/m3\)"),
+        (Tether, "rho", r"'linear_density' \(in kg/m\)"),
+        (Tether, "EA k stiffness", r"'axial_stiffness' \(in N\)"),
+        (Gravity, "g", r"'acceleration' \(in m/s2\)"),
+        (SpringDamping, "zeta damping", "'ratio'"),
+        (Creases, "rest_angle theta0", r"'natural_angle' \(in rad\)"),
+        (RunSettings, "t_end duration", r"'until' \(in s\)"),
+        (RunSettings, "time_step", r"'dt' \(in s\)"),
+        (RunSettings, "method", "'integrator'"),
+    ],
+)
+def test_names_of_the_field_get_a_hint_in_python_and_in_files(kind: Any, words: str, hint: str) -> None:
+    for word in words.split():
+        with pytest.raises(InputTypeError, match=rf"{kind.__name__}\.{word}: no such key; did you mean {hint}\?"):
+            kind(**{word: 1.0})
+        with pytest.raises(InputTypeError, match=rf"table\.{word}: no such key; did you mean {hint}\?"):
+            build(kind, {word: 1.0}, "table")
+
+
+def test_every_name_of_a_hint_exists() -> None:
+    classes = [*LAWS.values(), *PARTS.values(), *PATTERNS.values(), Material, RunSettings]
+    known = {item.name for kind in classes for item in dataclasses.fields(kind)} | LAWS.keys() | PARTS.keys()
+    known |= {"reference", "triangles", "positions", "velocities", "creases", "fold_angles"}
+    assert {name for names in OTHER_NAMES.values() for name, _ in names} <= known

@@ -258,9 +258,10 @@ def check_text(text: str, name: str, kind: type[InputError] = InputError) -> Non
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
     words = sorted(known)
-    name, unit = OTHER_NAMES.get(word.lower(), ("", ""))
-    if name in words:
-        return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
+    other = word.strip().lower().replace("'", "").replace("-", "_").replace(" ", "_")
+    for name, unit in OTHER_NAMES.get(other, ()):
+        if name in words:
+            return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
     close = difflib.get_close_matches(word, words, n=1)
     return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
 

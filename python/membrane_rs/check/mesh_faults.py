@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from membrane_rs.mesh.audit import growing
-from membrane_rs.mesh.findings import Finding
+from membrane_rs.mesh.findings import Finding, first_few
+from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
 
 
@@ -13,6 +16,27 @@ def mesh_faults(scene: Scene) -> Iterator[Finding]:
     """What `Mesh.audit` finds, growing modes left out."""
     if scene.mesh is not None:
         yield from scene.mesh.audit(scene.material, springs=_has_springs(scene), growth=False).findings
+
+
+def fold_angles(scene: Scene) -> Iterator[Finding]:
+    """Fold angles of creases that are flat or shut in positions: their sign is taken as the side, and nothing else."""
+    mesh = scene.mesh
+    if mesh is None or not len(mesh.creases):
+        return
+    found = taken_as_sides(mesh, mesh.positions, mesh.fold_angles)
+    if len(found):
+        k, angle = found[0], float(np.degrees(measured_fold_angles(mesh, mesh.positions)[found[0]]))
+        yield Finding(
+            "warning",
+            "fold_angles",
+            len(found),
+            f"fold_angles[{k}] = {mesh.fold_angles[k]:.4g} rad ({np.degrees(mesh.fold_angles[k]):.4g} degrees), but "
+            f"creases[{k}] is folded by {abs(angle):.4g} degrees in positions ({len(found)} such creases): the "
+            "simulation starts from positions, and takes only the side of the fold from the angle",
+            "give positions that are folded so; the angle towards which a crease turns is Creases.natural_angle; for a "
+            "side alone give pi (valley) or -pi (mountain)",
+            first_few(found),
+        )
 
 
 def growing_modes(scene: Scene) -> Iterator[Finding]:

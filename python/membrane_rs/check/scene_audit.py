@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
-from membrane_rs.check.mesh_faults import growing_modes, mesh_faults
+from membrane_rs.check.mesh_faults import fold_angles, growing_modes, mesh_faults
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
@@ -25,6 +25,7 @@ Check: TypeAlias = Callable[[Scene], Iterator[Finding]]
 
 CHECKS: list[Check] = [
     mesh_faults,
+    fold_angles,
     film_law,
     supports,
     spool,

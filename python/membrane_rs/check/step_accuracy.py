@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,8 @@ from membrane_rs.simulation.stepper import Stepper
 ALLOWED = 0.01
 """Share of the motion by which a step may be wrong."""
 INSTANTS = 200
-"""Times at which two runs are compared, evenly spaced."""
+"""Times at which two runs are compared, evenly spaced, but no more than steps; before the first of these after 1, 2,
+4 ... steps."""
 FINER = {False: 2.0, True: 32.0}
 """Divisor of the step, or of the tolerance where steps are chosen by their error."""
 AT_REST = 1e-9
@@ -82,7 +84,8 @@ def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 
     """Run a scene with its step and with half of it (of its tolerance a 32nd), and compare the positions.
 
     With order p, the error is the difference over 1 - 2^-p. Both start as the scene is given, without relaxation. They
-    end at the end of the run, or where `seconds` of wall time are over.
+    end at the end of the run, or where `seconds` of wall time are over, but not before the first step is compared.
+    There the energy balance is judged as at the end of a run.
 
     Raises
     ------
@@ -96,21 +99,30 @@ def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 
     finer = replace(scene.run, tolerance=scene.run.tolerance / divisor) if coarse.is_adaptive else scene.run
     fine = Stepper(replace(scene, run=finer), coarse.integrator, None if coarse.is_adaptive else coarse.dt / divisor)
     dt, until = coarse.dt, scene.run.until
-    start, deadline = coarse.positions, time.perf_counter() + seconds
+    start, deadline = coarse.positions, np.inf
     largest = extent = reached = 0.0
     failure = ""
     try:
-        for instant in np.linspace(0.0, until, INSTANTS + 1)[1:].tolist():
+        began = time.perf_counter()
+        for instant in _instants(dt, until):
             if not _reach((coarse, fine), instant, deadline):
                 break
             largest = max(largest, _distance(coarse.positions, fine.positions))
-            extent, reached = max(extent, _distance(fine.positions, start)), instant
+            extent, reached, deadline = max(extent, _distance(fine.positions, start)), instant, began + seconds
+        coarse._core.check(True)
     except UnstableError as error:
         failure = str(error)
     rate = 1.0 if coarse.is_adaptive else 1.0 / (1.0 - divisor**-facts.order)
     size = float(np.ptp(start, axis=0).max(initial=0.0))
     share = rate * largest / extent if extent > AT_REST * size else 0.0
     return StepAccuracy(share, extent, reached, until, dt, facts.order, coarse.is_adaptive, failure)
+
+
+def _instants(dt: float, until: float) -> list[float]:
+    """Times [s] at which two runs are compared."""
+    even = np.linspace(0.0, until, min(INSTANTS, math.ceil(until / dt)) + 1)[1:].tolist()
+    earlier = max(0, math.ceil(math.log2(even[0] / dt)))
+    return [*(dt * 2**k for k in range(earlier)), *even]
 
 
 def _reach(sims: Sequence[Stepper], instant: float, deadline: float) -> bool:

@@ -6,8 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from membrane_rs._arrays import Bools, Ints
 from membrane_rs.analysis.extent import span
 from membrane_rs.mesh import Finding
+from membrane_rs.mesh.gaps import groups
+from membrane_rs.mesh.queries import distinct
 from membrane_rs.scene import Scene
 
 CENTRED = 0.01
@@ -15,32 +18,72 @@ CENTRED = 0.01
 
 
 def supports(scene: Scene) -> Iterator[Finding]:
-    """Without a fixed node the whole flies freely: it falls under gravity, and, in the frame that turns with the hub,
-    goes outward if its centre of mass lies off the axis. A balanced body without creases that turns freely about the
-    axis is meant so; a folded one is a sail, which its hub holds.
+    """Pieces without a fixed node fly freely: they fall under gravity, and, in the frame that turns with the hub, go
+    outward if their centre of mass lies off the axis. A balanced body without creases that turns freely about the axis
+    is meant so, and a fact; a folded one is a sail, which its hub holds.
     """
     assembly = scene.assemble()
-    if len(assembly.fixed):
+    mesh = scene.mesh
+    links = np.concatenate([assembly.cords.nodes, assembly.bridges.nodes])
+    if mesh is None:
+        label = _groups_of_few(links, assembly.node_count)
+    else:
+        links = np.concatenate([links, mesh.edges])
+        label = groups(links, assembly.node_count)
+    joined = np.zeros(assembly.node_count, dtype=np.bool_)
+    joined[distinct(links)] = True
+    free = joined & ~np.isin(label, label[assembly.fixed])
+    if not free.any():
         return
     turns = any(law.hub_frequency for law in scene.laws)
     falls = any(law.accelerates_all and law.why_idle(scene) is None for law in scene.laws)
     masses = assembly.extra_masses.copy()
-    if scene.mesh is not None and scene.material is not None:
-        masses[: scene.mesh.node_count] += scene.mesh.masses(scene.material)
-    total = float(masses.sum())
-    centre = masses @ assembly.positions / total if total > 0.0 else np.zeros(3)
-    off_axis = float(np.hypot(centre[0], centre[1]))
-    is_flat = scene.mesh is None or not len(scene.mesh.creases)
-    if turns and not falls and is_flat and off_axis <= CENTRED * span(assembly.positions):
-        return
+    if mesh is not None and scene.material is not None:
+        masses[: mesh.node_count] += mesh.masses(scene.material)
+    total, x, y = (np.bincount(label, masses * values) for values in (1.0, *assembly.positions[:, :2].T))
+    off_axis = np.hypot(x, y) / np.maximum(total, np.finfo(float).tiny)
+    goes_outward = (off_axis > CENTRED * span(assembly.positions))[label]
+    folds = np.zeros_like(free) if mesh is None else np.isin(label, label[mesh.creases[:, 0]])
+    lost = free if falls or not turns else free & (goes_outward | folds)
     why = "it falls" if falls else "any push moves it as a whole"
-    if turns and not falls and off_axis > CENTRED * span(assembly.positions):
-        why = f"its centre of mass lies {off_axis:.4g} m from the axis of the hub, and goes outward"
-    what = "sail" if scene.mesh is not None else "scene"
-    yield Finding(
-        "warning",
-        "supports",
-        1,
-        f"nothing holds the {what}: no node is fixed, and no tether leads to the hub; {why}",
-        "add a part of kind 'fixed' or 'tethers', unless a free flight is meant",
-    )
+    if turns and not falls and (free & goes_outward).any():
+        farthest = float(off_axis[label[free]].max())
+        why = f"its centre of mass lies {farthest:.4g} m from the axis of the hub, and goes outward"
+    if lost.any():
+        yield Finding(
+            "warning",
+            "supports",
+            len(np.unique(label[lost])),
+            f"nothing holds {_what(scene, lost)}: no node of it is fixed, and no tether leads to the hub; {why}",
+            "add a part of kind 'fixed' or 'tethers', unless a free flight is meant",
+        )
+    balanced = free & ~lost
+    if balanced.any():
+        yield Finding(
+            "info",
+            "supports",
+            len(np.unique(label[balanced])),
+            f"nothing holds {_what(scene, balanced)}: it flies freely, and turns about its own centre on the axis",
+            "",
+        )
+
+
+def _groups_of_few(links: Ints, node_count: int) -> Ints:
+    """As `groups`, but without scipy, which a scene of cords alone does not need elsewhere."""
+    parent = list(range(node_count))
+
+    def root(node: int) -> int:
+        while parent[node] != node:
+            parent[node] = node = parent[parent[node]]
+        return node
+
+    for one, other in links.tolist():
+        parent[root(one)] = root(other)
+    return np.array([root(node) for node in range(node_count)])
+
+
+def _what(scene: Scene, nodes: Bools) -> str:
+    """The pieces that these nodes are, in words."""
+    if nodes.all():
+        return "the sail" if scene.mesh is not None else "the scene"
+    return f"{int(nodes.sum())} of {len(nodes)} nodes, node {int(np.argmax(nodes))} among them"

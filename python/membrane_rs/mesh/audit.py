@@ -33,12 +33,13 @@ def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, spr
     if material is not None and not isinstance(material, Material):
         raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
     film = material or POLYIMIDE
+    wound = _wound(mesh)
     findings = [
         *_shapes(mesh),
         *_nodes(mesh),
-        *_joints(mesh),
+        *_joints(mesh, wound),
         *gaps(mesh),
-        *overlaps(mesh, is_wound_alike=not len(_wound(mesh))),
+        *overlaps(mesh, is_wound_alike=not len(wound)),
         *(_thick(mesh, material) if material is not None else ()),
         *(_springs(mesh, film) if springs else ()),
         *(growing(mesh, film) if springs and growth else ()),
@@ -99,8 +100,8 @@ def _nodes(mesh: Triangulation) -> Iterator[Finding]:
         )
 
 
-def _joints(mesh: Triangulation) -> Iterator[Finding]:
-    """Triangles given twice, edges of three triangles, winding, and separate pieces."""
+def _joints(mesh: Triangulation, wound: Ints) -> Iterator[Finding]:
+    """Triangles given twice, edges of three triangles, edges `wound` in opposite senses, and separate pieces."""
     ordered = np.sort(mesh.triangles, axis=1)
     order = np.lexsort(ordered.T)
     again = order[1:][(ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)]
@@ -124,7 +125,6 @@ def _joints(mesh: Triangulation) -> Iterator[Finding]:
             "a membrane has one or two there: remove triangles, unless a seam of several sheets is meant",
             first_few(shared),
         )
-    wound = _wound(mesh)
     if len(wound):
         keys = mesh.edges[wound] @ np.array([mesh.node_count, 1])
         on_creases = int(np.isin(np.sort(mesh.creases, axis=1) @ np.array([mesh.node_count, 1]), keys).sum())

@@ -27,8 +27,8 @@ class Finding:
         Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "hanging_nodes", "pinched_nodes",
         "long_bridges", "duplicate_triangles", "shared_edges", "winding", "upside_down", "overlaps", "pieces",
         "thick_film", "singular_springs", "negative_springs", "growing_mode" or "strain".
-        Of a scene: "film_law", "supports", "spool", "chord_sag", "start_inside", "implausible_value", "idle_law",
-        "net_of_springs" or "left_out".
+        Of a scene: "fold_angles", "film_law", "supports", "spool", "chord_sag", "start_inside", "implausible_value",
+        "idle_law", "net_of_springs" or "left_out".
     count : int
         How many there are.
     message, remedy : str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,7 +42,8 @@ class Mesh(Triangulation):
         Fold angle of each crease in `positions` [rad], between -pi and pi, signed as in the FOLD format: seen
         from the side from which triangles run counter-clockwise, valley positive, mountain negative. Where a
         crease is folded by 1 to 179 degrees it must agree with `positions` within 5 degrees; where it is flat,
-        its sign says to which side it will fold; where it is shut, on which side its facets lie. Default: taken
+        its sign says to which side it will fold; where it is shut, on which side its facets lie; the audit of a scene
+        warns where such an angle is neither 0 nor +-pi. Default: taken
         from `positions`, which must then show no shut crease.
     node_sets : dict of str to (k,) int, optional
         Names for nodes, for instance "corners".
@@ -59,7 +60,11 @@ class Mesh(Triangulation):
         `positions`, a shut crease whose fold angle is left out.
     InputTypeError
         Something that is no number, or no whole number where an index is asked for.
+
+    A mesh is read only, its arrays as well.
     """
+
+    ONCE: ClassVar[tuple[str, ...]] = (*Triangulation.ONCE, "positions", "fold_angles", "source")
 
     def __init__(
         self,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 
@@ -19,7 +20,7 @@ NO_AREA = 1e-9
 """Height over longest side below which a triangle counts as having no area."""
 
 
-class Triangulation:
+class Triangulation(KnownAttributes):
     """Nodes joined by triangles, with creases and bridges between some: plain arrays that `Mesh` has checked.
 
     Parameters
@@ -31,6 +32,8 @@ class Triangulation:
     creases, bridges : (c, 2), (b, 2) int64
         Node pairs.
     """
+
+    ONCE: ClassVar[tuple[str, ...]] = ("reference", "triangles", "creases", "bridges")
 
     def __init__(self, reference: Floats, triangles: Ints, creases: Ints, bridges: Ints) -> None:
         self.reference: Floats = reference

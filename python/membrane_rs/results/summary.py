@@ -56,7 +56,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import write_text
+from membrane_rs._files import path_of, read_text, reading_errors, write_text
 from membrane_rs.errors import Interrupted, MissingFileError, OutputError, UnstableError
 from membrane_rs.results.lock import is_locked, this_process
 from membrane_rs.results.record import Record
@@ -171,16 +171,16 @@ def read_summary(path: Path | str) -> dict[str, Any]:
         No summary there.
     OutputError
         The file is no summary of a run.
+    InputTypeError
+        No path.
     """
-    path = Path(path)
+    path = path_of(path)
     if path.is_dir():
         path = path / SUMMARY
     if not path.is_file():
         raise MissingFileError(f"no summary at {path}; name a run's folder or its {SUMMARY}")
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise OutputError(f"{path} is no summary of a run: {error}; run the scene again") from error
+    with reading_errors(path, "summary of a run"):
+        found = json.loads(read_text(path))
     if not isinstance(found, dict) or not isinstance(found.get("outcome"), str):
         raise OutputError(f"{path} is no summary of a run: it has no outcome; run the scene again")
     if found["outcome"] == "running" and not is_locked(path.parent):

@@ -18,6 +18,7 @@ from pathlib import Path, PurePath
 from time import monotonic
 
 from membrane_rs._files import path_of
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.check import audit
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
@@ -59,7 +60,7 @@ def own_files() -> list[str]:
     return names
 
 
-class RunFolder:
+class RunFolder(KnownAttributes):
     """An observer that writes a run's results into a folder. For one run.
 
     The folder is valid after every frame: each file is whole or absent, and history.csv and frames.pvd grow by whole
@@ -82,6 +83,8 @@ class RunFolder:
         If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
         another run goes on there, or it cannot be written.
     """
+
+    ONCE = ("path", "pictures")
 
     def __init__(
         self,

@@ -82,14 +82,21 @@ class Simulation(Stepper):
 
         Nodes of the set "guide_bars" (none without that set) are held, and friction F = -rate m v is added, for
         `duration` of damped motion. Meanwhile no time passes: all that depends on time, such as the rate of the hub,
-        its acceleration and the direction of gravity, is that of the start. Then the nodes are released, at rest; no
-        net force is left on a free node but on those that were held. Returns the largest speed left before that
-        [m/s]. Warns (`UserWarning`) where more than 1 % of the largest force on a node is left.
+        its acceleration and the direction of gravity, is that of the start. A scene that is not at rest then goes on
+        without that friction by kinetic damping: it is stopped at each maximum of its kinetic energy, until the net
+        force on each free node is far below 1 % of the largest force of a law on a node. It takes at most 20 times
+        `duration`, or 20,000 steps if that is longer, then warns (`UserWarning`) and takes the state nearest to rest.
+        Then the nodes are released, at rest; a net force is left on those that were held alone. Returns the largest
+        speed before the nodes were stopped the last time [m/s].
 
         Raises
         ------
         InputError
             After the first step, or with a duration or rate that is not above zero.
+        UnstableError
+            The motion with friction became unstable.
+        KeyboardInterrupt
+            Ctrl-C; the simulation is then as it was.
         """
         if self.step_count or self.time:
             raise InputError(

@@ -49,8 +49,8 @@ class RunSettings:
     snapshots : sequence of float
         Times of the pictures [s]; those after the end are left out.
     relax : float
-        Before its start the scene is damped to rest for this long, at the instant of the start, its guide bars holding
-        [s]; 0: not at all.
+        Before its start the scene is damped by friction for this long, at the instant of the start, its guide bars
+        holding, and then by kinetic damping until it is at rest [s]; 0: not at all.
     relax_rate : float
         Friction while it is relaxed, F = -rate m v [1/s].
     watch : int

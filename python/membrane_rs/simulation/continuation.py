@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 
 import numpy as np
 
+from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
@@ -22,6 +24,21 @@ def scene_digest(scene: Scene) -> str:
         for array in (mesh.reference, mesh.triangles, mesh.positions, mesh.creases, mesh.fold_angles, mesh.bridges):
             found.update(np.ascontiguousarray(array).tobytes())
     return found.hexdigest()[:32]
+
+
+ENTRIES = {
+    "step_count", "evaluation_count", "origin", "hub_phase", "positions", "velocities",
+    "start_kinetic", "start_internal_kinetic", "start_stored", "work", "swing", "start_shift", "scene_digest",
+    "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count",
+}  # fmt: skip
+"""Entries of a state, beside the histories of the method and of the laws."""
+
+
+def unknown_entries(names: Iterable[object], laws: Iterable[str]) -> dict[object, str]:
+    """Entries that a state of a scene with these laws does not have, and the end of a message about each."""
+    histories = ("history", "memory", *(f"history_{law}" for law in laws))  # memory: of version 0.1
+    known = ENTRIES | {f"{name}_{part}" for name in histories for part in ("count", "vectors", "numbers")}
+    return {name: f"no such entry; {nearest(str(name), known)}" for name in names if name not in known}
 
 
 def check_same_nodes(wanted: Assembly, found: Assembly) -> None:

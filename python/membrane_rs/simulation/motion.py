@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._given_arrays import numeric
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._renamed import Renamed, RenamedKeys
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
@@ -19,8 +20,7 @@ from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
-from membrane_rs.simulation.attributes import KnownAttributes
-from membrane_rs.simulation.continuation import check_same_nodes, scene_digest
+from membrane_rs.simulation.continuation import check_same_nodes, scene_digest, unknown_entries
 from membrane_rs.simulation.copies import Copies
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
 from membrane_rs.simulation.readings import Readings
@@ -33,6 +33,10 @@ class Motion(KnownAttributes, Copies, Readings):
     """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
     """
+
+    ONCE = ("scene", "assembly")
+    SETTABLE = ("is_relaxed",)
+    INSTEAD = "make another simulation, which may go on from this one (start=)"
 
     def __init__(
         self, scene: Scene, integrator: str | None = None, dt: float | None = None, *, start: Motion | None = None
@@ -322,14 +326,16 @@ class Motion(KnownAttributes, Copies, Readings):
         Raises
         ------
         InputError
-            An entry that is missing, of the wrong type or of another scene's size, a value that is not finite, or a
-            state of another scene: `Simulation(scene, start=other)` goes on from that.
+            An entry that is missing or unknown, of the wrong type or of another scene's size, a value that is not
+            finite, or a state of another scene: `Simulation(scene, start=other)` goes on from that.
         """
         if not isinstance(state, dict):
             raise InputTypeError(f"state = {show(state)}: must be a dict that `state` gave")
         for name in ("hub_phase", "scene_digest"):
             if name not in state:
                 raise InputError(f"saved state: {name} is missing; give one that this version saved")
+        for entry, words in unknown_entries(state, self._core.law_names).items():
+            raise InputError(f"saved state: {entry}: {words}")
         if str(state["scene_digest"]) != self._digest:
             raise InputError(
                 "saved state: scene_digest is that of another scene, with other laws, parts or values; set it in a "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,6 +16,7 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.checkpoint import StateFile, read_state
+from membrane_rs.simulation.continuation import unknown_entries
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import output_times
@@ -198,6 +200,11 @@ class Stepper(Motion):
             No such file.
         InputError
             Not a saved state, or damaged.
+
+        Warns
+        -----
+        UserWarning
+            An entry that this version does not know, and ignores.
         """
         path = path_of(path)
         scene, state = read_state(path)
@@ -209,6 +216,9 @@ class Stepper(Motion):
             if is_adaptive:
                 sim._core.set_dt(number_of("dt", dt))
             sim.is_relaxed = bool(state.pop("is_relaxed"))
+            for name, words in unknown_entries(state, sim._core.law_names).items():
+                warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=2)
+                del state[str(name)]
             sim.set_state(state)
         except ValueError as error:
             raise InputError(
