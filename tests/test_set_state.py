@@ -1,4 +1,4 @@
-"""A state goes on in a simulation of its own scene, method and step, and holds what a motion has; else it is refused."""
+"""A state goes on in a simulation of its own scene, method and step, and holds what a motion has, or is refused."""
 
 from __future__ import annotations
 

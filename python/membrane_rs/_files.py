@@ -17,6 +17,9 @@ MOST_BYTES = 2**32
 """A larger file is not read."""
 
 
+_SPECIAL = "it is a pipe, a socket or a device, no regular file"
+
+
 def path_of(value: object, name: str = "path") -> Path:
     """A path from a text or a path. Raises InputTypeError for anything else, an empty text and a NUL, by `name`."""
     if not isinstance(value, str | os.PathLike) or not isinstance(found := os.fspath(value), str):
@@ -35,9 +38,18 @@ def check_regular(path: Path, most: int = MOST_BYTES) -> None:
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder, no file", str(path))
     if not stat.S_ISREG(found.st_mode):
-        raise OSError(errno.EINVAL, "it is a pipe, a socket or a device, no regular file", str(path))
+        raise OSError(errno.EINVAL, _SPECIAL, str(path))
     if found.st_size > most:
         raise OSError(errno.EFBIG, f"it has {found.st_size} bytes, and at most {most} are read", str(path))
+
+
+def check_writable(path: Path) -> None:
+    """Refuse to write where there is a pipe, a socket or a device: it would be replaced, or never take what is written.
+
+    A file that is not there, and a folder, are left to the system. Raises OutputError.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OutputError(f"cannot write {path}: {_SPECIAL}; choose another name, or remove it")
 
 
 def read_text(path: Path, most: int = MOST_BYTES) -> str:
@@ -85,10 +97,12 @@ def replacing(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Give a temporary path to write to; move it to `path` on success, delete it on any error.
 
     A reader sees the old file or the new one, never half of one, even if the process is killed; with `synced`, even
-    if the power fails. Raises OutputError where the system refuses.
+    if the power fails. Raises OutputError where the system refuses, and for what is no regular file.
     """
-    part = path.with_name(path.name + PART)
     with output_errors(path):
+        part = path.with_name(path.name + PART)
+        check_writable(path)
+        check_writable(part)
         try:
             yield part
             if synced:
