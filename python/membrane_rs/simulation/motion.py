@@ -172,15 +172,15 @@ class Motion(KnownAttributes, Copies, Readings):
     @cached_property
     def masses(self) -> Floats:
         """(N,) mass of each node [kg], tip masses and cords included; read only."""
-        masses = self._core.masses()
-        masses.setflags(write=False)
-        return masses
+        return frozen(self._core.masses())
 
     @cached_property
     def spring_pairs(self) -> Ints:
-        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords."""
+        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords; read
+        only.
+        """
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
-        return np.vstack([edges, self.assembly.cords.nodes])
+        return frozen(np.vstack([edges, self.assembly.cords.nodes]))
 
     def forces(self, law: str | Law | type[Law] | None = None) -> Floats:
         """(N, 3) forces now [N], of one law or of all.
