@@ -10,22 +10,34 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from membrane_rs.errors import InputTypeError, MembraneError, OutputError
+from membrane_rs.errors import InputError, InputTypeError, MembraneError, OutputError
 
 PART = ".part"
 MOST_BYTES = 2**32
 """A larger file is not read."""
+_PART_BYTES = 2**20
 
 
 _SPECIAL = "it is a pipe, a socket or a device, no regular file"
 
 
 def path_of(value: object, name: str = "path") -> Path:
-    """A path from a text or a path. Raises InputTypeError for anything else, an empty text and a NUL, by `name`."""
+    """A path from a text or a path.
+
+    Raises InputTypeError for anything else, an empty text and a NUL, by `name`; InputError for a character that the
+    file system's encoding lacks.
+    """
     if not isinstance(value, str | os.PathLike) or not isinstance(found := os.fspath(value), str):
         raise InputTypeError(f"{name} = {value!r:.60}: must be a path, as a text or a pathlib.Path")
     if not found or "\0" in found:
         raise InputTypeError(f"{name} = {found!r:.60}: must be the name of a file or a folder, without a NUL")
+    try:
+        os.fsencode(found)
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"{name} = {found!a:.60}: the file system's encoding, {error.encoding}, has no character "
+            f"{found[error.start]!a}; give another name, or set PYTHONUTF8=1 in the environment"
+        ) from None
     return Path(found)
 
 
@@ -58,8 +70,12 @@ def read_text(path: Path, most: int = MOST_BYTES) -> str:
     Raises OSError as `check_regular`, and UnicodeDecodeError.
     """
     check_regular(path, most)
+    content = bytearray()
     with path.open("rb") as file:
-        return file.read(most).decode("utf-8-sig")
+        # By parts: memory is taken for what is there, not for the bound, and a file that grows ends at it.
+        while len(content) <= most and (part := file.read(_PART_BYTES)):
+            content += part
+    return content[:most].decode("utf-8-sig")
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from membrane_rs.runs import signals
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
+from membrane_rs.scene.run_settings import LONGEST, SHORTEST
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
@@ -163,6 +164,8 @@ class Simulation(Stepper):
         """
         settings = self.scene.run
         end = number_of("until", settings.until if until is None else until)
+        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
+            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
         if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
