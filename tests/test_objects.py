@@ -6,6 +6,7 @@ import copy
 import pickle
 import threading
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from membrane_rs import (
     UnknownAttributeError,
     integrators,
 )
+from membrane_rs.runs import RunFolder, resume
 from membrane_rs.study.common.variation import varied
 from small_scenes import hanging_strip, patch, refused
 
@@ -133,11 +135,29 @@ def test_setting_the_motion_keeps_the_clock(integrator: str) -> None:
 
 def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
     refused(lambda: Simulation(SCENE).run(until=0.001, overwrite=True), InputError, "overwrite = True: without out")
-    with pytest.warns(UserWarning, match="frames: 2 of the times lie after until = 0.001 s, and are left out: 0.5 s"):
-        Simulation(SCENE).run(until=0.001, frames=[0.0005, 0.5, 1.0])
+    for values in ({"pictures": False}, {"checkpoint": 5.0}, {"pictures": False, "checkpoint": 0.0}):
+        sim = Simulation(SCENE)
+        refused(lambda sim=sim, values=values: sim.run(until=0.001, **values), InputError, "without out nothing is")  # type: ignore[misc]
+        assert sim.step_count == 0
+    sim.run(until=0.001, checkpoint=5.0, observers=[RunFolder(tmp_path / "run", pictures=False)])
     refused(lambda: varied(SCENE, "run.frames", "8"), InputError, "must be a whole number")
     assert varied(SCENE, "run.frames", 8.0).run.frames == 8
     refused(lambda: RunSettings(short_steps=4, substeps=2), InputError, "is the old name of substeps")  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize("name", ["frames", "samples"])
+def test_given_times_outside_a_run_are_reported(name: str, tmp_path: Path) -> None:
+    sim = Simulation(SCENE)
+    with pytest.warns(UserWarning, match=f"{name}: 2 of the times lie after until = 0.001 s, and are left out: 0.5 s"):
+        sim.run(until=0.001, **{name: [0.0005, 0.5, 1.0]})
+    with pytest.warns(UserWarning, match=f"{name}: 2 of the times lie before the time now, 0.001 s, .* left out: -1.0"):
+        sim.run(until=0.002, **{name: (-1.0, 0.0005, 0.0015)})
+    with pytest.warns(UserWarning, match=f"{name}: 1 of the times lie before the time now, 0 s, .* left out: -1.0 s"):
+        Simulation(SCENE).run(until=0.001, out=tmp_path / "run", pictures=False, **{name: np.array([-1.0, 0.0005])})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sim.run(until=0.003, **{name: [0.002, 0.0025, 0.003]})
+        resume(tmp_path / "run", 0.002)
 
 
 MASKED: Any = np.ma.masked_equal(np.eye(3), 1.0)

@@ -22,6 +22,8 @@ Arrays = dict[str, NDArray[Any]]
 
 MOST_NUMBERS = 6 * MOST_NODES
 """An array of more numbers is not read: a mesh of so many nodes has twice as many triangles, of three corners each."""
+MOST_DIMENSIONS = 8
+"""An array of more dimensions is not read: neither meshes nor states have them, and numpy has a bound of its own."""
 KINDS = "biufcU"
 """Kinds of dtype that are read; a reader refuses those that mean nothing to it by its own words."""
 DEFLATE_RATIO = 1100
@@ -55,11 +57,11 @@ def read_arrays(path: Path) -> Arrays:
             if sum(member.file_size for member in members) > MOST_BYTES:
                 raise ArchiveError(f"its arrays have more than {MOST_BYTES} bytes; a mesh or a state has fewer")
             return {member.filename.removesuffix(_SUFFIX): _array(archive, member) for member in members}
-    except FileNotFoundError:
+    except (FileNotFoundError, ArchiveError):
         raise
     except OSError as error:
         raise ArchiveError(error.strerror or str(error)) from None
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, MemoryError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, MemoryError) as error:
         raise ArchiveError(f"{error}" or type(error).__name__) from None
 
 
@@ -74,6 +76,8 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
         raise ArchiveError(f"{name!r} claims {member.file_size} bytes in {member.compress_size}")
     with archive.open(member) as file:
         shape, is_fortran, dtype = _header(file, name)
+        if len(shape) > MOST_DIMENSIONS:
+            raise ArchiveError(f"{name!r} has the shape {_short(shape)}, {len(shape)} dimensions; give rows of numbers")
         count = math.prod(shape)
         if count > MOST_NUMBERS or any(rows > MOST_NUMBERS for rows in shape):
             raise ArchiveError(

@@ -10,19 +10,34 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from membrane_rs.errors import InputTypeError, MembraneError, OutputError
+from membrane_rs.errors import InputError, InputTypeError, MembraneError, OutputError
 
 PART = ".part"
 MOST_BYTES = 2**32
 """A larger file is not read."""
+_PART_BYTES = 2**20
+
+
+_SPECIAL = "it is a pipe, a socket or a device, no regular file"
 
 
 def path_of(value: object, name: str = "path") -> Path:
-    """A path from a text or a path. Raises InputTypeError for anything else, an empty text and a NUL, by `name`."""
+    """A path from a text or a path.
+
+    Raises InputTypeError for anything else, an empty text and a NUL, by `name`; InputError for a character that the
+    file system's encoding lacks.
+    """
     if not isinstance(value, str | os.PathLike) or not isinstance(found := os.fspath(value), str):
         raise InputTypeError(f"{name} = {value!r:.60}: must be a path, as a text or a pathlib.Path")
     if not found or "\0" in found:
         raise InputTypeError(f"{name} = {found!r:.60}: must be the name of a file or a folder, without a NUL")
+    try:
+        os.fsencode(found)
+    except UnicodeEncodeError as error:
+        raise InputError(
+            f"{name} = {found!a:.60}: the file system's encoding, {error.encoding}, has no character "
+            f"{found[error.start]!a}; give another name, or set PYTHONUTF8=1 in the environment"
+        ) from None
     return Path(found)
 
 
@@ -35,9 +50,18 @@ def check_regular(path: Path, most: int = MOST_BYTES) -> None:
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder, no file", str(path))
     if not stat.S_ISREG(found.st_mode):
-        raise OSError(errno.EINVAL, "it is a pipe, a socket or a device, no regular file", str(path))
+        raise OSError(errno.EINVAL, _SPECIAL, str(path))
     if found.st_size > most:
         raise OSError(errno.EFBIG, f"it has {found.st_size} bytes, and at most {most} are read", str(path))
+
+
+def check_writable(path: Path) -> None:
+    """Refuse to write where there is a pipe, a socket or a device: it would be replaced, or never take what is written.
+
+    A file that is not there, and a folder, are left to the system. Raises OutputError.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OutputError(f"cannot write {path}: {_SPECIAL}; choose another name, or remove it")
 
 
 def read_text(path: Path, most: int = MOST_BYTES) -> str:
@@ -46,8 +70,12 @@ def read_text(path: Path, most: int = MOST_BYTES) -> str:
     Raises OSError as `check_regular`, and UnicodeDecodeError.
     """
     check_regular(path, most)
+    content = bytearray()
     with path.open("rb") as file:
-        return file.read(most).decode("utf-8-sig")
+        # By parts: memory is taken for what is there, not for the bound, and a file that grows ends at it.
+        while len(content) <= most and (part := file.read(_PART_BYTES)):
+            content += part
+    return content[:most].decode("utf-8-sig")
 
 
 @contextmanager
@@ -85,10 +113,12 @@ def replacing(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Give a temporary path to write to; move it to `path` on success, delete it on any error.
 
     A reader sees the old file or the new one, never half of one, even if the process is killed; with `synced`, even
-    if the power fails. Raises OutputError where the system refuses.
+    if the power fails. Raises OutputError where the system refuses, and for what is no regular file.
     """
-    part = path.with_name(path.name + PART)
     with output_errors(path):
+        part = path.with_name(path.name + PART)
+        check_writable(path)
+        check_writable(part)
         try:
             yield part
             if synced:

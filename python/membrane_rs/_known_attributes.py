@@ -43,6 +43,15 @@ class KnownAttributes:
                 )
             super().__setattr__(name, value)
 
+    def __delattr__(self, name: str) -> None:
+        """Delete a private attribute, or one of a user's own class. Raises UnknownAttributeError for any other."""
+        kind = type(self)
+        own = [base for base in kind.__mro__ if base.__module__.partition(".")[0] == PACKAGE]
+        is_declared = any(name in vars(base) for base in own)
+        if not name.startswith("_") and (is_declared or name in (*self.ONCE, *self.SETTABLE)):
+            raise UnknownAttributeError(f"{kind.__name__}.{name}: cannot be deleted; {self.INSTEAD}")
+        super().__delattr__(name)
+
 
 def settable(kind: type[KnownAttributes]) -> list[str]:
     """The attributes of a class that can be set."""

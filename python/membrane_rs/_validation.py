@@ -244,6 +244,12 @@ def number_of(name: str, value: object, unit: str = "s") -> float:
     return number
 
 
+def check_kind(value: object, kind: type | tuple[type, ...], name: str, wanted: str) -> None:
+    """Refuse what is not of a kind. Raises InputTypeError, which names it and what is `wanted`."""
+    if not isinstance(value, kind):
+        raise InputTypeError(f"{name} = {show(value)}: must be {wanted}")
+
+
 def check_text(text: str, name: str, kind: type[InputError] = InputError) -> None:
     """Refuse a text that UTF-8, and so no file, can hold: one with half of a surrogate pair. Raises `kind`."""
     try:

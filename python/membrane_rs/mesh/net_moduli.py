@@ -23,6 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from membrane_rs._arrays import Bools, Floats
+from membrane_rs._validation import check_kind
 from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.triangulation import Triangulation
@@ -119,6 +120,8 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     MeshError
         A reference that is not flat, a triangle without area, or springs so negative that the net has no stiffness.
     """
+    check_kind(mesh, Triangulation, "mesh", "a Mesh")
+    check_kind(material, Material, "material", "a Material")
     points, film = _in_plane(mesh.reference), material.youngs_modulus * material.thickness
     constants = mesh.spring_constants(material) / film
     ends, area = points[mesh.edges], float(mesh.areas().sum())

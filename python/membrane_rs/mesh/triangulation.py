@@ -63,11 +63,11 @@ class Triangulation(KnownAttributes):
         count: Ints = np.bincount(self.triangle_edges.ravel(), minlength=len(self.edges)).astype(np.int64)
         return frozen(count)
 
-    @property
+    @cached_property
     def boundary_edges(self) -> Ints:
         """(b, 2) the edges of one triangle only."""
         boundary: Ints = self.edges[self.triangles_per_edge == 1]
-        return boundary
+        return frozen(boundary)
 
     @cached_property
     def edge_lengths(self) -> Floats:

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import NoneType
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
+from membrane_rs._given_arrays import numeric
+from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import plain_text, save_figure
@@ -44,6 +47,8 @@ def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = 
     is left out. `dpi` are pixels per inch. Raises InputError for another ending, OutputError where `path` cannot be
     written.
     """
+    check_kind(title, str, "title", "a text")
+    _check_table(table)
     _picture([("", table)], path_of(path), title, dpi)
 
 
@@ -58,11 +63,28 @@ def compare_runs(
     if isinstance(folders, str | Path) or not isinstance(folders, Sequence) or not folders:
         raise InputTypeError(f"folders = {folders!r:.60}: must be a list of one or more folders of runs")
     paths = [path_of(folder, "folders") for folder in folders]
+    check_kind(labels, (Sequence, NoneType), "labels", "a list of texts, one for each folder")
     names = [path.name for path in paths] if labels is None else list(labels)
+    for name in names:
+        check_kind(name, str, "labels", "a list of texts, one for each folder")
     if len(names) != len(folders):
         raise InputError(f"{len(names)} labels for {len(folders)} runs; give one for each, or none at all")
     tables = [read_history(path) for path in paths]
     _picture(list(zip(names, tables, strict=True)), path_of(path), "", dpi)
+
+
+def _check_table(table: Mapping[str, Floats]) -> None:
+    """Refuse what is no table of a history. Raises InputTypeError."""
+    check_kind(table, Mapping, "table", "the columns of a history by name, as read_history gives them")
+    names = ("time", *(column for column, _, _ in PANELS))
+    lengths = set()
+    for name in names:
+        if name not in table:
+            raise InputTypeError(f"table: has no column {name!r}; give what read_history gives")
+        column = numeric(table[name], f"table[{name!r}]", "fiu", "numbers")
+        lengths.add(column.shape)
+    if len(lengths) > 1 or len(lengths.pop()) != 1:
+        raise InputTypeError(f"table: the columns {', '.join(names)} must be lists of equal length, one entry a sample")
 
 
 def _turns(table: Mapping[str, Floats]) -> bool:

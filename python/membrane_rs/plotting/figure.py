@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from membrane_rs._files import replacing
+from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def save_figure(figure: Figure, path: Path, dpi: float | None = None) -> None:
     """
     from matplotlib import rc_context
 
-    dots = DPI if dpi is None else float(dpi)
+    dots = DPI if dpi is None else number_of("dpi", dpi, "pixels per inch")
     if not 10.0 <= dots <= 2400.0:
         raise InputError(f"dpi = {dpi}: must be from 10 to 2400 (pixels per inch)")
     ending = path.suffix.lower()

@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors, path_of, read_text, reading_errors, sync, write_text
+from membrane_rs._files import check_writable, output_errors, path_of, read_text, reading_errors, sync, write_text
 from membrane_rs._renamed import RenamedKeys
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
@@ -97,6 +97,7 @@ class History(Writer):
 
     def _open(self, mode: str) -> None:
         with output_errors(self._path):
+            check_writable(self._path)
             self._file = self._path.open(mode, encoding="utf-8", newline="")
         self._writer = csv.writer(self._file, lineterminator="\n")
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from membrane_rs._files import output_errors
+from membrane_rs._files import check_writable, output_errors
 from membrane_rs.errors import OutputError
 
 LOCK = ".membrane_rs.lock"
@@ -46,6 +46,7 @@ class FolderLock:
         Raises OutputError where the folder's file system has no locks.
         """
         with output_errors(self._path):
+            check_writable(self._path)
             try:
                 self._lock.acquire(timeout=SECONDS, poll_interval=0.02)
             except Timeout:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from membrane_rs._validation import check_kind
 from membrane_rs.analysis import strain
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.simulation.motion import Motion
@@ -9,6 +10,7 @@ from membrane_rs.simulation.motion import Motion
 
 def deployment_rate(sim: Motion) -> float:
     """Mean radius of the corners now over that of the reference."""
+    check_kind(sim, Motion, "sim", "a Simulation")
     return Corners(sim.assembly).deployment_rate(sim.positions)
 
 
@@ -21,6 +23,7 @@ def peak_stress(sim: Motion) -> float:
     `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh. The two differ by up to a fifth
     on right triangles under a uniform strain, and by 5 % on an equilateral lattice at nu = 0.3.
     """
+    check_kind(sim, Motion, "sim", "a Simulation")
     mesh, film = sim.scene.mesh, sim.scene.material
     if mesh is None or film is None:
         return float("nan")

@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
-from membrane_rs._files import check_regular, output_errors, path_of, reading_errors, replacing
+from membrane_rs._files import check_regular, check_writable, output_errors, path_of, reading_errors, replacing
 from membrane_rs.errors import MissingFileError, OutputError
 
 PVD = "frames.pvd"
@@ -58,9 +58,11 @@ class PvdWriter:
             self.write()
             return
         line = _line(time, file).encode()
-        with output_errors(self.path), self.path.open("r+b", buffering=0) as stream:
-            stream.seek(self._end)
-            stream.write(line + _END.encode())
+        with output_errors(self.path):
+            check_writable(self.path)
+            with self.path.open("r+b", buffering=0) as stream:
+                stream.seek(self._end)
+                stream.write(line + _END.encode())
         self._end += len(line)
 
 

@@ -57,6 +57,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, read_text, reading_errors, write_text
+from membrane_rs._validation import show
 from membrane_rs.errors import Interrupted, MissingFileError, OutputError, UnstableError
 from membrane_rs.results.lock import is_locked, this_process
 from membrane_rs.results.record import Record
@@ -64,6 +65,13 @@ from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
 
 SUMMARY = "summary.json"
+MOST_SUMMARY = 2**28
+"""Bytes of a longer summary, which is not read: lists of 10^7 times have fewer."""
+_KINDS: dict[Any, tuple[str, ...]] = {
+    int | float: ("time", "start_time", "until", "steps", "wall_time", "resumed"),
+    dict: ("process", "request"),
+}
+"""What some entries are, where they are there."""
 
 
 class Summary(Writer):
@@ -175,14 +183,23 @@ def read_summary(path: Path | str) -> dict[str, Any]:
         No path.
     """
     path = path_of(path)
-    if path.is_dir():
-        path = path / SUMMARY
-    if not path.is_file():
-        raise MissingFileError(f"no summary at {path}; name a run's folder or its {SUMMARY}")
     with reading_errors(path, "summary of a run"):
-        found = json.loads(read_text(path))
-    if not isinstance(found, dict) or not isinstance(found.get("outcome"), str):
-        raise OutputError(f"{path} is no summary of a run: it has no outcome; run the scene again")
+        if path.is_dir():
+            path = path / SUMMARY
+        if not path.is_file():
+            raise MissingFileError(f"no summary at {path}; name a run's folder, or a {SUMMARY}")
+        try:
+            found = json.loads(read_text(path, MOST_SUMMARY))
+        except (ValueError, RecursionError) as error:
+            raise OutputError(f"{path} is no summary of a run: {error}; run the scene again") from error
+        if not isinstance(found, dict) or not isinstance(found.get("outcome"), str):
+            raise OutputError(f"{path} is no summary of a run: it has no outcome; run the scene again")
+        for kind, names in _KINDS.items():
+            for name in names:
+                value = found.get(name)
+                if value is not None and (not isinstance(value, kind) or isinstance(value, bool)):
+                    what = f"its {name} is {show(value)}"
+                    raise OutputError(f"{path} is no summary of a run: {what}; run the scene again")
     if found["outcome"] == "running" and not is_locked(path.parent):
         found["outcome"] = "killed"
     return found

@@ -53,11 +53,15 @@ class Place:
             raise self._refusal("it is not empty; choose another folder, or overwrite (overwrite=True, --overwrite)")
         if own and not names & {LOCK, SUMMARY}:
             raise self._refusal(f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder")
-        if folders := [path for path in own if path.is_dir()]:
-            raise self._refusal(
-                f"{folders[0]} is a folder, where a run writes a file; move it, or choose another folder"
-            )
+        self._check_files(own)
         return own
+
+    def _check_files(self, own: Sequence[Path]) -> None:
+        """Raise OutputError for a folder, a pipe, a socket or a device where a run writes a file."""
+        for path in own:
+            if path.exists() and not path.is_file():
+                kind = "a folder" if path.is_dir() else "a pipe, a socket or a device"
+                raise self._refusal(f"{path} is {kind}, where a run writes a file; move it, or choose another folder")
 
     @contextmanager
     def claimed(self) -> Iterator[None]:
@@ -78,6 +82,7 @@ class Place:
         self._acquire()
         try:
             self._make_folders([])
+            self._check_files(self._own_files())
             for file in self._own_files():
                 if file.suffix == PART:
                     with output_errors(file):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -61,6 +62,18 @@ class Request:
         """
         return dict(output_times(start, self.until, self.frames, self.samples, scene.run.snapshots))
 
+    def warn_of_unshown(self, now: float, stacklevel: int) -> None:
+        """Warn of given times [s] that lie outside the run from `now` to its end, and so are not shown."""
+        for name in ("frames", "samples"):
+            times = getattr(self, name)
+            for place, left_out in (
+                (f"before the time now, {now:.6g} s", [time for time in _listed(times) if time < now]),
+                (f"after until = {self.until:.6g} s", [time for time in _listed(times) if time > self.until]),
+            ):
+                if left_out:
+                    what = f"{name}: {len(left_out)} of the times lie {place}, and are left out: {left_out[0]} s"
+                    warnings.warn(what, stacklevel=stacklevel + 1)
+
     def until_later(self, until: float) -> Request:
         """The same to another end: instants after the old one continue with the spacing before it.
 
@@ -80,6 +93,11 @@ class Request:
                 raise InputError(f"until = {until} s: that is {count:.1e} instants; give an earlier time")
             after = [float(f"{self.until + k * spacing:.12g}") for k in range(1, int(count + 1e-9) + 1)]
         return [time for time in (*known, *after) if time < until] + [until]
+
+
+def _listed(instants: Any) -> list[float]:
+    """Times where they are given one by one."""
+    return instants if isinstance(instants, list) else []
 
 
 def _plain(instants: Any, name: str) -> Any:

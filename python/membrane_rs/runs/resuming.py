@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from membrane_rs._files import path_of
 from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 from membrane_rs.results.record import Progress
@@ -58,7 +59,7 @@ def resume(
     InputError
         The run became unstable, its checkpoint is damaged, or `until` is before it.
     """
-    path = Path(folder)
+    path = path_of(folder, "folder")
     summary = read_summary(path)
     request = Request.of(summary, str(path / SUMMARY))
     if summary["outcome"].startswith("unstable"):

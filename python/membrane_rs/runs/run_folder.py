@@ -108,6 +108,11 @@ class RunFolder(KnownAttributes):
         self._is_frame_due = True
         self._place.check()
 
+    @property
+    def is_resumed(self) -> bool:
+        """Whether an earlier run goes on here."""
+        return self._is_resumed
+
     @contextmanager
     def reopened(self) -> Iterator[None]:
         """Hold the folder of an earlier run to go on there inside, in place of an `overwrite`.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from membrane_rs.runs import signals
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
+from membrane_rs.scene.run_settings import LONGEST, SHORTEST
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
@@ -132,6 +132,7 @@ class Simulation(Stepper):
             Time at the end [s]. Default: the scene's.
         frames : int or sequence of float, optional
             How many shapes to keep, evenly spaced from time 0 to the end, or their times [s]. Default: the scene's.
+            Given times before now or after the end are left out, with a warning.
         out : path, optional
             Folder of the results; see `membrane_rs.runs.RunFolder`. Default: nothing is written.
         samples : int or sequence of float, optional
@@ -163,18 +164,14 @@ class Simulation(Stepper):
         """
         settings = self.scene.run
         end = number_of("until", settings.until if until is None else until)
+        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
+            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
         if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
             raise InputTypeError(f"observers = {show(observers)}: must be a list of observers")
         if progress is not None and not callable(progress):
             raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
-        if overwrite and out is None:
-            raise InputError("overwrite = True: without out nothing is written; give out a folder, or leave this out")
-        beyond = [] if frames is None or isinstance(frames, int | str) else [t for t in np.ravel(frames) if t > end]
-        if beyond:
-            text = f"frames: {len(beyond)} of the times lie after until = {end:.6g} s, and are left out: {beyond[0]} s"
-            warnings.warn(text, stacklevel=2)
         request = Request(
             end,
             settings.frames if frames is None else frames,
@@ -182,8 +179,21 @@ class Simulation(Stepper):
             checkpoint=checkpoint,
         )
         # Refused before anything is written.
+        has_folder = out is not None or any(isinstance(observer, RunFolder) for observer in observers)
+        for name, is_given, is_used in (
+            ("overwrite", overwrite, out is not None),
+            ("pictures", not pictures, out is not None),
+            ("checkpoint", checkpoint != CHECKPOINT, has_folder),
+        ):
+            if is_given and not is_used:
+                value = {"overwrite": overwrite, "pictures": pictures, "checkpoint": checkpoint}[name]
+                raise InputError(
+                    f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
+                )
         self._check_end(end)
         request.output_times(self.time, self.scene)
+        if not any(observer.is_resumed for observer in observers if isinstance(observer, RunFolder)):
+            request.warn_of_unshown(self.time, stacklevel=2)
         folder = None if out is None else RunFolder(out, overwrite, pictures=pictures)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         folders = [observer for observer in all_observers if isinstance(observer, RunFolder)]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
-from membrane_rs._validation import nearest
-from membrane_rs.errors import InputError
+from membrane_rs._validation import nearest, number_of, show
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.run_settings import RunSettings
@@ -29,7 +30,7 @@ def scene_digest(scene: Scene) -> str:
 ENTRIES = {
     "step_count", "evaluation_count", "origin", "hub_phase", "positions", "velocities",
     "start_kinetic", "start_internal_kinetic", "start_stored", "work", "swing", "start_shift", "scene_digest",
-    "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count",
+    "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count", "integrator", "dt", "is_adaptive",
 }  # fmt: skip
 """Entries of a state, beside the histories of the method and of the laws."""
 
@@ -39,6 +40,83 @@ def unknown_entries(names: Iterable[object], laws: Iterable[str]) -> dict[object
     histories = ("history", "memory", *(f"history_{law}" for law in laws))  # memory: of version 0.1
     known = ENTRIES | {f"{name}_{part}" for name in histories for part in ("count", "vectors", "numbers")}
     return {name: f"no such entry; {nearest(str(name), known)}" for name in names if name not in known}
+
+
+FLAGS = {"adaptive_was_rejected", "is_adaptive"}
+"""Entries that are true or false; no other one is."""
+ENERGIES = ("start_kinetic", "start_internal_kinetic", "swing")
+"""Entries that are energies of motion, or sizes of energies [J]."""
+
+
+def check_kinds(state: Mapping[str, Any]) -> None:
+    """Refuse truth values where a state has numbers, and energies below 0 that have no sign.
+
+    Raises InputError and InputTypeError.
+    """
+    for name, value in state.items():
+        if name not in FLAGS and np.asarray(value).dtype.kind == "b":
+            raise InputTypeError(f"saved state: {name} = {show(value)}: must be a number, or an array of numbers")
+    for name in ENERGIES:
+        if name in state and (energy := number_of(f"saved state: {name}", state[name], "J")) < 0.0:
+            raise InputError(f"saved state: {name} = {energy}: must be at least 0 (J); {DAMAGED}")
+
+
+def check_method(state: Mapping[str, Any], integrator: str, dt: float, *, is_adaptive: bool) -> None:
+    """Refuse a state of another method, or of another step, by which its steps would be other times.
+
+    A state that an earlier version saved does not say them. Raises InputError.
+    """
+    instead = "or go on from its motion: Simulation(scene, start=other)"
+    given = state.get("integrator", integrator)
+    if given != integrator:
+        raise InputError(
+            f"saved state: integrator is {show(given)}, and that of this simulation {integrator!r}; build one with "
+            f"that method, {instead}"
+        )
+    chooses = state.get("is_adaptive", is_adaptive)
+    if bool(chooses) != is_adaptive:
+        ways = ("with a fixed step", "choosing its steps")
+        raise InputError(
+            f"saved state: it was stepped {ways[bool(chooses)]}, and this simulation steps {ways[is_adaptive]}; build "
+            f"one that does as it did, {instead}"
+        )
+    step = number_of("saved state: dt", state.get("dt", dt))
+    if not is_adaptive and step != dt:
+        raise InputError(
+            f"saved state: dt = {step!r} s, and that of this simulation {dt!r} s; build one with that step, {instead}"
+        )
+
+
+DAMAGED = "it is damaged: give one that a simulation gave"
+MOST_RATIO = 100.0
+"""Energies at the start, over those at hand, above which a state is taken as damaged."""
+MOST_SWING = 1e9
+"""The largest change of an energy, over those at hand, above which it is: an oscillation may be near its start."""
+
+
+def check_balance(state: Mapping[str, Any], ledger: Mapping[str, Any], allowed_loss: float) -> None:
+    """Refuse a state whose energies at the start do not fit those at hand, since its balance then shows nothing.
+
+    `ledger` is that of a simulation which was set to the state. Raises InputError.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        stored = [abs(energy) for energy in ledger["stored_by_law"].values()]
+        saved = np.abs(np.concatenate([np.ravel(state["work"]), np.ravel(state["start_stored"])]))
+        at_hand = ledger["kinetic"] + sum(stored) + float(saved.sum())
+        known = at_hand + state["swing"]
+        residual = abs(ledger["error"]) * ledger["reference_energy"]
+    bounds = {"swing": MOST_SWING * at_hand}
+    bounds |= dict.fromkeys(("start_kinetic", "start_internal_kinetic", "start_shift"), MOST_RATIO * known)
+    for name, most in bounds.items():
+        if not abs(state[name]) <= most:
+            raise InputError(
+                f"saved state: {name} = {state[name]:.4g} J, where its other energies are {known:.4g} J; {DAMAGED}"
+            )
+    if not residual <= max(1.0, allowed_loss) * known:
+        raise InputError(
+            f"saved state: start_kinetic, start_internal_kinetic, start_stored and work leave {residual:.4g} J of the "
+            f"energy balance, where its energies are {known:.4g} J; {DAMAGED}"
+        )
 
 
 def check_same_nodes(wanted: Assembly, found: Assembly) -> None:

@@ -20,7 +20,14 @@ from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.laws import Law
-from membrane_rs.simulation.continuation import check_same_nodes, scene_digest, unknown_entries
+from membrane_rs.simulation.continuation import (
+    check_balance,
+    check_kinds,
+    check_method,
+    check_same_nodes,
+    scene_digest,
+    unknown_entries,
+)
 from membrane_rs.simulation.copies import Copies
 from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
 from membrane_rs.simulation.readings import Readings
@@ -165,15 +172,15 @@ class Motion(KnownAttributes, Copies, Readings):
     @cached_property
     def masses(self) -> Floats:
         """(N,) mass of each node [kg], tip masses and cords included; read only."""
-        masses = self._core.masses()
-        masses.setflags(write=False)
-        return masses
+        return frozen(self._core.masses())
 
     @cached_property
     def spring_pairs(self) -> Ints:
-        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords."""
+        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords; read
+        only.
+        """
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
-        return np.vstack([edges, self.assembly.cords.nodes])
+        return frozen(np.vstack([edges, self.assembly.cords.nodes]))
 
     def forces(self, law: str | Law | type[Law] | None = None) -> Floats:
         """(N, 3) forces now [N], of one law or of all.
@@ -316,18 +323,21 @@ class Motion(KnownAttributes, Copies, Readings):
 
         Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
         keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
-        there where the time now is another. "scene_digest" tells the scene from others.
+        there where the time now is another. "scene_digest" tells the scene from others; "integrator", "dt" [s] and
+        "is_adaptive" say how it is stepped.
         """
-        return {**self._core.progress(), "scene_digest": self._digest}
+        method = {"integrator": self.integrator, "dt": self.dt, "is_adaptive": self.is_adaptive}
+        return {**self._core.progress(), "scene_digest": self._digest, **method}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Continue from what `state` gave, of the same scene and method.
+        """Continue from what `state` gave, of the same scene, method and step.
 
         Raises
         ------
         InputError
             An entry that is missing or unknown, of the wrong type or of another scene's size, a value that is not
-            finite, or a state of another scene: `Simulation(scene, start=other)` goes on from that.
+            finite, energies that contradict each other, or a state of another scene, method or step:
+            `Simulation(scene, start=other)` goes on from that. The simulation is then unchanged.
         """
         if not isinstance(state, dict):
             raise InputTypeError(f"state = {show(state)}: must be a dict that `state` gave")
@@ -341,7 +351,15 @@ class Motion(KnownAttributes, Copies, Readings):
                 "saved state: scene_digest is that of another scene, with other laws, parts or values; set it in a "
                 "simulation of its own scene, or go on from that one under this scene: Simulation(scene, start=other)"
             )
+        check_kinds(state)
+        check_method(state, self.integrator, self.dt, is_adaptive=self.is_adaptive)
+        before = self._core.progress()
         self._core.resume(state)
+        try:
+            check_balance(state, self.ledger(), self.scene.run.energy_loss)
+        except InputError:
+            self._core.resume(before)
+            raise
         self._motions_set += 1
 
     @cached_property

@@ -182,13 +182,7 @@ class Stepper(Motion):
 
     def saved_state(self) -> dict[str, Any]:
         """All that `save` writes beside the scene, copied: the simulation may go on while it is written."""
-        return {
-            "integrator": self.integrator,
-            "dt": self.dt,
-            "is_adaptive": self.is_adaptive,
-            "is_relaxed": self.is_relaxed,
-            **self.state(),
-        }
+        return {"is_relaxed": self.is_relaxed, **self.state()}
 
     @classmethod
     def restore(cls, path: str | Path) -> Self:
