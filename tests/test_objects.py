@@ -136,6 +136,7 @@ def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="frames: 2 of the times lie after until = 0.001 s, and are left out: 0.5 s"):
         Simulation(SCENE).run(until=0.001, frames=[0.0005, 0.5, 1.0])
     refused(lambda: varied(SCENE, "run.frames", "8"), InputError, "must be a whole number")
+    refused(lambda: varied(SCENE, 3, 8), InputTypeError, "parameter = 3: must be a name such as")  # type: ignore[arg-type]
     assert varied(SCENE, "run.frames", 8.0).run.frames == 8
     refused(lambda: RunSettings(short_steps=4, substeps=2), InputError, "is the old name of substeps")  # type: ignore[call-arg]
 
