@@ -248,6 +248,14 @@ def test_what_cannot_be_resumed_is_named(tmp_path: Path) -> None:
         resume(tmp_path / "left-6")
 
 
+def test_a_run_counts_how_often_it_was_resumed(tmp_path: Path) -> None:
+    run_copied(Simulation(SCENE), tmp_path / "whole")
+    left = tmp_path / "left-3"
+    resume(left)
+    resume(left, 0.021)
+    assert (read_summary(left)["resumed"], "resumed" in read_summary(tmp_path / "whole")) == (2, False)
+
+
 def test_half_a_file_that_nobody_writes_again_is_removed(tmp_path: Path) -> None:
     run_copied(Simulation(SCENE), tmp_path / "whole")
     left = tmp_path / "left-3"
