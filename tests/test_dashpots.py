@@ -163,6 +163,15 @@ def test_no_spring_of_a_limited_film_bears_more_than_its_buckling_force(rate: fl
     assert np.abs(full - buckling).max() > 0.0
 
 
+@pytest.mark.parametrize("squeeze", [0.002, 0.001, -0.001])
+def test_a_limited_dashpot_of_the_film_resists_with_the_tension_above_that_of_buckling(squeeze: float) -> None:
+    law = SpringDamping(0.5, limited="all")
+    buckling, elastic = tensions(triangle(law, 0.1, 0.0)), tensions(triangle(law, squeeze, 0.0))
+    assert (elastic > buckling).all()
+    assert tensions(triangle(law, squeeze, 300.0)) == pytest.approx(2.0 * elastic - buckling, rel=1e-9)
+    assert tensions(triangle(law, squeeze, -300.0)) == pytest.approx(buckling, rel=1e-9)
+
+
 def test_only_the_named_dashpots_are_limited() -> None:
     film = {limited: triangle(SpringDamping(0.5, limited=limited), 0.1, 1.0).forces() for limited in ("none", "cords")}
     assert (film["none"] == film["cords"]).all()

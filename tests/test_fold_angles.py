@@ -69,6 +69,19 @@ def test_another_angle_is_refused(shown: float, given: float) -> None:
         Mesh(**values)
 
 
+@pytest.mark.parametrize(("shown", "given", "is_refused"), [(3, -1.5, True), (-3, 1.5, True), (3, -0.5, False)])
+def test_another_sign_is_refused_within_the_tolerance_of_angles_too(
+    shown: float, given: float, is_refused: bool
+) -> None:
+    values = wings(shown)
+    values["fold_angles"][:2] = np.radians(given)
+    if is_refused:
+        with pytest.raises(MeshError, match=r"\(2 such creases\); the sign is that of the FOLD format"):
+            Mesh(**values)
+    else:  # flat by what is given
+        assert len(Mesh(**values).fold_angles) == 6
+
+
 def test_one_wrong_crease_of_many_is_named() -> None:
     values = wings(60)
     values["fold_angles"][3] *= -1.0

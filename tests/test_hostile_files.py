@@ -68,6 +68,21 @@ def test_arrays_that_declare_more_than_they_hold(shape: tuple[int, ...], tmp_pat
     refused(lambda: Simulation.restore(path), InputError, r"mesh.npz: .*'reference' (has|declares) the shape \(")
 
 
+@pytest.mark.parametrize("shape", [(0, 10**30), (10**30, 0), (0, 10**8)])
+def test_arrays_that_hold_nothing_and_declare_rows_beyond_count(shape: tuple[int, ...], tmp_path: Path) -> None:
+    path = archive(tmp_path / "mesh.npz", reference=header(shape), triangles=TRIANGLE)
+    refused(lambda: Mesh.load(path), MeshError, r"'reference' has the shape .* numbers is not read")
+
+
+def test_a_file_of_more_nodes_than_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = patch()
+    mesh.save(tmp_path / "mesh.npz")
+    monkeypatch.setattr("membrane_rs._bounds.MOST_NODES", mesh.node_count)
+    Mesh.load(tmp_path / "mesh.npz")
+    monkeypatch.setattr("membrane_rs._bounds.MOST_NODES", mesh.node_count - 1)
+    refused(lambda: Mesh.load(tmp_path / "mesh.npz"), MeshError, r"mesh.npz: makes about .* nodes; .*take fewer")
+
+
 def test_a_saved_state_with_an_array_of_another_size(tmp_path: Path) -> None:
     Simulation(hanging_strip()).save(tmp_path / "state.npz")
     whole = dict(np.load(tmp_path / "state.npz"))

@@ -89,12 +89,33 @@ def test_a_bow_tie() -> None:
     assert "pinched_nodes" not in kinds(joined)
 
 
+def test_a_pinched_node_among_triangles_wound_in_both_senses() -> None:
+    mixed = SHEET.triangles.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    assert "pinched_nodes" not in kinds(Mesh(SHEET.reference, mixed))
+    points = np.vstack([SHEET.reference, SHEET.reference[1] + [[0.0, 0.0, 1.0], [0.0, 0.01, 1.0]]])
+    one = SHEET.triangles.copy()
+    one[2] = one[2, ::-1]
+    assert 1 in one[2]
+    found = Mesh(points, np.vstack([one, [[1, 55, 56]]])).audit().find("pinched_nodes")
+    assert found is not None
+    assert found.where == (1,)
+
+
 def test_triangles_upside_down_in_a_flat_reference() -> None:
     apart = beside([0.2, 0.0, 0.0], SHEET.triangles[:, ::-1])
     assert kinds(apart) == {"upside_down": ("warning", len(SHEET.triangles))}
     one = SHEET.triangles.copy()
     one[7] = one[7, ::-1]
     assert kinds(Mesh(turned(SHEET.reference), one)) == {"upside_down": ("warning", 1)}
+    # Among triangles of both senses, one that lies under others is not thereby folded over.
+    both = beside([0.0303, 0.0071, 0.0])
+    mixed = both.triangles.copy()
+    covered = both.audit(springs=False).find("overlaps")
+    assert covered is not None
+    k = covered.where[0]
+    mixed[k] = mixed[k, ::-1]
+    assert kinds(Mesh(both.reference, mixed))["upside_down"] == ("warning", 1)
     points = SHEET.reference.copy()
     inner = np.flatnonzero(np.isclose(points[:, 0], 0.05) & np.isclose(points[:, 1], 0.0))[0]
     points[inner, 0] += 0.014

@@ -134,9 +134,11 @@ def test_what_watches_a_run_between_its_outputs_changes_no_bit(monkeypatch: pyte
             if len(times) % 7 == 3:
                 sim.set_state(sim.state())
 
-        watched.march(0.2, 3, [0.1001, 0.2], [], between=between)
+        ends: list[float] = []
+        watched.march(0.2, 3, [0.1001, 0.2], [], lambda sim, ends=ends: ends.append(sim.time), between=between)  # type: ignore[misc]
         assert times == sorted(times)
         assert {0.0, 0.1, 0.1001} < set(times)
+        assert times[-1] < ends[-1] == 0.2  # the end is no place to stop at any more
         assert progress(watched) == progress(whole)
 
 

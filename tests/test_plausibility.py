@@ -13,9 +13,11 @@ from membrane_rs import (
     Pressure,
     Scene,
     Spin,
+    SpoolContact,
     SpringDamping,
     Springs,
     Tether,
+    Tethers,
     TipMasses,
     scenes,
 )
@@ -44,6 +46,9 @@ def warnings_of(scene: Scene) -> dict[str, Finding]:
         ("material.thickness", 0.0075, "was 0.0075 mm meant? That is 7.5e-06 m"),
         ("material.thickness", 50.0, "was 50 um meant? That is 5e-05 m"),
         ("material.youngs_modulus", 3.2, "was 3.2 GPa meant? That is 3.2e+09 Pa"),
+        ("material.thickness", 7.5e-9, "check the value and its unit (m)"),
+        ("material.youngs_modulus", 3.2e15, "check the value and its unit (Pa)"),
+        ("material.density", 1.42e6, "was 1.42e+06 g/m3 meant? That is 1420 kg/m3"),
         ("material.density", 1.42, "was 1.42 g/cm3 meant? That is 1420 kg/m3"),
         ("laws.spin.frequency", 180.0, "was 180 turns per minute meant? That is 3 Hz"),
         ("laws.air_drag.pressure", 101325.0, "check the value and its unit (Pa)"),
@@ -70,6 +75,24 @@ def test_strong_gravity_and_a_wide_mesh() -> None:
     assert "no planet" in warnings_of(strong)["laws.gravity.acceleration"].message
     wide = Scene(Strip(455.0, 103.0, 4, 2).mesh(), RUBBER, [Springs()], [Fixed("start")])
     assert "was 455 mm meant? That is 0.455 m" in warnings_of(wide)["mesh (its width)"].remedy
+    narrow = Scene(Strip(4.5e-5, 1e-5, 4, 2).mesh(), RUBBER, [Springs()], [Fixed("start")])
+    assert "was 4.5e-05 km meant? That is 0.045 m" in warnings_of(narrow)["mesh (its width)"].remedy
+
+
+def test_a_film_is_torn_before_a_rotor_bursts() -> None:
+    # Rubber of 1 MPa and 1000 kg/m3 is stretched by a tenth at 10 m/s, which a rim of 0.1 m has at 15.9 Hz.
+    def turning(spin: Spin, until: float = 0.1) -> Scene:
+        scene = hanging_strip()
+        return replace(scene, laws=[*scene.laws, spin], run=replace(scene.run, until=until))
+
+    assert not {"laws.spin.frequency", "run.until"} & warnings_of(turning(Spin(15.5))).keys()
+    assert "beyond 10 m/s it is torn" in warnings_of(turning(Spin(16.5)))["laws.spin.frequency"].message
+    at_end = warnings_of(turning(Spin(1.0, 155.0)))["laws.spin.acceleration (at the end)"]
+    assert "= 16.5 Hz" in at_end.message
+    slow = warnings_of(turning(Spin(1e-4), until=0.5))["run.until"]
+    assert "the hub turns by 5e-05 turns in this run" in slow.message
+    wheel = Tether((0.1, 0, 0), (1.0, 0, 0), 1, 50.0, 0.0, tip_mass=0.01)
+    assert "rotors burst" in warnings_of(Scene(None, None, [Spin(50.0)], [wheel]))["laws.spin.frequency"].message
 
 
 def test_spools_that_disagree() -> None:
@@ -80,6 +103,28 @@ def test_spools_that_disagree() -> None:
         both = varied(varied(MODEL, "parts.1.anchor_radius", radius), "laws.spool_contact.radius", radius)
         assert "inside the spool" in warnings_of(both)["spool"].message
     assert "spool" not in warnings_of(varied(MODEL, "parts.1.anchor_radius", 0.0255))
+
+
+def test_a_spool_that_the_hole_of_the_sail_does_not_clear() -> None:
+    # A square frame: its inner corners are 7 cm from the axis, and the middles of its inner sides 5 cm.
+    inner = 0.05 * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
+    reference = np.vstack([inner, 3.0 * inner])
+    sides = [(k, (k + 1) % 4) for k in range(4)]
+    triangles = [corners for a, b in sides for corners in ((a, a + 4, b + 4), (a, b + 4, b))]
+
+    def found(radius: float, shift: float = 0.0) -> list[str]:
+        shape = reference + np.array([shift, 0.0, 0.0])
+        mesh = Mesh(reference, triangles, positions=shape, node_sets={"corners": [4, 5, 6, 7]})
+        cords = Tethers(segments=2, axial_stiffness=17.0, nodes="corners", anchor_radius=radius)
+        scene = Scene(mesh, RUBBER, [Springs(), Spin(1.0), SpoolContact(radius, 300.0)], [cords])
+        return [f.message for f in audit(scene, costly=False).findings if f.kind == "spool"]
+
+    assert found(0.045) == []
+    flat, stowed = found(0.06)
+    assert flat.startswith("the flat sail comes as near to the axis as 0.05 m, inside the spool of")
+    assert stowed.startswith("the stowed sail")
+    (moved,) = found(0.045, 0.02)
+    assert moved.startswith("the stowed sail comes as near to the axis as 0.03 m")
 
 
 def test_a_sail_without_a_law_of_the_film() -> None:
@@ -102,6 +147,9 @@ def test_a_scene_that_nothing_holds() -> None:
     aside = Mesh(disc.reference + np.array([0.05, 0.0, 0.0]), disc.triangles)
     found = warnings_of(Scene(aside, RUBBER, [Springs(), Spin(1.0)]))["supports"]
     assert "centre of mass lies 0.05 m from the axis" in found.message
+    # A folded sail is one that its hub holds, however well it is balanced.
+    sail = Scene(MODEL.mesh, MODEL.material, [Springs(), Spin(1.0)])
+    assert "nothing holds the sail" in warnings_of(sail)["supports"].message
     free = cord(fixed=False, linear_density=0.1)
     assert "nothing holds the scene" in warnings_of(Scene(None, None, [SpringDamping()], [free]))["supports"].message
 

@@ -10,6 +10,7 @@ import pytest
 from membrane_rs import (
     Fixed,
     Material,
+    Mesh,
     Scene,
     Simulation,
     Spin,
@@ -107,6 +108,18 @@ def test_the_peak_stress_of_springs_is_that_of_the_film_they_stand_for() -> None
         assert sim.largest_film_stress() == stress.max()
         # Their own stress is another, as the documentation of both says.
         assert 0.01 < abs(stress.max() / peak_stress(sim) - 1.0) < 0.2
+
+
+@pytest.mark.parametrize("scale", [1.2, 0.99, 0.6])
+@pytest.mark.parametrize("negative", ["keep", "clip"])
+def test_the_stress_of_springs_is_the_work_of_a_uniform_stretch_of_any_size(scale: float, negative: Any) -> None:
+    # With an obtuse triangle, whose negative spring is kept or clipped. F = scale 1, so that f . x = -V tr(S F^T F).
+    points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.02, 0.0], [0.05, -0.08, 0.0]]
+    mesh = Mesh(points, [[0, 1, 2], [0, 3, 1]])
+    sim = strained(Springs(buckling=1e3, negative=negative), scale * np.eye(3), FILM, mesh)
+    volume = mesh.areas() * FILM.thickness
+    work = scale**2 * float(volume @ sim.film_stress().principal.sum(axis=1))
+    assert work == pytest.approx(-float((sim.forces("springs") * sim.positions).sum()), rel=1e-9)
 
 
 def test_springs_that_buckle_press_with_their_critical_force_alone() -> None:

@@ -170,6 +170,16 @@ def test_a_scene_without_a_state_of_rest_says_so() -> None:
         Simulation(replace(falling, parts=[])).relax(0.02, 100.0)
 
 
+def test_a_scene_that_passes_through_its_balance_is_not_at_rest() -> None:
+    # A mass on a spring, k = 100 N/m, damped by 1/s, when it first swings through the point where it would hang still.
+    cord = Tether((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 1, 100.0, 0.0, tip_mass=1.0)
+    sim = Simulation(Scene(None, None, [Gravity((0.0, 0.0, -9.81))], [cord]))
+    rate = math.sqrt(100.0 - 0.25)
+    with pytest.warns(UserWarning, match=r"not at rest.*node 1 has a net force of .* and a speed of 0\.\d+ m/s"):
+        sim.relax((math.pi - math.atan2(rate, 0.5)) / rate, 1.0)
+    assert left(sim) < 0.01
+
+
 def test_guide_bars_hold_the_force_that_drives_the_release() -> None:
     mesh = SquareSail(fold_lines=3, rows=4, columns=4).mesh()
     laws: list[Law] = [Springs(), SpringDamping(), Spin(3.0, 1.0)]

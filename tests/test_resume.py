@@ -115,6 +115,35 @@ def test_killed_while_a_frame_or_a_checkpoint_is_written(tmp_path: Path, monkeyp
         assert contents(folder) == wanted
 
 
+def test_checkpoints_are_as_far_apart_as_was_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # By a clock that goes on by a second at each look, and there is one at each of the 40 samples before the end.
+    seconds = 0
+    times: list[float] = []
+    write = StateFile.write
+
+    def clock() -> float:
+        nonlocal seconds
+        seconds += 1
+        return seconds
+
+    def state(self: StateFile, path: Path, values: dict[str, Any]) -> None:
+        times.append(float(values["step_count"]))
+        write(self, path, values)
+
+    monkeypatch.setattr("membrane_rs.runs.run_folder.monotonic", clock)
+    monkeypatch.setattr(StateFile, "write", state)
+    monkeypatch.setattr("membrane_rs.simulation.stepper.CHUNK", 1e3)
+    counts = []
+    for k, interval in enumerate((0.0, 10.0, 1e9)):
+        Simulation(SCENE).run(**RUN | {"checkpoint": interval}, out=tmp_path / f"run-{k}")
+        counts.append(len(times))
+        times.clear()
+    # Before the start, after it, and at the end; and between these.
+    assert counts[2] == 3
+    assert 3 < counts[1] <= 3 + 40 / 10
+    assert counts[0] > counts[1]
+
+
 def test_killed_while_it_is_relaxed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = replace(SCENE, run=replace(SCENE.run, relax=0.002))
     whole, sims = tmp_path / "whole", [Simulation(scene, dt=2e-6) for _ in range(2)]
@@ -213,6 +242,44 @@ def test_what_cannot_be_resumed_is_named(tmp_path: Path) -> None:
     (tmp_path / "left-5" / "summary.json").write_text(json.dumps(told))
     with pytest.raises(OutputError, match="does not say what the run was asked for"):
         resume(tmp_path / "left-5")
+    history = tmp_path / "left-6" / "history.csv"
+    history.write_text(history.read_text().replace("work_springs", "work_of_springs", 1))
+    with pytest.raises(OutputError, match="holds other columns than this run writes"):
+        resume(tmp_path / "left-6")
+
+
+def test_a_run_counts_how_often_it_was_resumed(tmp_path: Path) -> None:
+    run_copied(Simulation(SCENE), tmp_path / "whole")
+    left = tmp_path / "left-3"
+    resume(left)
+    resume(left, 0.021)
+    assert (read_summary(left)["resumed"], "resumed" in read_summary(tmp_path / "whole")) == (2, False)
+
+
+def test_half_a_file_that_nobody_writes_again_is_removed(tmp_path: Path) -> None:
+    run_copied(Simulation(SCENE), tmp_path / "whole")
+    left = tmp_path / "left-3"
+    (left / "deployment.png.part").write_bytes(b"half")
+    resume(left)
+    assert contents(left) == contents(tmp_path / "whole")
+
+
+def test_a_run_does_not_begin_without_its_first_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write, count = StateFile.write, 0
+
+    def fail_once(self: StateFile, *words: Any) -> None:
+        nonlocal count
+        count += 1
+        if count == 1:
+            raise OutputError("of a test")
+        write(self, *words)
+
+    monkeypatch.setattr(StateFile, "write", fail_once)
+    sim = Simulation(SCENE)
+    with pytest.raises(OutputError, match="of a test"):
+        sim.run(**RUN, out=tmp_path / "run")
+    assert sim.step_count == 0
+    assert read_summary(tmp_path / "run")["outcome"].startswith("failed: OutputError")
 
 
 def test_the_command_goes_on_without_being_told_again(tmp_path: Path) -> None:

@@ -85,6 +85,13 @@ def test_a_named_option_runs_despite_errors(tmp_path: Path) -> None:
     assert json.loads((out / "summary.json").read_text())["outcome"] == "finished"
 
 
+def test_a_saved_state_that_goes_on_is_audited_too(tmp_path: Path) -> None:
+    with pytest.warns(AuditWarning):
+        Simulation(doubled()).save(tmp_path / "state.npz")
+    code, shown = call("resume", tmp_path / "state.npz", "--until", "1e-5", "--out", tmp_path / "run", "--no-pictures")
+    assert (code, "triangles are given more than once" in shown) == (0, True), shown
+
+
 def test_errors_that_a_setting_accepts_stop_no_run(tmp_path: Path) -> None:
     obtuse = Mesh([[0.01, 0.0, 0.0], [0.02, 0.002, 0.0], [0.03, 0.0, 0.0]], [[0, 1, 2]])
     stretched = Mesh(SHEET.reference, SHEET.triangles, positions=1.2 * SHEET.reference)

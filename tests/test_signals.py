@@ -185,3 +185,39 @@ def test_held_and_released() -> None:
     with pytest.raises(Interrupted, match="SIGTERM"):
         run()
     assert seen == ["held", "still held"]
+
+
+def test_further_signals_change_nothing_and_handlers_are_put_back() -> None:
+    before = {number: signal.getsignal(number) for number in signals.ENDING}
+    seen = list[str]()
+
+    def run() -> None:
+        with signals.interruptible():
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            finally:
+                signal.raise_signal(signal.SIGINT)
+                seen.append("ended in peace")
+
+    with pytest.raises(Interrupted, match="SIGTERM"):
+        run()
+    assert seen == ["ended in peace"]
+    assert {number: signal.getsignal(number) for number in signals.ENDING} == before
+
+
+def test_a_signal_that_comes_while_handlers_are_put_back_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    put, seen = signal.signal, list[int]()
+
+    def late(number: int, handler: Any) -> Any:
+        if handler in signals.DEFAULTS and not seen:
+            seen.append(number)
+            signal.raise_signal(signal.SIGTERM)
+        return put(number, handler)
+
+    def run() -> None:
+        with signals.interruptible():
+            monkeypatch.setattr(signal, "signal", late)
+
+    with pytest.raises(Interrupted, match="SIGTERM"):
+        run()
+    assert seen

@@ -41,6 +41,11 @@ def test_a_start_deep_inside_stops_the_run_and_one_less_deep_is_warned_of() -> N
     assert "node 1 deepest by 0.01 m" in str(*start_inside(scene(0.04)))
     assert not list(start_inside(scene(0.05)))
     assert not list(start_inside(scenes.load("spinning-disc")))
+    # Above the end of a short spool there is no contact, and just below it little depth.
+    for z, count in ((0.021, 0), (0.019, 1)):
+        short = [SpoolContact(0.05, half_height=0.02)]
+        above = Scene(None, None, short, [Tether((0.06, 0, z), (0.01, 0, z), 1, 50.0, 1e-3)])
+        assert len(list(start_inside(above))) == count
 
 
 def test_coarse_segments_are_warned_of() -> None:

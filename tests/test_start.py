@@ -8,9 +8,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import Gravity, InputError, InputTypeError, Scene, Simulation, Spin, integrators
+from membrane_rs import (
+    Fixed,
+    Gravity,
+    InputError,
+    InputTypeError,
+    Mesh,
+    RunSettings,
+    Scene,
+    Simulation,
+    Spin,
+    Springs,
+    integrators,
+)
 from membrane_rs.folding import Strip
-from small_scenes import RUBBER, cord, hanging_strip, refused
+from small_scenes import RUBBER, cord, hanging_strip, patch, refused
 
 STRIP = hanging_strip()
 
@@ -93,6 +105,10 @@ def test_a_start_with_other_nodes_is_refused(tmp_path: Path) -> None:
         (replace(STRIP, mesh=Strip(0.1, 0.04, 2, 6, creases=(0.5,)).mesh(), parts=STRIP.parts), "has other triangles"),
     ):
         refused(lambda scene=scene: Simulation(scene, start=sim), InputError, f"start: its scene {words}")  # type: ignore[misc]
+    # As many nodes, in two cords in place of one.
+    one, two = [cord(segments=3, linear_density=0.1)], [cord(), cord(start=(0.0, 1.0, 0.0), end=(1.0, 1.0, 0.0))]
+    chain, pair = (Scene(None, None, [Gravity()], parts) for parts in (one, two))
+    refused(lambda: Simulation(pair, start=Simulation(chain)), InputError, "has cords between other nodes")
     refused(lambda: Simulation(STRIP, start=3), InputTypeError, "start = 3: must be a Simulation")  # type: ignore[arg-type]
 
 
@@ -101,6 +117,28 @@ def test_a_state_of_another_scene_is_refused_with_the_remedy() -> None:
     words = r"scene_digest is that of another scene.*Simulation\(scene, start=other\)"
     refused(lambda: Simulation(spinning(2.0)).set_state(state), InputError, words)
     Simulation(replace(spinning(1.0), name="renamed")).set_state(state)
+    Simulation(replace(spinning(1.0), run=RunSettings(until=7.0, frames=3))).set_state(state)
+    for name in ("scene_digest", "hub_phase"):
+        less = {key: value for key, value in state.items() if key != name}
+        refused(lambda less=less: Simulation(spinning(1.0)).set_state(less), InputError, f"{name} is missing")  # type: ignore[misc]
+
+
+def test_a_state_of_another_mesh_is_refused() -> None:
+    def scene(shift: float) -> Scene:
+        mesh = patch()
+        moved = Mesh(mesh.reference + np.array([shift, 0.0, 0.0]), mesh.triangles)
+        return Scene(moved, RUBBER, [Springs()], [Fixed((0,))])
+
+    state = Simulation(scene(0.0)).state()
+    Simulation(scene(0.0)).set_state(state)
+    refused(lambda: Simulation(scene(0.01)).set_state(state), InputError, "scene_digest is that of another scene")
+
+
+def test_a_start_that_was_relaxed_stays_so() -> None:
+    first = Simulation(STRIP)
+    assert not Simulation(STRIP, start=first).is_relaxed
+    first.is_relaxed = True
+    assert Simulation(STRIP, start=first).is_relaxed
 
 
 @pytest.mark.parametrize(

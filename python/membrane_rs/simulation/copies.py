@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
-
-from typing_extensions import Self
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
@@ -36,11 +34,6 @@ class Copies:
         step = (core.integrator, core.dt, core.is_adaptive)
         return _remade, (type(self), self.scene, step, self.state(), own)
 
-    def __copy__(self) -> Self:
-        """An independent simulation of the same scene, with the same bits."""
-        make, arguments = self.__reduce__()
-        return cast("Self", make(*arguments))
-
 
 def _remade(
     kind: type[Copies], scene: Scene, step: tuple[str, float, bool], state: dict[str, Any], own: dict[str, Any]
@@ -49,8 +42,6 @@ def _remade(
     integrator, dt, is_adaptive = step
     made = kind.__new__(kind)
     made._build(scene, integrator, None if is_adaptive else dt)
-    if is_adaptive:
-        made.__dict__["_core"].set_dt(dt)
     made.set_state(state)
     made.__dict__.update(own)
     return made

@@ -60,6 +60,19 @@ fn a_fast_node_never_passes_unnoticed() {
 }
 
 #[test]
+fn a_step_that_dips_in_and_comes_out_without_feeling_the_contact_is_a_fault() {
+    // A path that passes 5 mm below the surface, twice a twentieth of the radius, and one 1 mm below it.
+    for (height, dt, is_found) in [(0.045, 5e-3, true), (0.045, 1e-5, false), (0.049, 5e-3, false)] {
+        let model = flight(&[[0.2, height, 0.0]], &[[-100.0, 0.0, 0.0]]);
+        let method = methods().next().unwrap();
+        let (simulation, error) = run(model, spool(200.0, None), method, dt, every(1), 5e-3);
+        let case = format!("{height} {dt}: {error}");
+        assert_eq!(error.contains("deep into the spool"), is_found, "{case}");
+        assert_eq!(simulation.positions()[0][0] < -0.2, !is_found, "{case}");
+    }
+}
+
+#[test]
 fn the_fault_is_that_of_the_first_step_beyond_the_bound() {
     let new = |interval| {
         let model = flight(&[[0.2, 0.0, 0.0]], &[[-10.0, 0.0, 0.0]]);
@@ -101,6 +114,17 @@ fn a_short_spool_is_passed_neither_across_nor_along_its_axis() {
             let (simulation, error) = run(flight(&[from], &[velocity]), spool(200.0, tall), method, dt, every(7), 0.03);
             assert!(error.is_empty() && simulation.positions()[0][0] < -0.3, "{from:?}: {error}");
         }
+    }
+}
+
+#[test]
+fn an_oblique_path_is_deep_only_where_it_is_between_the_ends() {
+    // It crosses the core of the side from s = 1/6 to 5/6, and that of the ends from 1/8 to 3/8, or nowhere.
+    for (low, is_found) in [(-0.02, true), (0.013, false)] {
+        let model = flight(&[[0.06, 0.0, low]], &[[-120.0, 0.0, 80.0]]);
+        let method = methods().find(|method| method.name == "rk4").unwrap();
+        let error = run(model, spool(200.0, Some(0.02)), method, 1e-3, every(1), 1e-3).1;
+        assert_eq!(error.contains("deep into the spool"), is_found, "{low}: {error}");
     }
 }
 
