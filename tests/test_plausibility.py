@@ -7,10 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from membrane_rs import (
+    Creases,
     Fixed,
     Gravity,
+    MassDamping,
+    Material,
     Mesh,
     Pressure,
+    RunSettings,
     Scene,
     Spin,
     SpoolContact,
@@ -23,8 +27,9 @@ from membrane_rs import (
 )
 from membrane_rs.check import audit, facts
 from membrane_rs.cli import app
-from membrane_rs.folding import Disc, Strip
+from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.mesh import Finding
+from membrane_rs.scene.law import Law
 from membrane_rs.study.common.variation import varied
 from small_scenes import RUBBER, cord, hanging_strip
 from typer.testing import CliRunner
@@ -56,6 +61,15 @@ def warnings_of(scene: Scene) -> dict[str, Finding]:
         ("laws.air_drag.temperature", 1000.0, "check the value and its unit (K)"),
         ("laws.spring_damping.ratio", 2.0, "was 2 % meant? That is 0.02"),
         ("run.until", 5000.0, "was 5000 ms meant? That is 5 s"),
+        ("run.until", 600.0, "was 600 ms meant? That is 0.6 s"),
+        ("laws.spin.frequency", 25.1, "meant? That is 0.4183 Hz; or 25.1 rad/s? That is 3.995 Hz; else cords of "),
+        ("laws.spool_contact.stiffness", 2e8, "was 2e+08 mN/m meant? That is 2e+05 N/m"),
+        ("laws.spool_contact.stiffness", 2e-4, "check the value and its unit (N/m)"),
+        ("laws.spool_contact.stiffness", 0.02, "was 0.02 kN/m meant? That is 20 N/m"),
+        ("laws.spool_contact.radius", 20.0, "was 20 mm meant? That is 0.02 m"),
+        ("laws.creases.length_scale", 4.0, "was 4 mm meant? That is 0.004 m"),
+        ("parts.0.mass", 1e-10, "check the value and its unit (kg)"),
+        ("parts.1.anchor_radius", 2.5e-5, "check the value and its unit (m)"),
         ("parts.0.mass", 300.0, "was 300 mg meant? That is 0.0003 kg"),
         ("parts.0.mass", 0.36, "was 0.36 g meant? That is 0.00036 kg"),
         ("parts.1.linear_density", 0.1, "was 0.1 g/m meant? That is 0.0001 kg/m"),
@@ -68,6 +82,67 @@ def test_a_slip_of_a_unit_is_named(parameter: str, value: float, meant: str) -> 
     assert place in found, found
     assert f"{place} = {value:g}" in found[place].message
     assert meant in found[place].remedy
+
+
+@pytest.mark.parametrize(
+    ("law", "place", "meant"),
+    [
+        (Gravity((0.0, 0.00981, 0.0)), "laws.gravity.acceleration", "was 0.00981 km/s2 meant? That is 9.81 m/s2"),
+        (Pressure(-1e5), "laws.pressure.pressure", "was 100000 mPa meant? That is 100 Pa"),
+        (MassDamping(1e6), "laws.mass_damping.rate", "check the value and its unit (1/s)"),
+    ],
+)
+def test_values_of_further_laws(law: Law, place: str, meant: str) -> None:
+    found = warnings_of(replace(MODEL, laws=[*MODEL.laws, law]))
+    assert list(found) == [place]
+    assert meant in found[place].remedy
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "place"),
+    [
+        ("parts.0.mass", 0.3, "parts[0].mass"),
+        ("material.youngs_modulus", 3.2, "material.youngs_modulus"),
+        ("material.youngs_modulus", 3200.0, "material.youngs_modulus"),
+        ("material.density", 1.42, "material.density"),
+        ("material.thickness", 0.0075, "material.thickness"),
+        ("laws.spin.frequency", 180.0, "laws.spin.frequency"),
+        ("laws.spin.frequency", 25.1, "laws.spin.frequency"),
+        ("parts.1.axial_stiffness", 0.017, "parts[1].axial_stiffness"),
+        ("laws.spool_contact.radius", 25.0, "laws.spool_contact.radius"),
+    ],
+)
+def test_values_that_are_judged_by_one_in_doubt_are_not_doubted_too(parameter: str, value: float, place: str) -> None:
+    for parts in (MODEL.parts, MODEL.parts[::-1]) if parameter.startswith("material") else (MODEL.parts,):
+        scene = varied(replace(MODEL, parts=parts), parameter, value)
+        found = [one for one in audit(scene, costly=False).warnings if one.kind != "thick_film"]
+        assert [one.message.split(" = ")[0] for one in found] == [place], found
+
+
+def test_a_hub_that_is_wider_than_the_sail_is_told_with_its_unit() -> None:
+    found = warnings_of(varied(MODEL, "parts.1.anchor_radius", 25.0))
+    assert set(found) == {"parts[1].anchor_radius", "spool", "chord_sag"}
+    assert "was 25 mm meant? That is 0.025 m" in found["parts[1].anchor_radius"].remedy
+
+
+def test_sails_of_all_sizes_are_free_of_warnings() -> None:
+    large = SquareSail(outer_width=14.0, inner_width=3.0, spool_radius=0.8).mesh()
+    film = Material(youngs_modulus=3e9, poisson_ratio=0.3, density=1420.0, thickness=7.5e-6)
+    held = Tethers(anchor_radius=0.8, axial_stiffness=2e4, linear_density=1e-2)
+    small = SquareSail(outer_width=4e-3, inner_width=9e-4, spool_radius=2e-4, fillet_radius=3e-5, layer_gap=1e-6).mesh()
+    thread = Tethers(anchor_radius=2e-4, axial_stiffness=1e-4, linear_density=1e-9)
+    leaf = replace(film, thickness=2e-7)
+    for rate, slowing, until in ((25.0, 0.0, 600.0), (25.0, -24.0, 3600.0), (1.0, 0.0, 3600.0)):
+        spin = Spin(rate / 60.0, slowing / 60.0 / until)
+        laws = [Springs(), SpringDamping(), Creases(), spin, SpoolContact(0.8), MassDamping(0.1), Pressure(9e-6)]
+        scene = Scene(large, film, laws, [TipMasses(0.5), held], run=RunSettings(until=until))
+        assert warnings_of(scene) == {}
+    for rate in (1.0, 100.0):
+        laws = [Springs(), SpringDamping(), Creases(), Spin(rate), SpoolContact(2e-4), MassDamping(1e3)]
+        scene = Scene(small, leaf, laws, [TipMasses(1e-10), thread], run=RunSettings(until=0.1))
+        assert warnings_of(scene) == {}
+    along = Tether((0.0, 0.0, 0.0), (0.0, 0.0, -2.0), 200, 1e4, 0.01, tip_mass=1.0)
+    assert "laws.spool_contact.radius" not in warnings_of(Scene(None, None, [SpoolContact(0.05), Gravity()], [along]))
 
 
 def test_strong_gravity_and_a_wide_mesh() -> None:
@@ -217,6 +292,7 @@ def test_check_prints_size_masses_and_spin() -> None:
     assert values["size"].startswith("0.455 x 0.455 x 0 m")
     assert values["area"] == f"{area:.4g} m2"
     assert values["thickness"] == "7.5e-06 m"
+    assert values["material"] == "3.2e+09 Pa, 1420 kg/m3 (waves at 1501 m/s)"
     assert f"film {film:.4g} kg" in values["mass"]
     assert values["spin"] == "3 Hz"
     assert facts(hanging_strip())["spin"] == "none"

@@ -3,7 +3,26 @@
 from __future__ import annotations
 
 from membrane_rs.check.facts import facts
-from membrane_rs.check.scene_audit import CHECKS, COSTLY_CHECKS, Check, audit, unaccepted_errors
+from membrane_rs.check.scene_audit import (
+    CHECKS,
+    COSTLY_CHECKS,
+    STEPPING_CHECKS,
+    Check,
+    audit,
+    audit_of_motion,
+    unaccepted_errors,
+)
 from membrane_rs.mesh.findings import Audit, Finding
 
-__all__ = ["CHECKS", "COSTLY_CHECKS", "Audit", "Check", "Finding", "audit", "facts", "unaccepted_errors"]
+__all__ = [
+    "CHECKS",
+    "COSTLY_CHECKS",
+    "STEPPING_CHECKS",
+    "Audit",
+    "Check",
+    "Finding",
+    "audit",
+    "audit_of_motion",
+    "facts",
+    "unaccepted_errors",
+]

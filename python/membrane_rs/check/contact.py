@@ -8,6 +8,7 @@ import numpy as np
 
 from membrane_rs.mesh import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.scales import widest_spool
 
 SAG_SHARE = 0.01
 """Depth to which a segment may sink between its nodes, as a share of the spool's radius, before a scene is warned of.
@@ -56,9 +57,12 @@ def chord_sag(scene: Scene) -> Iterator[Finding]:
 
 
 def start_inside(scene: Scene) -> Iterator[Finding]:
-    """Nodes with contact that start inside the spool: the contact throws them out."""
+    """Nodes with contact that start inside the spool: the contact throws them out.
+
+    A spool that is wider than the whole flat scene is left to `law_and_part_values`.
+    """
     spool = next((law.spool for law in scene.laws if law.spool is not None), None)
-    if spool is None:
+    if spool is None or spool.radius > widest_spool(scene):
         return
     assembly = scene.assemble()
     nodes = assembly.contacts.nodes

@@ -19,6 +19,9 @@ def facts(scene: Scene) -> dict[str, str]:
         area = float(scene.mesh.areas().sum())
         found["area"] = f"{area:.4g} m2"
         found["thickness"] = f"{scene.material.thickness:.4g} m"
+        film = scene.material
+        waves = (film.youngs_modulus / film.density) ** 0.5
+        found["material"] = f"{film.youngs_modulus:.4g} Pa, {film.density:.4g} kg/m3 (waves at {waves:.4g} m/s)"
         masses = {"film": area * scene.material.thickness * scene.material.density} | masses
     shares = ", ".join(f"{name} {mass:.4g} kg" for name, mass in masses.items() if mass > 0.0)
     found["mass"] = f"{sum(masses.values()):.4g} kg ({shares})"

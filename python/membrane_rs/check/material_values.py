@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from membrane_rs.analysis.extent import span
-from membrane_rs.mesh import Finding
 from membrane_rs.scene import Scene
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import Doubt, implausible
 
 WIDEST, NARROWEST = 300.0, 1e-4
 """[m]: sails of a few hundred metres are the largest that were ever proposed; below a tenth of a millimetre a film in
@@ -23,19 +22,21 @@ LIGHTEST, DENSEST = 50.0, 23000.0
 """[kg/m3]: foams and nonwovens; osmium has 22,600."""
 
 
-def material_values(scene: Scene) -> Iterator[Finding]:
+def material_values(scene: Scene) -> Iterator[Doubt]:
     """Size, thickness, Young's modulus and density of the film, against those of all films."""
     film, mesh = scene.material, scene.mesh
     if film is None or mesh is None:
         return
     width = span(mesh.reference)
     reason = f"sails are {NARROWEST:g} to {WIDEST:g} m wide"
-    size = {"least": NARROWEST, "most": WIDEST}
-    yield from implausible("mesh (its width)", width, "m", reason, **size, units={"mm": 1e-3, "um": 1e-6, "km": 1e3})
+    units = {"mm": 1e-3, "um": 1e-6, "km": 1e3}
+    yield from implausible("mesh (its width)", width, "m", reason, least=NARROWEST, most=WIDEST, units=units)
     reason = f"exceeds the sail, {width:.4g} m wide" if film.thickness > width else f"is no film, {width:.4g} m wide"
-    range_of_films = {"least": THINNEST, "most": SLENDER * width}
+    thickest = SLENDER * width if NARROWEST <= width <= WIDEST else WIDEST
     units = {"um": 1e-6, "mm": 1e-3, "nm": 1e-9}
-    yield from implausible("material.thickness", film.thickness, "m", reason, **range_of_films, units=units)
+    yield from implausible(
+        "material.thickness", film.thickness, "m", reason, least=THINNEST, most=thickest, units=units
+    )
     reason = f"solid films have {SOFTEST:g} to {STIFFEST:g} Pa"
     units = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3}
     yield from implausible(

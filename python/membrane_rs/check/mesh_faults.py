@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,6 +11,9 @@ from membrane_rs.mesh.audit import growing
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
+
+FEW_NODES = 1000
+"""Up to which growing modes cost about as much as the other checks of the mesh."""
 
 
 def mesh_faults(scene: Scene) -> Iterator[Finding]:
@@ -40,8 +44,20 @@ def fold_angles(scene: Scene) -> Iterator[Finding]:
 
 
 def growing_modes(scene: Scene) -> Iterator[Finding]:
-    """Modes of the mesh that grow by negative springs."""
-    if scene.mesh is not None and scene.material is not None and _has_springs(scene):
+    """Modes of the mesh that grow by negative springs, in meshes of up to `FEW_NODES`."""
+    yield from _growing(scene, 0, FEW_NODES)
+
+
+def growing_modes_of_large_meshes(scene: Scene) -> Iterator[Finding]:
+    """The same for larger meshes."""
+    yield from _growing(scene, FEW_NODES, math.inf)
+
+
+def _growing(scene: Scene, fewer: float, most: float) -> Iterator[Finding]:
+    """Those of a mesh with more nodes than `fewer` and no more than `most`; springs that are clipped make none."""
+    if scene.mesh is None or scene.material is None or scene.negative_springs == "clip" or not _has_springs(scene):
+        return
+    if fewer < scene.mesh.node_count <= most:
         yield from growing(scene.mesh, scene.material)
 
 

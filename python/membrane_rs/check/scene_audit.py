@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
-from membrane_rs.check.mesh_faults import fold_angles, growing_modes, mesh_faults
+from membrane_rs.check.mesh_faults import (
+    fold_angles,
+    growing_modes,
+    growing_modes_of_large_meshes,
+    mesh_faults,
+)
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.spool import spool
+from membrane_rs.check.step_accuracy import accuracy_of_step
+from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
 from membrane_rs.check.supports import supports
 from membrane_rs.errors import AuditWarning
 from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.scene import Scene
+from membrane_rs.simulation.motion import Motion
 
 Check: TypeAlias = Callable[[Scene], Iterator[Finding]]
 """Yields what it finds in a scene, run settings included; nothing where all is well. It never raises."""
+SteppingCheck: TypeAlias = Callable[[Stepping], Iterator[Finding]]
+"""The same for the method and the step, which a simulation may have from its caller."""
 
 CHECKS: list[Check] = [
     mesh_faults,
     fold_angles,
+    growing_modes,
     film_law,
     supports,
     spool,
@@ -37,14 +48,21 @@ CHECKS: list[Check] = [
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""
 
+STEPPING_CHECKS: list[SteppingCheck] = [
+    step_above_limit,
+    settings_without_effect,
+]
+"""Checks of the method and the step, made wherever `CHECKS` are."""
+
 COSTLY_CHECKS: list[Check] = [
-    growing_modes,
+    growing_modes_of_large_meshes,
     net_of_springs,
+    accuracy_of_step,
 ]
 """Checks that take longer: made by `check` alone."""
 
 
-_FOUND: WeakKeyDictionary[Scene, dict[bool, Audit]] = WeakKeyDictionary()
+_FOUND: WeakKeyDictionary[Scene, dict[Check, tuple[Finding, ...]]] = WeakKeyDictionary()
 """What was found in scenes that are still there, which never change."""
 
 
@@ -61,24 +79,34 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     Returns
     -------
     Audit
-        The findings of all `CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
+        The findings of all `CHECKS` and `STEPPING_CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
     """
-    found = _FOUND.setdefault(scene, {})
-    if costly not in found:
-        checks = [*CHECKS, *(COSTLY_CHECKS if costly else [_left_out])]
-        found[costly] = Audit.of(finding for check in checks for finding in check(scene))
-    return found[costly]
+    return _audit(scene, Stepping.of_scene(scene), COSTLY_CHECKS if costly else [_left_out])
+
+
+def audit_of_motion(sim: Motion) -> Audit:
+    """The same of the scene of a simulation, with the method and the step that it has; costly checks left out."""
+    return _audit(sim.scene, Stepping.of_motion(sim), [_left_out])
+
+
+def _audit(scene: Scene, stepping: Stepping, more: Sequence[Check]) -> Audit:
+    known = _FOUND.setdefault(scene, {})
+    for check in (*CHECKS, *more):
+        if check not in known:
+            known[check] = tuple(check(scene))
+    of_scene = [finding for check in (*CHECKS, *more) for finding in known[check]]
+    return Audit.of([*of_scene, *(finding for check in STEPPING_CHECKS for finding in check(stepping))])
 
 
 def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     """Errors for which a run is not to begin: those that no setting of the scene accepts. Costly checks are left out.
 
-    `Springs.negative` "clip" or "keep" accepts negative springs; a strain limit above the strain at the start accepts
-    that.
+    `Springs.negative` "clip" or "keep" accepts negative springs, and "keep" the modes that grow by them; a strain limit
+    above the strain at the start accepts that.
     """
     accepted = set()
     if scene.negative_springs in ("clip", "keep"):
-        accepted.add("negative_springs")
+        accepted |= {"negative_springs", "growing_mode"}
     limits = [law.edge_strain_limit for law in scene.laws if law.is_film]
     if scene.mesh is not None and all(limit is None or scene.mesh.strain().max() < limit for limit in limits):
         accepted.add("strain")

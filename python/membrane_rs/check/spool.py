@@ -9,6 +9,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.mesh import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.scales import outermost, widest_spool
 
 APART = 0.05
 """Difference of radii, over the smaller, from which they are two: cords start on the rim of the spool."""
@@ -16,7 +17,8 @@ APART = 0.05
 
 def spool(scene: Scene) -> Iterator[Finding]:
     """Laws and parts describe one spool, which fits into the hole of the flat sail and into the stowed one."""
-    found = [(f"laws.{law.kind}", law.spool) for law in scene.laws if law.spool is not None]
+    spools = [(f"laws.{law.kind}", law.spool) for law in scene.laws if law.spool is not None]
+    found = [(place, one) for place, one in spools if one.radius <= widest_spool(scene)]  # else its law says so
     rims = [(f"parts[{k}]", part.spool) for k, part in enumerate(scene.parts) if part.spool is not None]
     unlike = [
         (place, rim.radius, other, round_it.radius)
@@ -47,6 +49,8 @@ def spool(scene: Scene) -> Iterator[Finding]:
                 f"{widest.radius:g} m in radius",
                 "make the hole of the sail wider or the spool thinner; check the units of both (m)",
             )
+            if widest.radius > outermost(scene, with_cords=False):
+                return
 
 
 def _inner_radius(ends: Floats) -> float:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs.errors import UnstableError
+from membrane_rs.errors import MembraneError, UnstableError
+from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.methods import integrators
 from membrane_rs.simulation.stepper import Stepper
@@ -61,23 +62,45 @@ class StepAccuracy:
 
     def warning(self) -> str | None:
         """Why the step may not be right to 1 % of the motion, and what to do; None where it is right."""
+        found = self.finding()
+        return None if found is None else f"Warning: {found.message}: {found.remedy}"
+
+    def finding(self) -> Finding | None:
+        """The same as a finding."""
+        found = self._in_words()
+        return None if found is None else Finding("warning", "step_accuracy", 1, *found)
+
+    def _in_words(self) -> tuple[str, str] | None:
+        """What is wrong, and what to do."""
         if self.failure:
-            return f"Warning: the run stops by itself: {self.failure}"
+            return f"the run stops by itself: {self.failure}", "do as that says, or compare steps and methods"
         share = f"{100.0 * self.error:.2g} % of the motion, whose extent is {self.extent:.3g} m"
         if self.error > ALLOWED:
             factor = (ALLOWED / self.error) ** (1.0 / self.order) * SAFETY
             remedy = "use a smaller tolerance" if self.is_adaptive else f"use dt = {factor * self.dt:.2g} s"
             return (
-                f"Warning: by t = {self.reached:.4g} s the step is wrong by {share}: {remedy}; where that does not "
-                "help, the motion is chaotic, and only its curves mean something (membrane-rs work-precision --curves)"
+                f"by t = {self.reached:.4g} s the step is wrong by {share}",
+                f"{remedy}; where that does not help, the motion is chaotic, and only its curves mean something "
+                "(membrane-rs work-precision --curves)",
             )
         if self.reached < self.until:
             known = f"wrong by {share}" if self.reached > 0.0 else "not known"
             return (
-                f"Warning: the error of the step up to {self.until:g} s would take too long to estimate. Up to "
-                f"{self.reached:.3g} s it is {known}; compare steps by membrane-rs work-precision"
+                f"the error of the step up to {self.until:g} s would take too long to estimate. Up to "
+                f"{self.reached:.3g} s it is {known}",
+                "compare steps by membrane-rs work-precision",
             )
         return None
+
+
+def accuracy_of_step(scene: Scene) -> Iterator[Finding]:
+    """The error of the step as a finding: nothing where it is known to the end and right."""
+    try:
+        found = step_accuracy(scene).finding()
+    except MembraneError:  # `Simulation` says why
+        return
+    if found is not None:
+        yield found
 
 
 def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 2.0) -> StepAccuracy:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import re
-import warnings
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,11 +12,9 @@ import typer
 from membrane_rs._renamed import deprecated
 
 if TYPE_CHECKING:
+    from membrane_rs.mesh.findings import Audit
+    from membrane_rs.runs import Simulation
     from membrane_rs.scene import Scene
-    from membrane_rs.scene.run_settings import RunSettings
-
-SUBSTEPPED = "leapfrog"
-"""The method whose steps may have substeps."""
 
 SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
 
@@ -98,49 +94,43 @@ def load(scene: str) -> Scene:
     return built_in.load(scene)
 
 
+def simulation_of(scene: Scene) -> Simulation:
+    """The simulation of a scene; what its audit finds is reported first, also where the scene is refused."""
+    from membrane_rs.errors import MembraneError
+    from membrane_rs.runs import Simulation
+
+    try:
+        sim = Simulation(scene)
+    except MembraneError:
+        report_audit(scene)
+        raise
+    report(sim.audit())
+    return sim
+
+
 def report_audit(scene: Scene) -> None:
     """Report the errors and warnings of the audit of a scene on the standard error, costly checks left out."""
     from membrane_rs.check import audit
 
-    found = audit(scene, costly=False).without_facts()
+    report(audit(scene, costly=False))
+
+
+def report(audit: Audit) -> None:
+    """Report the errors and warnings of an audit on the standard error."""
+    found = audit.without_facts()
     if found.findings:
         typer.secho(f"Audit: {found}", fg="yellow" if found.ok else "red", err=True)
 
 
 def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
-    """The scene with the run settings that were given on the command line.
-
-    Warns of one that has no effect with the run's method.
-    """
+    """The scene with the run settings that were given on the command line."""
     from dataclasses import asdict, replace
 
     from membrane_rs._validation import build
     from membrane_rs.scene.run_settings import RunSettings
 
     given = {name: value for name, value in wanted.items() if value is not None}
-    if not given:
-        return scene
-    run = build(RunSettings, asdict(scene.run) | given, "run")
-    for name, (is_used, remedy) in _uses(run).items():
-        if name in given and not is_used:
-            option = "--" + name.replace("_", "-")
-            what = f"{option} = {given[name]}: has no effect with {run.integrator!r}{remedy}; leave it out"
-            warnings.warn(what, stacklevel=2)
-    return replace(scene, run=run)
-
-
-def _uses(run: RunSettings) -> dict[str, tuple[bool, str]]:
-    """Settings that some methods alone use: whether that of a run does, and what does otherwise, in words."""
-    from membrane_rs.simulation import integrators
-
-    facts = integrators().get(run.integrator)
-    if facts is None:  # the core names those that there are
-        return {}
-    return {
-        "tolerance": (facts.is_adaptive and run.dt is None, " and a given step" * facts.is_adaptive),
-        "spectral_radius": (math.isinf(facts.imaginary_limit), ", which is explicit"),
-        "substeps": (run.integrator == SUBSTEPPED or run.substeps == 1, f"; {SUBSTEPPED!r} alone takes substeps"),
-    }
+    return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
 
 
 def numbers(text: str, option: str) -> list[float]:

@@ -27,7 +27,8 @@ from membrane_rs.cli.options import (
     Tolerance,
     Until,
     load,
-    report_audit,
+    report,
+    simulation_of,
     substeps_of,
     with_settings,
 )
@@ -62,7 +63,6 @@ def run(
     """Run a scene and write its results into a folder."""
     with reported_errors():
         from membrane_rs.check import unaccepted_errors
-        from membrane_rs.runs import Simulation
 
         wanted = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
@@ -70,8 +70,7 @@ def run(
         }  # fmt: skip
         chosen = with_settings(load(scene), wanted)
         folder = out or Path("runs") / chosen.name
-        report_audit(chosen)
-        sim = Simulation(chosen)
+        sim = simulation_of(chosen)
         if unaccepted_errors(chosen) and not despite_errors:
             _refuse(sim, folder, overwrite)
         _run(sim, folder, overwrite, pictures=not no_pictures, checkpoint=checkpoint)
@@ -101,7 +100,7 @@ def resume(
             _resume(source, until, no_pictures=no_pictures)
             return
         sim = Simulation.restore(source)
-        report_audit(sim.scene)
+        report(sim.audit())
         settings = sim.scene.run
         end = settings.until if until is None else until
         if end <= sim.time:
@@ -136,7 +135,6 @@ def check(
     with reported_errors():
         from membrane_rs.check import audit, facts
         from membrane_rs.check.redundancy import step_savings
-        from membrane_rs.check.step_accuracy import step_accuracy
         from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
@@ -164,9 +162,6 @@ def check(
                 f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
             )
             typer.echo(f"               {saving.advice}")
-        _warn_of_step(sim)
-        if warning := step_accuracy(chosen).warning():
-            typer.secho(warning, fg="yellow", err=True)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
         if not found.ok:
@@ -203,7 +198,6 @@ def _run(
     settings = sim.scene.run
     with progress_bar(console, sim.time, settings.until if until is None else until) as show, _stopped(show, folder):
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
-        _warn_of_step(sim)
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
         sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
@@ -244,14 +238,6 @@ def _stopped(show: Bar, folder: Path) -> Iterator[None]:
         if summary["outcome"] != "finished":
             typer.echo(f"Continue with: membrane-rs resume {folder}", err=True)
         raise typer.Exit(exit_code(stop)) from None
-
-
-def _warn_of_step(sim: Simulation) -> None:
-    """Warn of a step above the stability limit: the monitor stops such a run, but only later."""
-    limit = sim.stable_dt()
-    if sim.dt > limit:
-        text = f"Warning: dt = {sim.dt:.4g} s is above the stability limit of {limit:.4g} s; leave dt out"
-        typer.secho(text, fg="yellow", err=True)
 
 
 def _expected_cost(sim: Simulation) -> tuple[int, float]:

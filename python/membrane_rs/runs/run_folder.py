@@ -19,7 +19,7 @@ from time import monotonic
 
 from membrane_rs._files import path_of
 from membrane_rs._known_attributes import KnownAttributes
-from membrane_rs.check import audit
+from membrane_rs.check import audit_of_motion
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
@@ -168,7 +168,7 @@ class RunFolder(KnownAttributes):
                 self._checkpoint(sim)
 
     def _start_summary(self, sim: Stepper) -> None:
-        found = audit(sim.scene, costly=False)
+        found = audit_of_motion(sim)
         self._record.summary["audit"] = [finding.as_dict() for finding in found.findings]
         self._summary.start(sim, self._record)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of, show
-from membrane_rs.check import Audit, audit
+from membrane_rs.check import Audit, audit_of_motion
 from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.runs import signals
@@ -74,8 +74,11 @@ class Simulation(Stepper):
         warn_of(self.audit(), stacklevel=2)
 
     def audit(self) -> Audit:
-        """Faults, risks and facts of the scene, costly checks left out; `membrane_rs.check.audit` makes all."""
-        return audit(self.scene, costly=False)
+        """Faults, risks and facts of the scene, and of the method and step that this simulation has.
+
+        Costly checks are left out; `membrane_rs.check.audit` makes all.
+        """
+        return audit_of_motion(self)
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
         """Damp the scene to rest where its guide bars hold it, and start from there, at the same time.

@@ -10,9 +10,10 @@ from typing_extensions import Self
 
 from membrane_rs._validation import validated
 from membrane_rs.material import Material
-from membrane_rs.mesh import Finding, Mesh
+from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.plausible import Doubt
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.spool import Spool
 
@@ -93,7 +94,7 @@ class Law:
         """Why it has no effect in this scene; None where it may have one."""
         return None
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
         yield from ()
 

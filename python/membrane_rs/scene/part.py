@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 from membrane_rs._validation import validated
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.law import Surroundings
+from membrane_rs.scene.plausible import Doubt
 from membrane_rs.scene.spool import Spool
 
 
@@ -30,7 +30,7 @@ class Part:
         """The spool, where the part describes it."""
         return None
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
         yield from ()
 

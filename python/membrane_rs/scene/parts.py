@@ -6,7 +6,7 @@ Parts are plain checked values, which add nodes, masses and cords to a scene's a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, ClassVar
 
@@ -14,11 +14,11 @@ import numpy as np
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError, SceneError
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.builder import Builder, Cord
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
+from membrane_rs.scene.scales import film_mass, hub_frequency, outermost, pull_of_spin
 from membrane_rs.scene.spool import Spool
 
 __all__ = ["PARTS", "Bridges", "Fixed", "Part", "Tether", "Tethers", "TipMasses"]
@@ -28,6 +28,10 @@ SHORTEST = 1e-12
 HEAVY_TIP, HEAVIEST_TIP = 100.0, 100.0
 """Mass at a tip over that of the whole film [-], and by itself [kg], from which it is hardly meant: in the deployment
 experiments it is a sixth of the film, and 0.5 kg on the sail of 14 m that has flown."""
+LIGHT_TIP = 1e-6
+"""Mass of all tips over that of the film or the cord, below which it has no effect [-]."""
+THIN_RIM = 1e-3
+"""Radius of the rim over that of the flat sail: its shaft is then less than a millimetre on one metre [-]."""
 SLOWEST_WAVE, FASTEST_WAVE = 20.0, 3e4
 """sqrt(EA/mu) of a cord [m/s]: some 30 m/s in soft rubber, 18 km/s in carbon fibres."""
 ALONE = 20.0
@@ -54,9 +58,12 @@ class TipMasses(Part):
         """Add the masses. Raises SceneError for nodes that are not there."""
         builder.add_mass(builder.nodes(self.nodes, where), self.mass)
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
-        """Each is lighter than `HEAVY_TIP` times the film, which else would be a thread without mass."""
-        yield from _heavy_tip(f"{where}.mass", self.mass, scene)
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """Each is lighter than `HEAVY_TIP` times the film, which else would be a thread without mass; together they
+        weigh more than `LIGHT_TIP` of it, below which they have no effect.
+        """
+        count = max(1, _count(self.nodes, scene))
+        yield from _tip(f"{where}.mass", self.mass, scene, LIGHT_TIP * film_mass(scene) / count)
 
     def resized(self, sizes: Mapping[str, tuple[int, int]]) -> TipMasses:
         """Masses on a node set keep their sum."""
@@ -125,22 +132,48 @@ class Tethers(Part):
         """The spool whose rim the cords start on."""
         return Spool(self.anchor_radius)
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
-        """A wave runs along a cord as it does along some material, and the spinning sail does not tear its cords."""
-        yield from _wave_speed(self, where)
-        if scene.mesh is None or scene.material is None:
-            return
-        hub = next((law.hub_frequency for law in scene.laws if law.hub_frequency is not None), 0.0)
-        n = scene.mesh.node_count
-        masses = scene.mesh.masses(scene.material) + scene.assemble().extra_masses[:n]
-        radii = np.hypot(scene.mesh.reference[:, 0], scene.mesh.reference[:, 1])
-        count = np.size(scene.assemble().node_sets[self.nodes] if isinstance(self.nodes, str) else self.nodes)
-        tension = (2.0 * math.pi * hub) ** 2 * float(masses @ radii) / count
-        reason = f"the flat sail, at {hub:g} Hz, pulls each cord by about {tension:.3g} N and so stretches it beyond "
-        reason += f"its strain_limit = {self.strain_limit:g}"
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """A wave runs along a cord as it does along some material, the spinning sail does not tear its cords, and the
+        hub is no thread.
+        """
+        waves = [*_wave_speed(self, where)]
+        if scene.mesh is not None and scene.material is not None:
+            yield from self._torn(scene, where, has_plausible_waves=not waves)
+            most = outermost(scene, with_cords=False)
+            reason = (
+                f"a sail that reaches to {most:.4g} m from the axis has a hub of {THIN_RIM * most:.3g} m and more, "
+            )
+            reason += "and less than its own reach"
+            place, units = f"{where}.anchor_radius", {"mm": 1e-3, "cm": 1e-2}
+            bounds = {"least": THIN_RIM * most, "most": most}
+            yield from implausible(
+                place, self.anchor_radius, "m", reason, **bounds, units=units, derived_from=("mesh",)
+            )
+        yield from waves
+
+    def _torn(self, scene: Surroundings, where: str, *, has_plausible_waves: bool) -> Iterator[Doubt]:
+        """Cords that the flat sail stretches beyond their limit as it turns.
+
+        Where stiffness and density of the cords fit each other, the spin is doubted rather than the stiffness.
+        """
+        hub, tension = hub_frequency(scene), pull_of_spin(scene) / _count(self.nodes, scene)
         least = tension / self.strain_limit
-        place = f"{where}.axial_stiffness"
-        yield from implausible(place, self.axial_stiffness, "N", reason, least=least, units={"kN": 1e3})
+        if self.axial_stiffness >= least:
+            return
+        pulled = f"the flat sail, at {hub:g} Hz, pulls each cord by about {tension:.3g} N and so stretches it beyond "
+        if not has_plausible_waves:
+            reason = f"{pulled}its strain_limit = {self.strain_limit:g}"
+            place, derived, units = f"{where}.axial_stiffness", (*FILM, "laws.spin", "parts*mass"), {"kN": 1e3}
+            value = self.axial_stiffness
+            yield from implausible(place, value, "N", reason, least=least, units=units, derived_from=derived)
+            return
+        turning = next(law.kind for law in scene.laws if law.hub_frequency is not None)
+        most = hub * math.sqrt(self.axial_stiffness / least)
+        reason = f"{pulled}{where}.strain_limit = {self.strain_limit:g}, with {self.axial_stiffness:g} N"
+        place, derived = f"laws.{turning}.frequency", (*FILM, f"laws.{turning}", "parts*mass")
+        for found in implausible(place, hub, "Hz", reason, most=most, units=RATES, derived_from=derived):
+            more = f"{found.remedy}; else cords of {least:.3g} N or more are needed, or less mass"
+            yield replace(found, remedy=more)
 
     def softened(self, factor: float) -> Tethers:
         """Cords of `factor` times the axial stiffness."""
@@ -209,10 +242,12 @@ class Tether(Part):
             builder.fix(nodes[:1])
         builder.add_mass(nodes[-1:], self.tip_mass)
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A wave runs along a cord as it does along some material; a mass at its end is lighter than `HEAVIEST_TIP`."""
         yield from _wave_speed(self, where)
-        yield from _heavy_tip(f"{where}.tip_mass", self.tip_mass, scene)
+        length = self.length or math.dist(self.start, self.end)
+        least = LIGHT_TIP * self.linear_density * length if self.tip_mass > 0.0 else 0.0
+        yield from _tip(f"{where}.tip_mass", self.tip_mass, scene, least)
 
     def softened(self, factor: float) -> Tether:
         """A cord of `factor` times the axial stiffness."""
@@ -271,23 +306,39 @@ class Bridges(Part):
         return f"a stiffness of {self.stiffness / gain**2:.3g} N/m or less would take it out of the limit"
 
 
-def _heavy_tip(place: str, mass: float, scene: Surroundings) -> Iterator[Finding]:
-    reason, most = f"a mass at a tip is lighter than {HEAVIEST_TIP:g} kg", HEAVIEST_TIP
-    if scene.mesh is not None and scene.material is not None:
-        film = float(scene.mesh.areas().sum()) * scene.material.density * scene.material.thickness
+def _count(nodes: str | Sequence[int], scene: Surroundings) -> int:
+    return int(np.size(scene.assemble().node_sets[nodes] if isinstance(nodes, str) else nodes))
+
+
+def _tip(place: str, mass: float, scene: Surroundings, least: float) -> Iterator[Doubt]:
+    reason, most, film = f"a mass at a tip is lighter than {HEAVIEST_TIP:g} kg", HEAVIEST_TIP, film_mass(scene)
+    if film > 0.0:
         reason, most = f"that is {mass / film:.3g} times the mass of the film, {film:.3g} kg", HEAVY_TIP * film
-    yield from implausible(place, mass, "kg", reason, most=most, units={"g": 1e-3, "mg": 1e-6})
+    if mass < least:
+        reason = f"what it hangs on is more than {1.0 / LIGHT_TIP:.0e} times as heavy, so that it has no effect"
+    units = {"g": 1e-3, "mg": 1e-6}
+    yield from implausible(place, mass, "kg", reason, least=least, most=most, units=units, derived_from=FILM)
 
 
-def _wave_speed(part: Tether | Tethers, where: str) -> Iterator[Finding]:
+def _wave_speed(part: Tether | Tethers, where: str) -> Iterator[Doubt]:
     if part.linear_density == 0.0:
         return
     speed = math.sqrt(part.axial_stiffness / part.linear_density)
     reason = f"with axial_stiffness = {part.axial_stiffness:g} N a wave would run along the cord at {speed:.3g} m/s, "
     reason += f"and in cords it runs at {SLOWEST_WAVE:g} to {FASTEST_WAVE:g} m/s"
     heaviest, lightest = (part.axial_stiffness / bound**2 for bound in (SLOWEST_WAVE, FASTEST_WAVE))
+    stiffness = f"{where}.axial_stiffness"
     place, units = f"{where}.linear_density", {"g/m": 1e-3, "mg/m": 1e-6}
-    yield from implausible(place, part.linear_density, "kg/m", reason, least=lightest, most=heaviest, units=units)
+    yield from implausible(
+        place,
+        part.linear_density,
+        "kg/m",
+        reason,
+        least=lightest,
+        most=heaviest,
+        units=units,
+        derived_from=(stiffness,),
+    )
 
 
 def _cord(part: Tether | Tethers, length: float) -> Cord:

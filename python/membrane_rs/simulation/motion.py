@@ -57,7 +57,7 @@ class Motion(KnownAttributes, Copies, Readings):
             raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene; load or build one first")
         self.scene = scene
         self.assembly: Assembly = scene.assemble()
-        step = _step_of(scene.run.dt if dt is None else dt)
+        step = self._given_dt = _step_of(scene.run.dt if dt is None else dt)
         self._core = _core.Simulation(
             model_of(scene, self.assembly),
             laws_of(scene),
@@ -89,6 +89,11 @@ class Motion(KnownAttributes, Copies, Readings):
     def dt(self) -> float:
         """Step [s]; where `is_adaptive`, the one to be tried next."""
         return self._core.dt
+
+    @property
+    def given_dt(self) -> float | None:
+        """Step that the scene or the caller gave [s]; None where it follows from the limit or from the tolerance."""
+        return self._given_dt
 
     @property
     def is_adaptive(self) -> bool:

@@ -8,9 +8,8 @@ from typing import Annotated, ClassVar, Literal
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
 from membrane_rs.analysis.extent import span
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, Surroundings
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import FILM, Doubt, implausible
 
 GAS_CONSTANT = 287.0
 """R of air [J/(kg K)]."""
@@ -39,7 +38,7 @@ class AirDrag(Law):
     temperature: Annotated[Positive, Unit("K")] = 293.0
     air: Literal["still", "turning"] = "still"
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The law is that of thin air, without added mass: air beside the film, about as deep as the film is wide,
         weighs less than a tenth of it. Air is liquid below 79 K at 1 bar, and films decompose by 800 K.
         """
@@ -53,7 +52,7 @@ class AirDrag(Law):
             share = self.pressure * air / film
             reason = f"the air beside the film weighs {100 * share:.3g} % of it, and the law is that of thin air"
             most = HEAVY_AIR * film / air
-            yield from implausible(f"{where}.pressure", self.pressure, "Pa", reason, most=most)
+            yield from implausible(f"{where}.pressure", self.pressure, "Pa", reason, most=most, derived_from=FILM)
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Without a membrane, air or a motion against it there is no drag."""

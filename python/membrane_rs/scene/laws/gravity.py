@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Unit, Vector, validated
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, Surroundings
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import Doubt, implausible
 
 STRONGEST = 30.0
 """A little more than at the surface of Jupiter, 24.8 m/s2; the Sun's is 274."""
+EARTH, SAME = 9.81, 0.005
+"""[m/s2], and how far other values of it differ [-]."""
 
 
 @validated
@@ -29,12 +30,16 @@ class Gravity(Law):
     accelerates_all: ClassVar[bool] = True
     acceleration: Annotated[Vector, Unit("m/s2")] = (0.0, 0.0, -9.81)
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
-        """No planet's gravity is stronger than `STRONGEST`."""
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """No planet's gravity is stronger than `STRONGEST`, and hardly anything has a thousandth of the Earth's."""
         size = math.hypot(*self.acceleration)
         reason = f"gravity of more than {STRONGEST:g} m/s2 is that of no planet, and 9.81 m/s2 that of the Earth"
         units = {"cm/s2": 0.01, "mm/s2": 0.001}
-        yield from implausible(f"{where}.acceleration", size, "m/s2", reason, most=STRONGEST, units=units)
+        least = 0.0
+        if abs(1e3 * size / EARTH - 1.0) < SAME:
+            least, units = EARTH * (1.0 - SAME), {"km/s2": 1e3}
+            reason = "that is a thousandth of the gravity of the Earth, 9.81 m/s2"
+        yield from implausible(f"{where}.acceleration", size, "m/s2", reason, least=least, most=STRONGEST, units=units)
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A field of no strength."""

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import NonNegative, Unit, validated
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+from membrane_rs.scene.plausible import FILM, Doubt, implausible
+from membrane_rs.scene.scales import first_frequency
+
+STRONGEST = 10.0
+"""Rate over the frequency of the longest wave of tension: the friction that brings a scene to rest is far below it."""
 
 
 @validated
@@ -22,6 +28,13 @@ class MassDamping(Law):
     stiff_through: ClassVar[StiffThrough] = "law"
     acts_while_relaxing: ClassVar[bool] = False
     rate: Annotated[NonNegative, Unit("1/s")]
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """From twice the lowest frequency of tension on all of its vibrations creep, and far beyond nothing moves."""
+        most = STRONGEST * first_frequency(scene)
+        reason = f"velocities decay within {1.0 / self.rate if self.rate else 0.0:.2g} s, and nothing moves; the "
+        reason += f"slowest wave of tension has {most / STRONGEST:.3g} rad/s"
+        yield from implausible(f"{where}.rate", self.rate, "1/s", reason, most=most, derived_from=(*FILM, "parts"))
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Friction of no strength."""

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Finite, Unit, validated
+from membrane_rs.analysis.extent import span
 from membrane_rs.scene.law import Law, Surroundings
+from membrane_rs.scene.plausible import FILM, Doubt, implausible
+
+STRETCHED = 0.1
+"""Strain at which films are torn."""
 
 
 @validated
@@ -23,6 +29,20 @@ class Pressure(Law):
 
     kind: ClassVar[str] = "pressure"
     pressure: Annotated[Finite, Unit("Pa")]
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """A film of width w that is held at its edge is stretched by 0.3 (p w / (E h))^(2/3) (Hencky): by less than
+        `STRETCHED`, or than the strain at which the scene stops.
+        """
+        if scene.mesh is None or scene.material is None:
+            return
+        width, limits = span(scene.mesh.reference), (law.edge_strain_limit for law in scene.laws)
+        strain = max(STRETCHED, *(limit for limit in limits if limit is not None), 0.0)
+        most = (strain / 0.3) ** 1.5 * scene.material.youngs_modulus * scene.material.thickness / width
+        reason = f"it would stretch the film, {width:.4g} m wide, by more than {100 * strain:g} %"
+        units = {"mPa": 1e-3, "uPa": 1e-6}
+        size = abs(self.pressure)
+        yield from implausible(f"{where}.pressure", size, "Pa", reason, most=most, units=units, derived_from=FILM)
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A pressure of no strength, or nothing to act on."""

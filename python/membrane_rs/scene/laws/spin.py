@@ -6,20 +6,17 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
-import numpy as np
-
 from membrane_rs._validation import Finite, Unit, validated
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
+from membrane_rs.scene.scales import outermost
 
 FASTEST = 300.0
 """Speed of the rim [m/s]: about that at which rotors of strong plastics burst."""
 STRETCHED = 0.1
 """Strain by spinning at which films are torn; rho v^2/E is that of a ring of speed v."""
-TURNS = (1e-4, 1e4)
-"""In a run: below, the frame hardly moves; above, it takes days."""
-RPM = {"turns per minute": 1.0 / 60.0}
+TURNS = (1e-4, 1000.0)
+"""In a run: below, the frame hardly moves; a sail is deployed after some tens of turns."""
 
 
 @validated
@@ -47,12 +44,11 @@ class Spin(Law):
         """That at the start."""
         return self.frequency
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The rim of the flat shape moves more slowly than `FASTEST`, and a film is stretched by less than `STRETCHED`
         as a ring of this speed would be; a run has a number of turns within `TURNS`.
         """
-        points = scene.assemble().reference
-        radius = float(np.hypot(points[:, 0], points[:, 1]).max())
+        radius = outermost(scene, with_cords=False)
         end = self.frequency + self.acceleration * scene.run.until
         highest, fastest = max(abs(self.frequency), abs(end)), FASTEST
         if scene.material is not None and scene.mesh is not None:
@@ -65,13 +61,21 @@ class Spin(Law):
             most = fastest / (2.0 * math.pi * radius)
             at_start = abs(self.frequency) >= highest
             place, unit = (f"{where}.frequency", "Hz") if at_start else (f"{where}.acceleration (at the end)", "Hz")
-            yield from implausible(place, highest, unit, reason, most=most, units=RPM)
+            derived = FILM if fastest < FASTEST else ("mesh", "parts")
+            yield from implausible(place, highest, unit, reason, most=most, units=RATES, derived_from=derived)
         turns = 0.5 * (abs(self.frequency) + abs(end)) * scene.run.until
         if turns > 0.0:
             reason = f"the hub turns by {turns:.3g} turns in this run"
             least, most = (bound * scene.run.until / turns for bound in TURNS)
             yield from implausible(
-                "run.until", scene.run.until, "s", reason, least=least, most=most, units={"ms": 1e-3}
+                "run.until",
+                scene.run.until,
+                "s",
+                reason,
+                least=least,
+                most=most,
+                units={"ms": 1e-3},
+                derived_from=(where,),
             )
 
     def why_idle(self, scene: Surroundings) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -9,8 +10,15 @@ import numpy as np
 from membrane_rs._validation import Flag, Positive, Unit, validated
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
+from membrane_rs.scene.plausible import FILM, Doubt, implausible
 from membrane_rs.scene.reach import nearest_radii
+from membrane_rs.scene.scales import pull_of_spin, stiffest, widest_spool
 from membrane_rs.scene.spool import Spool
+
+THINNEST = 1e-4
+"""Radius of a spool over that of the flat scene."""
+STIFFEST = 1000.0
+"""Stiffness of the penalty over that of the stiffest spring: the step is then some thirty times as short."""
 
 
 @validated
@@ -50,6 +58,33 @@ class SpoolContact(Law):
         builder.add_contacts(builder.cord_nodes)
         if self.membrane:
             builder.add_contacts(np.arange(builder.mesh_count))
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """The spool is thinner than the scene is wide. Its penalty stops the cords that spin presses on it before they
+        reach half of the radius, and is not many times stiffer than all else, whose step it would make shorter.
+
+        A cord of tension T that is wound on the spool presses each node, l apart, by T l / R on it.
+        """
+        most = widest_spool(scene)
+        bounds = {"least": THINNEST * most, "most": most}
+        reason = f"the flat scene reaches to {most:.4g} m"
+        lengths = {"mm": 1e-3, "cm": 1e-2}
+        own = f"{where}.radius"
+        yield from implausible(own, self.radius, "m", reason, **bounds, units=lengths, derived_from=("mesh",))
+        assembly = scene.assemble()
+        place, derived = f"{where}.stiffness", (own, *FILM, "laws.spin", "parts")
+        units = {"kN/m": 1e3, "mN/m": 1e-3}
+        most = STIFFEST * stiffest(scene)
+        if self.stiffness > most > 0.0:
+            reason = f"that is more than {STIFFEST:g} times the stiffest spring, {most / STIFFEST:.3g} N/m"
+            yield from implausible(place, self.stiffness, "N/m", reason, most=most, units=units, derived_from=derived)
+        elif len(assembly.cords) and len(assembly.fixed):
+            tension = pull_of_spin(scene) / len(assembly.fixed)
+            force = tension * float(np.median(assembly.cords.rest_length)) / self.radius
+            reason = f"a cord that is wound on the spool presses each node on it by about {force:.3g} N, which sinks "
+            reason += f"{force / self.stiffness:.3g} m into it; the run stops at half of the radius"
+            least = 2.0 * force / self.radius
+            yield from implausible(place, self.stiffness, "N/m", reason, least=least, units=units, derived_from=derived)
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Without contact nodes, or where none of them can reach the spool: springs to fixed nodes are too short."""

@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
-from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
-from membrane_rs.scene.plausible import implausible
+from membrane_rs.scene.plausible import Doubt, implausible
 
 
 @validated
@@ -53,7 +52,7 @@ class SpringDamping(Law):
         pairs = np.asarray(masses, dtype=np.float64)
         return np.asarray(pairs.mean(axis=1) if self.mass == "mean" else 1.0 / (1.0 / pairs).sum(axis=1))
 
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Finding]:
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """From 1 on a pair of masses no longer vibrates along its spring: it creeps."""
         reason = "from 1 on a spring and its masses creep, and do not vibrate; films have some hundredths"
         yield from implausible(f"{where}.ratio", self.ratio, "(a ratio)", reason, most=1.0, units={"%": 0.01})

@@ -1,0 +1,66 @@
+"""Scales of a scene, by which values are called plausible: its masses, stiffness, waves, and the pull of its spin."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from membrane_rs.analysis.extent import span
+from membrane_rs.scene.law import Surroundings
+
+
+def film_mass(scene: Surroundings) -> float:
+    """Of the membrane [kg]; 0 without one."""
+    if scene.mesh is None or scene.material is None:
+        return 0.0
+    return float(scene.mesh.areas().sum()) * scene.material.density * scene.material.thickness
+
+
+def outermost(scene: Surroundings, *, with_cords: bool = True) -> float:
+    """Distance of the outermost node of the flat shape, or of the flat membrane alone, from the z axis [m]."""
+    points = scene.assemble().reference if with_cords or scene.mesh is None else scene.mesh.reference
+    return float(np.hypot(points[:, 0], points[:, 1]).max())
+
+
+def widest_spool(scene: Surroundings) -> float:
+    """Radius beyond which a spool is hardly meant [m]: the reach of the flat scene from the axis, or its width."""
+    return max(outermost(scene), span(scene.assemble().reference))
+
+
+def stiffest(scene: Surroundings) -> float:
+    """Of the springs [N/m]: E h, which is about that of each spring of a film, or EA/l of a cord's segment."""
+    film = 0.0 if scene.material is None else scene.material.youngs_modulus * scene.material.thickness
+    return max(film, float(scene.assemble().cords.stiffness.max(initial=0.0)))
+
+
+def first_frequency(scene: Surroundings) -> float:
+    """Of waves of tension as long as the scene, 2 pi c / width [rad/s]; inf where there are none.
+
+    c is (E/rho)^(1/2) in a film, and in cords (EA L/M)^(1/2), with L the length and M the mass of all.
+    """
+    assembly = scene.assemble()
+    width = span(assembly.reference)
+    if scene.material is not None:
+        speed = math.sqrt(scene.material.youngs_modulus / scene.material.density)
+    else:
+        lengths, mass = assembly.cords.rest_length, float(assembly.extra_masses.sum())
+        tension = float((assembly.cords.stiffness * lengths).max(initial=0.0))
+        speed = math.sqrt(tension * float(lengths.sum()) / mass) if mass > 0.0 else math.inf
+    return 2.0 * math.pi * speed / width if width > 0.0 else math.inf
+
+
+def hub_frequency(scene: Surroundings) -> float:
+    """Turns per second at the start [Hz]; 0 where nothing turns."""
+    return abs(next((law.hub_frequency for law in scene.laws if law.hub_frequency is not None), 0.0))
+
+
+def pull_of_spin(scene: Surroundings) -> float:
+    """(2 pi f)^2 sum m r [N]: the outward pull of the flat membrane, or of cords alone, as they turn at the start."""
+    assembly = scene.assemble()
+    masses, points = assembly.extra_masses, assembly.reference
+    if scene.mesh is not None and scene.material is not None:
+        points = scene.mesh.reference
+        masses = masses[: len(points)] + scene.mesh.masses(scene.material)
+    radii = np.hypot(points[:, 0], points[:, 1])
+    return (2.0 * math.pi * hub_frequency(scene)) ** 2 * float(masses @ radii)
