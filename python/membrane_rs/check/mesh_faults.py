@@ -16,8 +16,10 @@ def mesh_faults(scene: Scene) -> Iterator[Finding]:
 
 
 def growing_modes(scene: Scene) -> Iterator[Finding]:
-    """Modes of the mesh that grow by negative springs."""
-    if scene.mesh is not None and scene.material is not None and _has_springs(scene):
+    """Modes of the mesh that grow by negative springs, which those that are clipped to zero do not have."""
+    if scene.mesh is None or scene.material is None or scene.negative_springs == "clip":
+        return
+    if _has_springs(scene):
         yield from growing(scene.mesh, scene.material)
 
 
