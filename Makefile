@@ -60,8 +60,8 @@ PART_OF_BENCH := model_1 kernels steps building output
 bench: $(VENV)/built
 	@for part in $(or $(PART),$(PART_OF_BENCH)); do $(BIN)/python benchmarks/$$part.py --write $(QUICK) || exit 1; done
 
-# Kills model 1's run 200 times, resumes each, and compares all bits with those of a run that nobody stopped: the table
-# of docs/interruption.md. QUICK=--quick: few kills of a small scene.
+# Kills model 1's run until 200 kills have hit it, resumes each, and compares all bits with those of a run that nobody
+# stopped: the table of docs/interruption.md. QUICK=--quick: few kills of a small scene.
 kill: $(VENV)/built
 	$(BIN)/python benchmarks/interruption.py $(or $(QUICK),--write)
 

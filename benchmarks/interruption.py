@@ -32,40 +32,71 @@ COMMAND = ["run", "okuizumi-model-1", "--integrator", "leapfrog"]
 COMMAND += ["--until", "0.004", "--frames", "41", "--checkpoint", "0.05"]
 
 
+FRAME, CHECKPOINT = "frames/*.part", "state.npz.part"
+"""Files that are there while a frame or a checkpoint is written, in the folder of a run."""
+MOST = 20
+"""Kills for each that is to hit a run, after which the run counts as too short to be hit."""
+
+
 @dataclass(frozen=True)
 class Moment:
-    """When a run is killed: after some of its life, drawn evenly, and then as soon as a file is there."""
+    """When a run is killed: after some time, drawn evenly, and then as soon as a file is there."""
 
     name: str
-    kills: int
+    hits: int
+    """Kills that hit a run, by all signals together."""
     file: str = ""
-    """Pattern of the file, in the folder of the run; empty: at once."""
+    """Pattern of the file, in the folder of the run; empty: at once, and the time counts from the start of the process,
+    not from that of the run.
+    """
     in_a_row: int = 1
     """Kills of one run, each after it was resumed."""
     words: tuple[str, ...] = ("--no-pictures",)
 
 
 MOMENTS = (
-    Moment("at any moment", 80),
-    Moment("while a frame is written", 40, "frames/*.part"),
-    Moment("while a checkpoint is written", 40, "state.npz.part"),
-    Moment("five times in a row", 20, "summary.json", in_a_row=5),
+    Moment("at any moment", 60),
+    Moment("while a frame is written", 40, FRAME),
+    Moment("while a checkpoint is written", 40, CHECKPOINT),
+    Moment("five times in a row", 40, "summary.json", in_a_row=5),
     Moment("while pictures are drawn", 20, "snapshots/*.png", words=()),
 )
 
 
 @dataclass
 class Tally:
-    """What was found of one moment and signal."""
+    """What was found of one moment and signal: kills by what they hit, and the runs that were hit."""
 
-    kills: int = 0
+    hits: int = 0
+    """That ended a process whose run went on."""
+    in_frame: int = 0
+    """Of these: a frame was half written when the run was killed, or went on being written after SIGTERM had come."""
+    in_checkpoint: int = 0
+    """The same of a checkpoint."""
     before: int = 0
-    """Killed before the folder held a run, which was begun again."""
-    ended: int = 0
-    """Ended before the signal came."""
+    """That ended a process before it had begun the run, or had gone on with it."""
+    after: int = 0
+    """That came after the end of the run."""
     runs: int = 0
+    """That were hit, and resumed until their end."""
     equal: int = 0
     differing: list[str] = field(default_factory=list)
+
+    @property
+    def kills(self) -> int:
+        """All."""
+        return self.hits + self.before + self.after
+
+    def add(self, pid: int, folder: Path, written: Sequence[str]) -> None:
+        """Count a kill of the process `pid`, which has ended, by what was being written."""
+        if (folder / "summary.json").is_file() and read_summary(folder)["outcome"] == "finished":
+            self.after += 1
+        elif owner(folder) != pid:
+            self.before += 1
+        else:
+            self.hits += 1
+            self.in_frame += FRAME in written
+            self.in_checkpoint += CHECKPOINT in written
 
 
 Found = dict[tuple[str, str], Tally]
@@ -100,9 +131,19 @@ def is_over(pid: int) -> bool:
     return os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
 
-def kill(pid: int, signum: int, delay: float, folder: Path, file: str) -> int:
-    """Send a signal after `delay` [s], once `file` is there. Returns the exit code of the process."""
+def owner(folder: Path) -> int | None:
+    """The pid of the process that goes on, or went on last, with the run in a folder; None without a run."""
+    return read_summary(folder)["process"]["pid"] if (folder / "summary.json").is_file() else None
+
+
+def kill(pid: int, signum: int, delay: float, folder: Path, file: str) -> list[str]:
+    """End a process by a signal: after `delay` [s], or where there is a `file` so long after it began or resumed the
+    run, once `file` is there. Returns those of `FRAME` and `CHECKPOINT` that were being written: half a file is left,
+    or after SIGTERM, which lets it be finished, was still there.
+    """
     deadline = time.monotonic() + SECONDS
+    while file and owner(folder) != pid and not is_over(pid) and time.monotonic() < deadline:
+        time.sleep(0.001)
     until = time.monotonic() + delay
     while not is_over(pid) and (time.monotonic() < until or not (any(folder.glob(file)) if file else True)):
         if time.monotonic() > deadline:
@@ -110,7 +151,12 @@ def kill(pid: int, signum: int, delay: float, folder: Path, file: str) -> int:
             raise SystemExit(f"{folder}: the run did not come to {file}")
         time.sleep(0.0 if time.monotonic() > until else 0.001)
     os.kill(pid, signum)
-    return end_of(pid)
+    if signum == signal.SIGKILL:
+        end_of(pid)
+    written = [each for each in (FRAME, CHECKPOINT) if any(folder.glob(each))]
+    if signum != signal.SIGKILL:
+        end_of(pid)
+    return written
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -148,18 +194,38 @@ class Trial:
         command = [*self.command, folder]
         pid = begin(command)
         for _ in range(moment.in_a_row):
-            span = (self.life - self.begun / 2) * min(1.0, 2.0 / moment.in_a_row)
-            delay = self.begun / 2 + self.chance.uniform(0.0, span)
-            code = kill(pid, self.signum, delay, folder, moment.file)
-            tally.kills += 1
-            tally.ended += code == 0
-            if not (folder / "summary.json").is_file():
-                tally.before += 1
-                pid = begin([*command, "--overwrite"])
-            else:
-                pid = begin(["resume", folder])
+            first, span = (0.0, self.life - self.begun) if moment.file else (self.begun / 2, self.life - self.begun / 2)
+            delay = first + self.chance.uniform(0.0, span / moment.in_a_row)
+            tally.add(pid, folder, kill(pid, self.signum, delay, folder, moment.file))
+            pid = begin(["resume", folder] if (folder / "summary.json").is_file() else [*command, "--overwrite"])
         if (code := end_of(pid)) != 0:
             raise SystemExit(f"{folder}: the run that was killed {moment.name} ended with code {code} when resumed")
+
+    def compare(self, folder: Path, reference: Path) -> None:
+        """Interrupt a run, and compare it with the one that nobody stopped. Raises SystemExit where it is too short."""
+        tally, wanted = self.tally, self.moment.hits // len(ENDING)
+        before = tally.hits
+        rmtree(folder, ignore_errors=True)
+        self.interrupt(folder)
+        different = differences(folder, reference)
+        tally.differing += different
+        if tally.hits > before:
+            tally.runs += 1
+            tally.equal += not different
+        if tally.kills >= MOST * wanted:
+            raise SystemExit(f"{self.moment.name}: {tally.hits} of {tally.kills} kills hit a run; take a longer one")
+
+
+def uninterrupted(command: Sequence[object], folder: Path) -> tuple[float, float]:
+    """After what time a run that nobody stops holds its folder, and after what time it ends [s]."""
+    start = time.monotonic()
+    pid = begin([*command, folder])
+    while not is_over(pid) and not (folder / "summary.json").exists():
+        time.sleep(0.001)
+    begun = time.monotonic() - start
+    if (code := end_of(pid)) != 0:
+        raise SystemExit(f"the run that nobody stops ended with code {code}")
+    return begun, time.monotonic() - start
 
 
 def measured(moments: Sequence[Moment], command: Sequence[object], place: Path, seed: int) -> Found:
@@ -168,33 +234,24 @@ def measured(moments: Sequence[Moment], command: Sequence[object], place: Path, 
     for moment in moments:
         whole = [*command, *moment.words, "--out"]
         reference, folder = place / f"reference {moment.name}", place / "run"
-        start = time.monotonic()
-        pid = begin([*whole, reference])
-        while not is_over(pid) and not (reference / "summary.json").exists():
-            time.sleep(0.001)
-        begun = time.monotonic() - start
-        if (code := end_of(pid)) != 0:
-            raise SystemExit(f"the run that nobody stops ended with code {code}")
-        life = time.monotonic() - start
+        uninterrupted(whole, reference)
+        begun, life = uninterrupted(whole, place / f"again {moment.name}")  # the first one reads all modules from disk
         for signum in ENDING:
             trial = Trial(whole, moment, signum, begun, life, chance)
             tally = found[moment.name, signal.Signals(signum).name] = trial.tally
-            while tally.kills < moment.kills // len(ENDING):
-                rmtree(folder, ignore_errors=True)
-                trial.interrupt(folder)
-                different = differences(folder, reference)
-                tally.runs += 1
-                tally.equal += not different
-                tally.differing += different
+            while tally.hits < moment.hits // len(ENDING):
+                trial.compare(folder, reference)
             print(f"{moment.name}, {signal.Signals(signum).name}: {tally}", file=sys.stderr, flush=True)
     return found
 
 
 def page(tallies: Found) -> str:
     """The table, and what differs."""
-    head = ("killed", "by", "kills", "before the folder held a run", "after the end", "runs resumed", "same bits")
+    hit = ("kills that hit a run", "in the middle of a frame", "of a checkpoint", "runs resumed", "same bits")
+    head = ("killed", "by", *hit, "kills before the run", "after its end")
     rows = [
-        (*where, tally.kills, tally.before, tally.ended, tally.runs, tally.equal) for where, tally in tallies.items()
+        (*where, one.hits, one.in_frame, one.in_checkpoint, one.runs, one.equal, one.before, one.after)
+        for where, one in tallies.items()
     ]
     columns = list(zip(*(row[2:] for row in rows), strict=True))
     total = ("all", "", *(sum(column) for column in columns))
@@ -211,10 +268,10 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0, help="share of the kills, where time is short")
     parser.add_argument("--seed", type=int, default=1, help="of the moments")
     chosen = parser.parse_args()
-    moments = [replace(m, kills=max(2 * m.in_a_row, round(m.kills * chosen.share))) for m in MOMENTS]
+    moments = [replace(m, hits=max(2 * m.in_a_row, round(m.hits * chosen.share))) for m in MOMENTS]
     command = COMMAND
     if chosen.quick:
-        moments = [replace(m, kills=2 * m.in_a_row) for m in MOMENTS[:4]]
+        moments = [replace(m, hits=2 * m.in_a_row) for m in MOMENTS[:4]]
         command = ["run", "single-crease", *COMMAND[4:]]
     with tempfile.TemporaryDirectory() as place:
         found = measured(moments, command, Path(place), chosen.seed)
@@ -222,7 +279,7 @@ def main() -> None:
     print(text)
     if chosen.write:
         PART.write(text)
-    if any(tally.equal < tally.runs for tally in found.values()):
+    if any(tally.differing for tally in found.values()):
         raise SystemExit("some results differ from those of the run that nobody stopped")
 
 

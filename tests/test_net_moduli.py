@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
-from membrane_rs import Fixed, MassDamping, Material, Mesh, MeshError, Scene, Simulation, scenes
+from membrane_rs import Fixed, MassDamping, Material, Mesh, MeshError, Scene, Simulation, Springs, scenes
 from membrane_rs.check import audit
 from membrane_rs.check.net_of_springs import net_lines
 from membrane_rs.cli import app
@@ -104,6 +106,57 @@ def test_relaxed_moduli_are_those_of_the_simulator() -> None:
     assert sim.energies()["springs"] / scale == pytest.approx(net.stiffness[2, 2], rel=1e-3)
     assert start / scale == pytest.approx(net_moduli(ragged, RUBBER).stiffness[2, 2], rel=1e-3)
     assert start > 1.01 * sim.energies()["springs"]
+
+
+def obtuse(kind: str) -> Mesh:
+    """A square of four triangles with one negative spring on its boundary, or a strip that is sheared throughout."""
+    if kind == "boundary":
+        points = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0], [0.05, 0.02, 0.0]]
+        return Mesh(points, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    strip = Strip(0.08, 0.08, 8, 8).mesh()
+    sheared = strip.reference @ np.array([[1.0, 0.0, 0.0], [0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    return Mesh(sheared, strip.triangles)
+
+
+@pytest.mark.parametrize("kind", ["boundary", "throughout"])
+@pytest.mark.parametrize("negative", ["keep", "clip"])
+def test_moduli_are_those_of_the_springs_that_the_scene_uses(kind: str, negative: Literal["keep", "clip"]) -> None:
+    # The energy of a uniform strain, by the simulator, in three states of strain.
+    mesh, clip = obtuse(kind), negative == "clip"
+    net = net_moduli(mesh, RUBBER, clip=clip)
+    scene = Scene(mesh, RUBBER, [replace(UNBUCKLED, negative=negative)], [Fixed((0, 1, 2))])
+    scale = 0.5 * RUBBER.youngs_modulus * RUBBER.thickness * float(mesh.areas().sum())
+    for strain in 1e-5 * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.3, 1.0]]):
+        xx, yy, xy = strain
+        sim = Simulation(scene)
+        sim.positions = mesh.reference @ (np.eye(3) + np.array([[xx, xy / 2, 0], [xy / 2, yy, 0], [0, 0, 0]]))
+        expected = strain @ net.stiffness @ strain
+        assert sim.energies()["springs"] / scale == pytest.approx(expected, rel=1e-3)
+    least, greatest = net.local_extremes
+    assert least <= net.extremes[0] + 0.1
+    assert greatest >= net.extremes[1] - 0.1
+
+
+def test_check_tells_the_moduli_of_clipped_springs_and_no_growing_mode() -> None:
+    mesh = obtuse("throughout")
+    found = {
+        negative: audit(Scene(mesh, RUBBER, [Springs(negative=negative)], [Fixed((0, 1))]))
+        for negative in ("keep", "clip")
+    }
+    kept, clipped = (found[negative].find("net_of_springs") for negative in ("keep", "clip"))
+    assert kept is not None
+    assert clipped is not None
+    assert kept.message != clipped.message
+    assert "springs, whose constants were negative, to zero" in clipped.message
+    assert "to zero" not in kept.message
+    assert found["clip"].find("growing_mode") is None
+
+
+def test_springs_that_leave_a_strain_free_have_no_moduli() -> None:
+    # Two needles: their long side is the only spring that clipping leaves.
+    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.1, 0.0]]
+    with pytest.raises(MeshError, match="no stiffness in one direction"):
+        net_moduli(Mesh(points, [[0, 1, 2]]), FILM, clip=True)
 
 
 def test_what_has_no_moduli_is_refused() -> None:

@@ -13,7 +13,7 @@ import pytest
 from fake_simulation import FakeSimulation
 from membrane_rs import InputError, Scene, Simulation, scenes
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.plotting import plot_deployment
+from membrane_rs.plotting import deployment, plot_deployment
 from membrane_rs.plotting.camera import Camera, bar_length, direction_of
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
@@ -162,6 +162,32 @@ def test_no_curve_of_rounding(tmp_path: Path, phase: float, hub: float, panels: 
         assert picture.size == (700, 100 * (0.4 + 3.0 * panels))
     if phase < 1e-6:
         assert curve_features(table(phase, hub))["zero_crossing_time"] is None
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "shows_level"),
+    [
+        (2e-4, 3e-3, False),
+        (0.4, 0.45, False),
+        (0.73, 0.999, True),
+        (0.5, 0.8, True),
+        (1.0, 1.2, True),
+        (0.5, 0.5, True),
+    ],
+)
+def test_the_scale_of_the_rate_fits_the_curve(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, low: float, high: float, shows_level: bool
+) -> None:
+    figures: list[Any] = []
+    monkeypatch.setattr(deployment, "save_figure", lambda figure, *_: figures.append(figure))
+    rate = np.linspace(low, high, 50)
+    rate[7] = math.nan
+    plot_deployment(table(0.0, 0.0) | {"deployment_rate": rate}, tmp_path / "one.png")
+    bottom, top = figures[0].axes[0].get_ylim()
+    assert bottom < low <= high < top
+    assert (bottom < 1.0 < top) == shows_level
+    if high > low:
+        assert high - low > 0.3 * (top - bottom)
 
 
 @pytest.mark.parametrize(("ending", "head"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".SVG", b"<?xml")])

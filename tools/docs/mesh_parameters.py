@@ -18,6 +18,7 @@ from marked import DOCS, MarkedPart
 from membrane_rs import Simulation, Springs, scenes
 from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
+from membrane_rs.mesh import net_moduli
 from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.length_scales import PHYSICAL
@@ -25,7 +26,8 @@ from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 PARTS = {
-    name: MarkedPart(DOCS / "mesh_parameters.md", name) for name in ("lengths", *MODELS, "compression", "triangles")
+    name: MarkedPart(DOCS / "mesh_parameters.md", name)
+    for name in ("lengths", *MODELS, "compression", "moduli", "triangles")
 }
 PAPERS_ROWS, FINEST = 16, 64
 STARTS = {8: 4, 16: 4, 32: 2}
@@ -57,6 +59,7 @@ def main() -> None:
         if options.write:
             shutil.copy(folder / "mesh-study.png", DOCS / f"mesh_parameters-{model[-1]}.png")
     texts["compression"] = compression(options.until)
+    texts["moduli"] = moduli()
     texts["triangles"] = calibrated(options.until, options.out / "runs", options.jobs)
     for name, text in texts.items():
         print(f"\n{name}\n\n{text}", flush=True)
@@ -124,6 +127,22 @@ def compression(until: float | None) -> str:
         values = (f"{force:.2f}", f"{full:.2f}", f"{force / full:.2f}", f"{100 * buckled:.0f} %")
         body.append((f"{176 / rows:.3g}", *values))
     return table(("cells [mm]", "borne [N/m]", "at buckling [N/m]", "share", "springs buckled"), body, words=())
+
+
+def moduli() -> str:
+    """Moduli of the net of springs on each mesh of both models, over the film's."""
+    body = []
+    for model in MODELS:
+        scene = scenes.load(model)
+        assert scene.material is not None
+        assert scene.mesh is not None
+        assert isinstance(scene.mesh.source, SquareSail)
+        for rows in (8, PAPERS_ROWS, 32, FINEST):
+            net = net_moduli(replace(scene.mesh.source, rows=rows).mesh(), scene.material)
+            axis = net.axis
+            values = (net.modulus(axis), net.modulus(axis + 45.0), net.shear_modulus(axis), net.poisson_ratio(axis))
+            body.append((model, f"{176 / rows:.3g}", *(f"{float(value):.3f}" for value in values)))
+    return table(("model", "cells [mm]", "E along 0", "E along 45 degrees", "G", "nu"), body, words=(0,))
 
 
 def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 from threading import Event
 
 import numpy as np
+from kept import kept
 from marked import DOCS, MarkedPart
 from membrane_rs import Material, Mesh, Scene, Simulation, Springs, Triangles, scenes
 from membrane_rs._arrays import Floats
@@ -136,7 +137,7 @@ def curves(model: str, until: float | None, folder: Path, workers: int | None) -
             file = folder / f"{model}-{film.replace(', ', '-').replace(' ', '-')}-{start}-{case.until:g}.npz"
             one = case.perturbed(start) if start else case
             names.append(file.stem)
-            jobs.append(lambda one=one, dt=dt, file=file: kept_run(one, dt, file, stop))
+            jobs.append(lambda one=one, dt=dt, file=file: kept(file, lambda: history(one, dt, stop)))
     tables = run_parallel(jobs, names, stop, workers=workers, tell=lambda words: print(words, flush=True))
     found, ahead = {}, iter(tables)
     for film in variants(model):
@@ -144,17 +145,12 @@ def curves(model: str, until: float | None, folder: Path, workers: int | None) -
     return found
 
 
-def kept_run(case: StudyCase, dt: float, file: Path, stop: Event) -> Mapping[str, Floats]:
-    """The history of one run, from its file where that is there."""
-    if file.is_file():
-        with np.load(file) as kept:
-            return dict(kept)
-    run = run_case(case, "leapfrog", dt, stop=stop)
-    history = {"time": run.times, "deployment_rate": run.rate, "phase_difference_deg": run.phase}
-    if not stop.is_set():
-        run.completed()
-        np.savez(file, **history)  # type: ignore[arg-type]
-    return history
+def history(case: StudyCase, dt: float, stop: Event) -> dict[str, Floats]:
+    """The curves of one run. Raises KeyboardInterrupt where `stop` ended it early."""
+    run = run_case(case, "leapfrog", dt, stop=stop).completed()
+    if stop.is_set():
+        raise KeyboardInterrupt
+    return {"time": run.times, "deployment_rate": run.rate, "phase_difference_deg": run.phase}
 
 
 def text_of(model: str, runs: Tables) -> str:

@@ -27,9 +27,10 @@ def net_lines(scene: Scene) -> list[tuple[str, str]]:
     mesh, material = scene.mesh, scene.material
     if mesh is None or material is None or scene.negative_springs in (None, "unused"):
         return []
+    clip = scene.negative_springs == "clip"
     try:
-        affine = net_moduli(mesh, material)
-        relaxed = affine if affine.is_balanced else net_moduli(mesh, material, relaxed=True)
+        affine = net_moduli(mesh, material, clip=clip)
+        relaxed = affine if affine.is_balanced else net_moduli(mesh, material, relaxed=True, clip=clip)
     except MeshError as error:
         return [("moduli", f"unknown: {error}")]
     axis = affine.axis
@@ -40,6 +41,9 @@ def net_lines(scene: Scene) -> list[tuple[str, str]]:
     if any(abs(own - other) > _SAME for own, other in zip(_values(affine, axis), _values(relaxed, axis), strict=True)):
         lines.append(("relaxed", _moduli(relaxed, axis)))
     lines.append(("film", f"E 1, G 1, nu {material.poisson_ratio:.3f}"))
+    clipped = int((mesh.spring_constants(material) < 0.0).sum()) if clip else 0
+    if clipped:
+        lines.append(("clipped", f"{clipped} of {len(mesh.edges)} springs, whose constants were negative, to zero"))
     least, greatest = affine.local_extremes
     lines.append(("extremes", f"E from {least:.3f} to {greatest:.3f} over all directions, around a node"))
     lines.append(("meaning", _meaning(affine, axis)))

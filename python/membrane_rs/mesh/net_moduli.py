@@ -36,6 +36,8 @@ _ISOTROPIC = 1e-3
 """Relative difference of the extremes of E below which a net has no axes of its own."""
 _UNBALANCED = 1e-9
 """Net force on a node, relative to that of one spring, from which the inner nodes are relaxed."""
+_NO_STIFFNESS = 1e-12
+"""Smallest eigenvalue of C, relative to the largest, up to which the net gives way without a force."""
 _GRID = np.radians(np.arange(1800) / 10.0)
 
 
@@ -102,7 +104,7 @@ class NetModuli:
         return all(abs(value - 1.0) < 0.01 for value in values)
 
 
-def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False) -> NetModuli:
+def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False, clip: bool = False) -> NetModuli:
     """Moduli of the net of springs that the core makes of a film on this mesh.
 
     Parameters
@@ -114,16 +116,19 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     relaxed : bool
         False: every node follows the uniform strain (affine). True: those of the boundary do, and the others rest where
         no net force is left on them (homogenised); its moduli are the smaller ones.
+    clip : bool
+        Whether negative spring constants are set to zero, as by `Springs(negative="clip")`. False: they are kept.
 
     Raises
     ------
     MeshError
-        A reference that is not flat, a triangle without area, or springs so negative that the net has no stiffness.
+        A reference that is not flat, a triangle without area, or a net that has no stiffness against some strain,
+        because springs are negative or clipped.
     """
     check_kind(mesh, Triangulation, "mesh", "a Mesh")
     check_kind(material, Material, "material", "a Material")
     points, film = _in_plane(mesh.reference), material.youngs_modulus * material.thickness
-    constants = mesh.spring_constants(material) / film
+    constants = mesh.spring_constants(material, clip=clip) / film
     ends, area = points[mesh.edges], float(mesh.areas().sum())
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -144,9 +149,11 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
         stretch = np.einsum("ea,eaj->ej", n, moved[mesh.edges[:, 1]] - moved[mesh.edges[:, 0]])
     total = shape + stretch
     stiffness = np.einsum("e,ei,ej->ij", constants, total, total) / area
-    if np.linalg.eigvalsh(stiffness)[0] <= 0.0:
+    least, *_, greatest = np.linalg.eigvalsh(stiffness)
+    if least <= _NO_STIFFNESS * greatest:
         raise MeshError("the net of springs has no stiffness in one direction; make no triangle obtuse")
-    return NetModuli(stiffness, material.poisson_ratio, is_balanced, _local_extremes(mesh, points, material, is_inner))
+    around = _local_extremes(mesh, points, material, is_inner, (constants > 0.0) | (not clip))
+    return NetModuli(stiffness, material.poisson_ratio, is_balanced, around)
 
 
 def _in_plane(reference: Floats) -> Floats:
@@ -189,14 +196,17 @@ def _relaxed(mesh: Triangulation, constants: Floats, n: Floats, pull: Floats, is
     return moved
 
 
-def _local_extremes(mesh: Triangulation, points: Floats, material: Material, is_inner: Bools) -> tuple[float, float]:
+def _local_extremes(
+    mesh: Triangulation, points: Floats, material: Material, is_inner: Bools, is_used: Bools
+) -> tuple[float, float]:
     """Means over the inner nodes, by area, of the extremes of E/E_Y of the triangles around each, without relaxation;
-    over all nodes where none is inner.
+    over all nodes where none is inner. Edges that are not used have no stiffness in either of their triangles.
     """
     count = len(mesh.triangles)
     alone = np.arange(3 * count, dtype=np.int64).reshape(-1, 3)
     corners = Triangulation(mesh.reference[mesh.triangles.ravel()], alone, np.empty((0, 2), int), np.empty((0, 2), int))
     constants = corners.spring_constants(material) / (material.youngs_modulus * material.thickness)
+    constants[corners.triangle_edges[~is_used[mesh.triangle_edges]]] = 0.0
     ends = points[mesh.triangles.ravel()][corners.edges]
     along = ends[:, 1] - ends[:, 0]
     t = np.stack([along[:, 0] ** 2, along[:, 1] ** 2, along[:, 0] * along[:, 1]], axis=1)

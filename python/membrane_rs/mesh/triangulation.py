@@ -80,8 +80,10 @@ class Triangulation(KnownAttributes):
         result: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
         return result
 
-    def spring_constants(self, material: Material) -> Floats:
-        """(e,) spring constant of each edge [N/m], the sum over its triangles; it may be negative.
+    def spring_constants(self, material: Material, *, clip: bool = False) -> Floats:
+        """(e,) spring constant of each edge [N/m], the sum over its triangles.
+
+        It may be negative, unless `clip` sets negative ones to zero, as `Springs(negative="clip")` does.
 
         Raises
         ------
@@ -95,10 +97,11 @@ class Triangulation(KnownAttributes):
                 f"(nodes {self.triangles[flat[0]].tolist()}); remove them, or move their nodes apart"
             )
         m = material
-        return np.asarray(
+        constants = np.asarray(
             _core.spring_constants(self.reference, self.triangles, m.youngs_modulus, m.poisson_ratio, m.thickness),
             dtype=np.float64,
         )
+        return np.maximum(constants, 0.0) if clip else constants
 
     def masses(self, material: Material) -> Floats:
         """(n,) mass of each node [kg]: a third of each triangle around it."""

@@ -27,6 +27,10 @@ PANELS = (
     ("deployment_rate", "Deployment rate", 1.0),
     ("phase_difference_deg", "Phase difference [deg]", 0.0),
 )
+_AWAY = 2.0
+"""Distance from a level, over the range of the curves, up to which the scale reaches it."""
+_STEADY = 1e-6
+"""Range below which a curve does not change: rounding of the rate, or in degrees of the phase."""
 
 
 class DeploymentPicture(Drawing):
@@ -94,6 +98,20 @@ def _turns(table: Mapping[str, Floats]) -> bool:
     return (angle is None or bool(np.any(angle != 0.0))) and bool(np.any(np.abs(known) > LEAST_PHASE))
 
 
+def _scale(curves: Sequence[Floats], level: float) -> tuple[float, float]:
+    """The ends of the scale: around all curves, and up to the level where that leaves them a third of the height, or
+    where they show nothing else.
+    """
+    values = np.concatenate([*curves, [np.nan]])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (level, level)
+    away = max(level - high, low - level)
+    if away <= _AWAY * (high - low) or high - low < _STEADY:
+        low, high = min(low, level), max(high, level)
+    margin = 0.05 * max(high - low, _STEADY)
+    return low - margin, high + margin
+
+
 def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str, dpi: float | None) -> None:
     """Runs, as (label, table), in one or two panels above each other that share the time axis."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -106,8 +124,7 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
     for axes, (column, label, level) in zip(panels, shown, strict=True):
         for k, (name, table) in enumerate(runs):
             axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=plain_text(name))
-        low, high = axes.get_ylim()
-        axes.set_ylim(min(low, level), max(high, level))
+        axes.set_ylim(*_scale([table[column] for _, table in runs], level))
         axes.axhline(level, color="0.5", linewidth=0.8)
         for k, (_, table) in enumerate(runs):
             crossing = curve_features(table)["zero_crossing_time"]

@@ -89,7 +89,7 @@ def agreeing(scene: Scene) -> LengthScales:
             f"scene {scene.name!r}: laws.springs.buckling_on_creases = {springs.buckling_on_creases}: must be greater "
             f"than laws.springs.buckling = {alpha}, which must be greater than 0"
         )
-    k, length = mesh.spring_constants(film), mesh.edge_lengths
+    k, length = mesh.spring_constants(film, clip=scene.negative_springs == "clip"), mesh.edge_lengths
     number = {(int(a), int(b)): row for row, (a, b) in enumerate(mesh.edges)}
     creases = [number[min(a, b), max(a, b)] for a, b in mesh.creases.tolist()]
     plain = np.ones(len(k), dtype=bool)
