@@ -100,9 +100,9 @@ fn few_nodes_that_no_load_strains_are_resolved_at_their_largest_frequency() {
         let across = common::gravity([0.0, 0.0, -9.81]);
         // Long steps are what an implicit method is chosen for.
         let most = if method.name == "generalized_alpha" { 1 } else { 60 };
-        for masses in [1, 10, 60].into_iter().filter(|masses| *masses <= most) {
+        for masses in [1, 5, 60].into_iter().filter(|masses| *masses <= most) {
             let loads = [&[][..], std::slice::from_ref(&across)];
-            for laws in &loads[..if masses > 10 { 1 } else { 2 }] {
+            for laws in &loads[..if masses > 1 { 1 } else { 2 }] {
                 let found = resolved(chain(masses, 1e6), laws);
                 assert!(found <= 1.01 && found > 0.5, "{}, {masses} masses: {found:e}", method.name);
             }

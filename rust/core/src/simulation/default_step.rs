@@ -42,8 +42,8 @@ const IMPLICIT: Allowed = Allowed { slow: 1e-5, response: 1e-3, few_nodes: 1 };
 const ITERATIONS: usize = 60;
 const RESIDUAL: f64 = 1e-2;
 const MOST_NODES: usize = 1000;
-/// Free nodes up to which the same holds of loads that no element bears: those of cords. A film that falls is slow.
-const FALLING_NODES: usize = 10;
+/// Free nodes up to which the same holds of loads that no element bears: those of a tip on one segment.
+const FALLING_NODES: usize = 1;
 /// Least omega^2 of a response that elements bear, in omega_0^2.
 const LEAST_BORNE: f64 = 2.0;
 /// Least omega_0, relative to the largest frequency.
