@@ -104,9 +104,12 @@ def page(rows: list[Limits]) -> str:
         f"{min(strong):.3f} to {max(strong):.3f}.",
         "",
         f"Built-in scenes: {min(whole):.3f} to {max(whole):.3f}, without dopri5 from {min(firm):.3f}. Above 1 the",
-        "prediction, with every spring taut and every crease shut, is conservative. The limit of dopri5 depends on",
-        "damping, which is weaker in a folded sail than with all springs taut. The default steps leave a margin for",
-        "nonlinearity and accuracy: dopri5 chooses them by its error, the other methods take 0.4 of the prediction.",
+        "prediction, with every spring taut and every crease shut, is conservative. Below 1 it is too large: so it",
+        "is for dopri5 on folded sails. Damping lengthens the step of dopri5 more than twofold, from its limit on the",
+        "imaginary axis, and the prediction counts the dashpots of all cords and triangles, while slack ones have",
+        "none. A step of dopri5 that is given should therefore be at most half of the prediction on such a scene;",
+        "steps that it chooses by its error need no limit. The other methods take at most 0.4 of the prediction by",
+        "default: this leaves a margin for nonlinearity and accuracy.",
     ]
     return "\n".join(lines) + "\n"
 

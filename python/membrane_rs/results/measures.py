@@ -20,8 +20,7 @@ def peak_stress(sim: Motion) -> float:
     Of a film of triangles it is that of its law, `Motion.largest_film_stress`. Of a film of springs it is not: the mean
     stress by the springs, `Motion.film_stress`, varies from triangle to triangle with the shape of the mesh. It is the
     stress of the film that the springs stand for, a tension field under the strain of each triangle,
-    `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh. The two differ by up to a fifth
-    on right triangles under a uniform strain, and by 5 % on an equilateral lattice at nu = 0.3.
+    `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh.
     """
     check_kind(sim, Motion, "sim", "a Simulation")
     mesh, film = sim.scene.mesh, sim.scene.material

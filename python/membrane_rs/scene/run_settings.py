@@ -27,8 +27,8 @@ class RunSettings:
     integrator : str
         Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
-        Step [s]. None: from the stability limit, with a margin; "dopri5" then chooses each step by its error. The end
-        and all outputs are met, also where they lie between two steps.
+        Step [s]. None: from the stability limit, with a margin, and from the slow motion (docs/model.md); "dopri5" then
+        chooses each step by its error. The end and all outputs are met, also where they lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
         sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity, with x and v of
