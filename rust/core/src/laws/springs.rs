@@ -86,18 +86,14 @@ pub(crate) struct Parameters {
 }
 
 impl Parameters {
-    /// The tension k (max(l, l_cr) - L) of springs of length `l` \[N\].
-    #[inline(always)]
-    fn tension<V: SimdF64>(&self, l: V) -> V {
-        V::load(&self.stiffness) * (l.max(V::load(&self.critical_length)) - V::load(&self.rest_length))
-    }
-
     /// Tension of springs of length `l` over that length \[N/m\], and 1/l \[1/m\]. A spring of zero length has no
     /// direction: its force tends to zero over the last 1e-12 of its rest length.
     #[inline(always)]
     pub(crate) fn tension_per_length<V: SimdF64>(&self, l: V) -> (V, V) {
-        let inverse = V::all(1.0) / l.max(V::all(1e-12) * V::load(&self.rest_length));
-        (self.tension(l) * inverse, inverse)
+        let rest_length = V::load(&self.rest_length);
+        let tension = V::load(&self.stiffness) * (l.max(V::load(&self.critical_length)) - rest_length);
+        let inverse = V::all(1.0) / l.max(V::all(1e-12) * rest_length);
+        (tension * inverse, inverse)
     }
 
     /// The tension above that of buckling, k (max(l, l_cr) - l_cr), of springs of length `l` \[N\].
@@ -295,7 +291,8 @@ impl Inspection for Springs {
         let lengths = self.links.lengths(Columns::of(at.positions)).zip(self.parameters.iter());
         let of_batch = |(l, spring): (F64x8, &Parameters)| {
             let strain = l / spring.rest_length - F64x8::all(1.0);
-            [strain, spring.tension(l), l.below(spring.critical_length, F64x8::all(1.0), F64x8::ZERO)]
+            let tension = spring.stiffness * (l.max(spring.critical_length) - spring.rest_length);
+            [strain, tension, l.below(spring.critical_length, F64x8::all(1.0), F64x8::ZERO)]
         };
         let rows = self.links.elements.unpack_rows(lengths.map(of_batch));
         Some(LinkReadings {
