@@ -150,7 +150,7 @@ def test_a_coarse_stowed_sail_does_not_contradict_itself(dimensions: dict[str, A
 
 
 @pytest.mark.parametrize(("shown", "is_refused"), [(176, False), (174, True)])
-def test_flat_facets_that_are_given_as_shut_interpenetrate_by_little(shown: float, is_refused: bool) -> None:
+def test_flat_facets_in_layers_that_are_given_as_shut_interpenetrate_by_little(shown: float, is_refused: bool) -> None:
     values = wings(shown)
     values["fold_angles"] = -np.pi * np.sign(values["fold_angles"])
     if not is_refused:
@@ -158,6 +158,38 @@ def test_flat_facets_that_are_given_as_shut_interpenetrate_by_little(shown: floa
         return
     with pytest.raises(MeshError, match=r"\(6 such creases\)"):
         Mesh(**values)
+
+
+def wing(degrees: float) -> dict[str, Any]:
+    """The arrays of a strip with a single crease, moved at random."""
+    mesh = Strip(0.4, 0.1, 4, 2, creases=(0.5,), fold_angle=np.radians(degrees)).mesh()
+    turn = rotation(list(RNG.normal(size=3)), RNG.uniform(0, 6))
+    positions = mesh.positions @ turn.T
+    arrays = {"reference": mesh.reference, "triangles": mesh.triangles, "creases": mesh.creases}
+    return arrays | {"positions": positions, "fold_angles": mesh.fold_angles}
+
+
+CONTRADICTIONS = [
+    (150, 180), (174, 180), (178.9, -180), (-178.9, 180), (176, -180), (179.5, 90), (179.5, 150), (180, 170),
+    (2, 0), (-2, 0), (1.1, 0.5), (4, -0.1),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("shown", "given"), CONTRADICTIONS)
+def test_at_a_single_crease_no_clear_contradiction_is_accepted(shown: float, given: float) -> None:
+    values = wing(shown)
+    if abs(shown) < 179:
+        Mesh(**values)
+    with pytest.raises(MeshError, match=r"contradicts positions at creases\[0\]"):
+        Mesh(**values | {"fold_angles": np.full(len(values["creases"]), np.radians(given))})
+
+
+@pytest.mark.parametrize(
+    ("shown", "given"), [(178, 180), (-176, -180), (179.5, -180), (179.5, 180), (60, 64), (3, 2), (0.5, 0), (0.5, -90)]
+)
+def test_at_a_single_crease_what_is_near_or_not_clear_is_accepted(shown: float, given: float) -> None:
+    values = wing(shown)
+    Mesh(**values | {"fold_angles": np.full(len(values["creases"]), np.radians(given))})
 
 
 def test_noise_of_a_part_in_a_thousand_is_no_contradiction() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.errors import MeshError
+from membrane_rs.mesh.gaps import groups
 from membrane_rs.mesh.triangulation import Triangulation
 
 FLAT = np.radians(1.0)
@@ -15,7 +16,8 @@ SHUT = np.radians(179.0)
 TOLERANCE = np.radians(5.0)
 """Between a given and a measured angle: angles of other programs are rounded, and shapes are a little relaxed."""
 OPEN = np.radians(45.0)
-"""By how much a crease that is given as shut may be open: layers are then as far apart as its facets are high."""
+"""By how much a crease that is given as shut may be open where layers lie on each other, which are then as far apart as
+its facets are high; and the most that the bend of the film beside it allows."""
 STRAIN = 0.05
 """Strain of a side beyond which a facet is crumpled, and shows no fold."""
 
@@ -98,10 +100,13 @@ def fold_angles_of(mesh: Triangulation, positions: Floats) -> Floats:
 def check_fold_angles(mesh: Triangulation, positions: Floats, given: Floats) -> None:
     """Compare given fold angles (c,) [rad] with those that positions (n, 3) show.
 
-    Where a crease is folded by 1 to 179 degrees, both have one sign, and differ by 5 degrees at most. One that is given
-    as shut may be open by 45 degrees, as layers are that lie on each other. It may interpenetrate by 5 degrees, or by
-    as much as the film bends at another side of its facets, up to 45: what is stowed round a hub is a polygon. A flat
-    crease may have any angle: its sign says to which side it will fold. A shut one may have either sign.
+    Where a crease is folded by 1 to 179 degrees, both have one sign, and differ by 5 degrees at most; none is given as
+    flat. A flat crease may have any angle: its sign says to which side it will fold. A shut one has either sign, and is
+    given within 5 degrees of +-180.
+
+    One that is given as shut may be open, or interpenetrate, by as much as the film bends at another side of its
+    facets, up to 45 degrees: what is stowed round a hub is a polygon. Where layers lie on each other, at several
+    creases, it may be open by 45 degrees, and interpenetrate by 5.
 
     Raises
     ------
@@ -143,19 +148,46 @@ def taken_as_sides(mesh: Triangulation, positions: Floats, given: Floats) -> Int
 
 
 def _contradicts(mesh: Triangulation, positions: Floats, given: Floats, found: Floats) -> Bools:
-    apart = np.abs((given - found + np.pi) % (2.0 * np.pi) - np.pi)
     is_clear = (np.abs(found) >= FLAT) & (np.abs(found) <= SHUT)
     is_opposite = given * found < 0.0
-    is_given_as_shut = np.abs(given) > SHUT
+    is_given_as_shut, is_given_as_flat = np.abs(given) > SHUT, np.abs(given) < FLAT
+    apart = np.abs((given - found + np.pi) % (2.0 * np.pi) - np.pi)
+    is_reversed = is_opposite & ~is_given_as_flat
     tolerance = np.full(len(given), TOLERANCE)
-    tolerance[is_given_as_shut & ~is_opposite] = OPEN
-    overlaps = np.flatnonzero(is_given_as_shut & is_opposite & is_clear & (apart > TOLERANCE))
-    if len(overlaps):
-        tolerance[overlaps] = np.clip(_bend(mesh, positions, mesh.creases[overlaps]), TOLERANCE, OPEN)
-    is_reversed = is_opposite & (np.abs(given) >= FLAT) & ~is_given_as_shut
+    stowed = np.flatnonzero(is_given_as_shut & is_clear & (is_opposite | (apart > TOLERANCE)))
+    if len(stowed):
+        is_opposed, is_layered = is_opposite[stowed], _lies_in_layers(mesh)[stowed]
+        bend = _bend(mesh, positions, mesh.creases[stowed])
+        tolerance[stowed] = np.clip(bend, np.where(is_layered & ~is_opposed, OPEN, TOLERANCE), OPEN)
+        is_reversed[stowed] &= ~is_layered & (bend < FLAT)
+    # A shut crease shows either sign.
     is_shut = np.abs(found) > SHUT
-    wrong: Bools = (is_clear & ((apart > tolerance) | is_reversed)) | (is_shut & (np.abs(given) < np.pi / 2.0))
+    is_open = np.abs(np.abs(given) - np.abs(found)) > TOLERANCE
+    wrong: Bools = (is_clear & ((apart > tolerance) | is_reversed | is_given_as_flat)) | (is_shut & is_open)
     return wrong
+
+
+def _lies_in_layers(mesh: Triangulation) -> Bools:
+    """(c,) whether one of the two panels beside a crease borders a third panel at another crease or a bridge.
+
+    Panels are the parts of the film between creases.
+    """
+    index = mesh.find_edges(mesh.creases)[0]
+    order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
+    edge = mesh.triangle_edges.ravel()[order]
+    pairs = np.stack([order[:-1], order[1:]], axis=1)[edge[1:] == edge[:-1]] // 3
+    between = edge[1:][edge[1:] == edge[:-1]]
+    is_crease = np.isin(between, index)
+    panel = groups(pairs[~is_crease], len(mesh.triangles))
+    some = np.zeros(mesh.node_count, dtype=np.int64)
+    some[mesh.triangles.ravel()] = np.repeat(np.arange(len(mesh.triangles)), 3)
+    ends = panel[np.concatenate([pairs[is_crease], some[mesh.bridges]])]
+    ends = np.unique(np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1), axis=0)
+    neighbours = np.bincount(ends.ravel(), minlength=len(mesh.triangles))
+    beside = np.zeros(len(mesh.edges), dtype=bool)
+    beside[between[is_crease]] = (neighbours[panel[pairs[is_crease]]] > 1).any(axis=1)
+    found: Bools = beside[index]
+    return found
 
 
 def _nodes(mesh: Triangulation, crease: int) -> str:

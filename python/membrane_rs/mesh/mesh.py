@@ -41,10 +41,11 @@ class Mesh(Triangulation):
     fold_angles : (c,) float, optional
         Fold angle of each crease in `positions` [rad], between -pi and pi, signed as in the FOLD format: seen
         from the side from which triangles run counter-clockwise, valley positive, mountain negative. Where a
-        crease is folded by 1 to 179 degrees it must agree with `positions` within 5 degrees; where it is flat,
-        its sign says to which side it will fold; where it is shut, on which side its facets lie; the audit of a scene
-        warns where such an angle is neither 0 nor +-pi. Default: taken
-        from `positions`, which must then show no shut crease.
+        crease is folded by 1 to 179 degrees it must have the sign of `positions`, and agree within 5 degrees. One
+        of pi or -pi may be open or interpenetrate by as much as the film bends beside it, up to 45 degrees; in layers
+        that lie on each other, at several creases, be open by 45 and interpenetrate by 5. Where it is flat, its sign
+        says to which side it will fold; where it is shut, on which side its facets lie; the audit of a scene warns
+        where such an angle is neither 0 nor +-pi. Default: taken from `positions`, which must then show no shut crease.
     node_sets : dict of str to (k,) int, optional
         Names for nodes, for instance "corners".
     bridges : (b, 2) int, optional
