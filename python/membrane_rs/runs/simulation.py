@@ -157,8 +157,8 @@ class Simulation(Stepper):
         UnstableError
             The run stopped itself. What was written stays, with the last good frame.
         Interrupted
-            Ctrl-C, SIGTERM or SIGHUP, in the main thread; a KeyboardInterrupt. What was written stays, the state
-            among it; the simulation can go on.
+            Ctrl-C, SIGTERM or another signal of `runs.signals`, in the main thread; a KeyboardInterrupt. What was
+            written stays, the state among it; the simulation can go on.
         OutputError
             Results cannot be written.
         """
