@@ -182,7 +182,7 @@ class Simulation(Stepper):
         has_folder = out is not None or any(isinstance(observer, RunFolder) for observer in observers)
         for name, is_given, is_used in (
             ("overwrite", overwrite, out is not None),
-            ("pictures", not pictures, out is not None),
+            ("pictures", not pictures, has_folder),
             ("checkpoint", checkpoint != CHECKPOINT, has_folder),
         ):
             if is_given and not is_used:
