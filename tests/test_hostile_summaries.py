@@ -58,7 +58,7 @@ def test_an_array_of_many_dimensions(count: int, tmp_path: Path) -> None:
 def test_a_summary_that_is_none(text: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     for reader in (read_summary, resume):
-        refused(lambda reader=reader: reader(tmp_path), OutputError, words)  # type: ignore[operator]
+        refused(lambda reader=reader: reader(tmp_path), OutputError, words)  # type: ignore[misc]
 
 
 def test_a_summary_without_end_and_names_that_are_none(tmp_path: Path) -> None:
