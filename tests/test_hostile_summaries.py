@@ -167,4 +167,4 @@ def test_a_run_is_resumed_by_its_summary(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("until", [5e-324, 1e-16, 1e13])
 def test_an_end_beyond_the_bounds(until: float) -> None:
-    refused(lambda: Simulation(hanging_strip()).run(until=until), InputError, r"until = .*from 1e-15 to 1e\+12")
+    refused(lambda: Simulation(SCENE, "dopri5").run(until=until), InputError, r"until = .*from 1e-15 to 1e\+12")

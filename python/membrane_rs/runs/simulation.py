@@ -164,8 +164,6 @@ class Simulation(Stepper):
         """
         settings = self.scene.run
         end = number_of("until", settings.until if until is None else until)
-        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
-            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
         if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
@@ -191,6 +189,8 @@ class Simulation(Stepper):
                     f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
                 )
         self._check_end(end)
+        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
+            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, RunFolder)):
             request.warn_of_unshown(self.time, stacklevel=2)
