@@ -1,4 +1,4 @@
-"""Summaries, tables and arguments that are none, and a memory or an encoding that is small: errors by name."""
+"""Summaries, tables, names and arguments that are none; a memory or an encoding that is small: errors by name."""
 
 from __future__ import annotations
 
@@ -7,17 +7,30 @@ import resource
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import InputError, InputTypeError, MembraneError, Mesh, OutputError, Simulation, resume
+from membrane_rs import (
+    InputError,
+    InputTypeError,
+    MassDamping,
+    MembraneError,
+    Mesh,
+    MeshError,
+    OutputError,
+    Simulation,
+    resume,
+)
 from membrane_rs.mesh import net_moduli
 from membrane_rs.plotting import compare_runs, plot_deployment
 from membrane_rs.results import deployment_rate, peak_stress, read_history, read_summary, write_frame
 from small_scenes import FILM, hanging_strip, patch, refused
 from test_hostile_files import TRIANGLE, archive, header
+
+SCENE = hanging_strip()
 
 
 @pytest.mark.parametrize("count", [9, 33, 65, 100])
@@ -45,7 +58,7 @@ def test_an_array_of_many_dimensions(count: int, tmp_path: Path) -> None:
 def test_a_summary_that_is_none(text: str, words: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
     for reader in (read_summary, resume):
-        refused(lambda reader=reader: reader(tmp_path), OutputError, words)  # type: ignore[operator]
+        refused(lambda reader=reader: reader(tmp_path), OutputError, words)  # type: ignore[misc]
 
 
 def test_a_summary_without_end_and_names_that_are_none(tmp_path: Path) -> None:
@@ -118,6 +131,40 @@ def test_measures_of_what_is_no_simulation(wrong: Any, tmp_path: Path) -> None:
     refused(lambda: net_moduli(patch(), wrong), InputTypeError, "material = .*must be a Material")
 
 
+def test_a_stiffness_that_overflows_is_named_with_its_value() -> None:
+    stiff = replace(SCENE, material=replace(FILM, youngs_modulus=1e300))
+    damped = replace(SCENE, laws=[*SCENE.laws, MassDamping(rate=1e308)])
+    for scene, words in (
+        (stiff, r"Material.youngs_modulus = 1e\+300"),
+        (damped, r"MassDamping.rate = 1e\+308"),
+    ):
+        for make in (lambda: Simulation(scene), lambda: Simulation(scene, dt=1e-5).stable_dt()):  # noqa: B023
+            refused(make, InputError, f"overflow: .* the largest value is {words}: check it")
+
+
+@pytest.mark.parametrize("name", ["", "a\0b", "\0", "x" * 1001])
+def test_a_node_set_that_no_file_can_hold(name: str, tmp_path: Path) -> None:
+    refused(
+        lambda: patch(node_sets={name: [0]}), InputError, "node_sets: the name .*1 to 1000 characters without a NUL"
+    )
+    if not name:
+        path = archive(tmp_path / "mesh.npz", reference=np.eye(3), triangles=TRIANGLE, **{"node_set:": np.array([0])})
+        refused(lambda: Mesh.load(path), MeshError, "mesh.npz: node_sets: the name ''")
+
+
+@pytest.mark.parametrize("name", ["x" * 1000, "中" * 1000, "a/b\\c", "x.npy", "..", " ", ":"])
+def test_a_node_set_of_any_other_name_is_kept(name: str, tmp_path: Path) -> None:
+    patch(node_sets={name: [0]}).save(tmp_path / "mesh.npz")
+    assert list(Mesh.load(tmp_path / "mesh.npz").node_sets) == [name]
+
+
+def test_a_run_is_resumed_by_its_summary(tmp_path: Path) -> None:
+    Simulation(hanging_strip()).run(until=0.001, frames=2, samples=3, out=tmp_path / "run", pictures=False)
+    assert resume(tmp_path / "run" / "summary.json", 0.002).time == 0.002
+    words = [sys.executable, "-m", "membrane_rs.cli", "resume", str(tmp_path / "run" / "summary.json")]
+    assert "is finished" in subprocess.run(words, check=True, capture_output=True, text=True).stdout
+
+
 @pytest.mark.parametrize("until", [5e-324, 1e-16, 1e13])
 def test_an_end_beyond_the_bounds(until: float) -> None:
-    refused(lambda: Simulation(hanging_strip()).run(until=until), InputError, r"until = .*from 1e-15 to 1e\+12")
+    refused(lambda: Simulation(SCENE, "dopri5").run(until=until), InputError, r"until = .*from 1e-15 to 1e\+12")

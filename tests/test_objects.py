@@ -148,13 +148,14 @@ def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["frames", "samples"])
 def test_given_times_outside_a_run_are_reported(name: str, tmp_path: Path) -> None:
-    sim = Simulation(SCENE)
+    sim: Any = Simulation(SCENE)
+    again: Any = Simulation(SCENE)
     with pytest.warns(UserWarning, match=f"{name}: 2 of the times lie after until = 0.001 s, and are left out: 0.5 s"):
         sim.run(until=0.001, **{name: [0.0005, 0.5, 1.0]})
     with pytest.warns(UserWarning, match=f"{name}: 2 of the times lie before the time now, 0.001 s, .* left out: -1.0"):
         sim.run(until=0.002, **{name: (-1.0, 0.0005, 0.0015)})
     with pytest.warns(UserWarning, match=f"{name}: 1 of the times lie before the time now, 0 s, .* left out: -1.0 s"):
-        Simulation(SCENE).run(until=0.001, out=tmp_path / "run", pictures=False, **{name: np.array([-1.0, 0.0005])})
+        again.run(until=0.001, out=tmp_path / "run", pictures=False, **{name: np.array([-1.0, 0.0005])})
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sim.run(until=0.003, **{name: [0.002, 0.0025, 0.003]})

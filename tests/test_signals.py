@@ -25,7 +25,18 @@ from small_scenes import hanging_strip
 COMMAND = [sys.executable, "-m", "membrane_rs.cli"]
 SCENE = scenes.load("single-crease")
 SECONDS = 60.0
-ENDING = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], ids=lambda n: str(n.name))
+ENDING = pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGINT,
+        signal.SIGTERM,
+        signal.SIGHUP,
+        signal.SIGXCPU,
+        signal.SIGUSR1,
+        signal.SIGUSR2,
+    ],
+    ids=lambda n: str(n.name),
+)
 
 
 def waiting_for(condition: Callable[[], bool], process: subprocess.Popen[Any]) -> None:

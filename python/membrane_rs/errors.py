@@ -72,7 +72,8 @@ class AuditWarning(UserWarning):
 
 
 class Interrupted(KeyboardInterrupt):
-    """A signal ended a run: SIGINT, which is Ctrl-C, SIGTERM or SIGHUP. No error, so no `MembraneError`.
+    """A signal ended a run: SIGINT, which is Ctrl-C, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 or SIGUSR2. No error, so no
+    `MembraneError`.
 
     Attributes
     ----------

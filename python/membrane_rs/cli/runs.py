@@ -91,8 +91,10 @@ def resume(
     """Continue a run in its folder; or a saved state, into a folder of its own."""
     with reported_errors():
         from membrane_rs.errors import InputError
+        from membrane_rs.results.summary import folder_of_run
         from membrane_rs.runs import Simulation
 
+        source = folder_of_run(source)
         if source.is_dir():
             for option, value in (("--out", out), ("--frames", frames), ("--overwrite", overwrite or None)):
                 if value is not None:

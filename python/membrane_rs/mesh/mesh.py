@@ -14,7 +14,7 @@ from typing_extensions import Self
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._files import path_of
 from membrane_rs._given_arrays import numeric
-from membrane_rs._validation import check_text
+from membrane_rs._validation import check_text, show
 from membrane_rs.errors import InputError, InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit
@@ -23,6 +23,9 @@ from membrane_rs.mesh.findings import Audit
 from membrane_rs.mesh.fold_angles import check_fold_angles, fold_angles_of
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import Triangulation, frozen
+
+LONGEST_NAME = 1000
+"""Characters of the name of a node set: archives cut longer ones than some ten thousand."""
 
 
 class Mesh(Triangulation):
@@ -283,6 +286,10 @@ def _node_sets(sets: Mapping[str, ArrayLike], node_count: int) -> dict[str, Ints
         raise InputTypeError("node_sets must be a dict from names (str) to lists of node indices")
     for name in sets:
         check_text(name, "node_sets: the name")
+        if not 1 <= len(name) <= LONGEST_NAME or "\0" in name:
+            raise MeshError(
+                f"node_sets: the name {show(name)}: must be 1 to {LONGEST_NAME} characters without a NUL, for files"
+            )
     return {name: _node_set(nodes, f"node_sets['{name}']", node_count) for name, nodes in sets.items()}
 
 

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from membrane_rs._validation import check_kind
+from membrane_rs._validation import show
 from membrane_rs.analysis import strain
 from membrane_rs.analysis.deployment import Corners
+from membrane_rs.errors import InputTypeError
 from membrane_rs.simulation.motion import Motion
+
+
+def check_simulation(sim: object) -> None:
+    """Refuse what has no assembly, and so is no simulation. Raises InputTypeError."""
+    if not hasattr(sim, "assembly"):
+        raise InputTypeError(f"sim = {show(sim)}: must be a Simulation")
 
 
 def deployment_rate(sim: Motion) -> float:
     """Mean radius of the corners now over that of the reference."""
-    check_kind(sim, Motion, "sim", "a Simulation")
+    check_simulation(sim)
     return Corners(sim.assembly).deployment_rate(sim.positions)
 
 
@@ -22,7 +29,7 @@ def peak_stress(sim: Motion) -> float:
     stress of the film that the springs stand for, a tension field under the strain of each triangle,
     `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh.
     """
-    check_kind(sim, Motion, "sim", "a Simulation")
+    check_simulation(sim)
     mesh, film = sim.scene.mesh, sim.scene.material
     if mesh is None or film is None:
         return float("nan")

@@ -31,7 +31,7 @@ At the end, too:
 rejected_steps        steps rejected because of their error
 evaluations           evaluations of the forces
 newton_iterations, factorisations, fallbacks    of an implicit method, as in `Motion.statistics`
-signal                "SIGINT", "SIGTERM" or "SIGHUP", where one interrupted the run
+signal                "SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1" or "SIGUSR2", where one interrupted the run
 frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
                       fraction of the reference energy
@@ -187,7 +187,7 @@ def read_summary(path: Path | str) -> dict[str, Any]:
         if path.is_dir():
             path = path / SUMMARY
         if not path.is_file():
-            raise MissingFileError(f"no summary at {path}; name a run's folder, or a {SUMMARY}")
+            raise MissingFileError(f"no summary at {path}; name a run's folder or its {SUMMARY}")
         try:
             found = json.loads(read_text(path, MOST_SUMMARY))
         except (ValueError, RecursionError) as error:
@@ -203,6 +203,11 @@ def read_summary(path: Path | str) -> dict[str, Any]:
     if found["outcome"] == "running" and not is_locked(path.parent):
         found["outcome"] = "killed"
     return found
+
+
+def folder_of_run(path: Path) -> Path:
+    """The folder of a run that is named by its summary.json; any other path as it is."""
+    return path.parent if path.name == SUMMARY and not path.is_dir() else path
 
 
 def outcome(error: BaseException | None) -> str:

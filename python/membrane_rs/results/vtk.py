@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import check_regular, path_of, reading_errors, replacing
-from membrane_rs._validation import check_kind
 from membrane_rs.analysis.strain import triangle_strains
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.queries import find_pairs, petal_of_triangles
+from membrane_rs.results.measures import check_simulation
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.readings import FilmStress
 
@@ -145,7 +145,7 @@ class FrameWriter:
 
 def write_frame(path: str | Path, sim: Motion) -> None:
     """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError."""
-    check_kind(sim, Motion, "sim", "a Simulation")
+    check_simulation(sim)
     FrameWriter(sim).write(path_of(path), Frame.of(sim))
 
 

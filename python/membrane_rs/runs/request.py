@@ -13,7 +13,7 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import MOST_INSTANTS
-from membrane_rs.simulation.output_times import output_times
+from membrane_rs.simulation.output_times import SAME_TIME, output_times
 
 CHECKPOINT = 10.0
 """Seconds of wall time between two checkpoints, unless the caller says otherwise."""
@@ -64,11 +64,12 @@ class Request:
 
     def warn_of_unshown(self, now: float, stacklevel: int) -> None:
         """Warn of given times [s] that lie outside the run from `now` to its end, and so are not shown."""
+        first, last = now - SAME_TIME * abs(now), self.until + SAME_TIME * abs(self.until)
         for name in ("frames", "samples"):
             times = getattr(self, name)
             for place, left_out in (
-                (f"before the time now, {now:.6g} s", [time for time in _listed(times) if time < now]),
-                (f"after until = {self.until:.6g} s", [time for time in _listed(times) if time > self.until]),
+                (f"before the time now, {now:.6g} s", [time for time in _listed(times) if time < first]),
+                (f"after until = {self.until:.6g} s", [time for time in _listed(times) if time > last]),
             ):
                 if left_out:
                     what = f"{name}: {len(left_out)} of the times lie {place}, and are left out: {left_out[0]} s"

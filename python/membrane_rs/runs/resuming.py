@@ -11,7 +11,7 @@ from membrane_rs._validation import number_of
 from membrane_rs.errors import InputError
 from membrane_rs.results.record import Progress
 from membrane_rs.results.state import STATE
-from membrane_rs.results.summary import SUMMARY, read_summary
+from membrane_rs.results.summary import SUMMARY, folder_of_run, read_summary
 from membrane_rs.runs import signals
 from membrane_rs.runs.request import Request
 from membrane_rs.runs.run_folder import RunFolder
@@ -36,7 +36,7 @@ def resume(
     Parameters
     ----------
     folder : path
-        The folder of a run that no process goes on with.
+        The folder of a run that no process goes on with, or its summary.json.
     until : float, optional
         Another end [s], not before the checkpoint. Frames and samples that were evenly spaced continue with their
         spacing; lists of times are not continued. Default: the end that the run was asked for.
@@ -59,7 +59,7 @@ def resume(
     InputError
         The run became unstable, its checkpoint is damaged, or `until` is before it.
     """
-    path = path_of(folder, "folder")
+    path = folder_of_run(path_of(folder, "folder"))
     summary = read_summary(path)
     request = Request.of(summary, str(path / SUMMARY))
     if summary["outcome"].startswith("unstable"):

@@ -1,4 +1,5 @@
-"""Signals that end a run: SIGINT (Ctrl-C), SIGTERM (batch systems, `kill`) and SIGHUP (a terminal that closes).
+"""Signals that end a run: SIGINT (Ctrl-C), SIGTERM (batch systems, `kill`), SIGHUP (a terminal that closes), and those
+that batch systems send before a time limit: SIGXCPU, SIGUSR1, SIGUSR2. SIGKILL cannot be caught; SIGQUIT is not.
 
 The first one raises `Interrupted`: at once, or, while a run keeps its results, between two chunks of steps, where all
 outputs are whole. Further ones change nothing while the run ends. A signal that the process ignores (`nohup`, the
@@ -16,7 +17,8 @@ from types import FrameType
 
 from membrane_rs.errors import Interrupted
 
-ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1", "SIGUSR2")
+ENDING = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 """The signals that end a run, where the system has them."""
 DEFAULTS = (signal.SIG_DFL, signal.default_int_handler)
 """Handlers that are replaced for as long as a run goes on."""

@@ -160,15 +160,13 @@ class Simulation(Stepper):
         UnstableError
             The run stopped itself. What was written stays, with the last good frame.
         Interrupted
-            Ctrl-C, SIGTERM or SIGHUP, in the main thread; a KeyboardInterrupt. What was written stays, the state
-            among it; the simulation can go on.
+            Ctrl-C, SIGTERM or another signal of `runs.signals`, in the main thread; a KeyboardInterrupt. What was
+            written stays, the state among it; the simulation can go on.
         OutputError
             Results cannot be written.
         """
         settings = self.scene.run
         end = number_of("until", settings.until if until is None else until)
-        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
-            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
         if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
@@ -185,7 +183,7 @@ class Simulation(Stepper):
         has_folder = out is not None or any(isinstance(observer, RunFolder) for observer in observers)
         for name, is_given, is_used in (
             ("overwrite", overwrite, out is not None),
-            ("pictures", not pictures, out is not None),
+            ("pictures", not pictures, has_folder),
             ("checkpoint", checkpoint != CHECKPOINT, has_folder),
         ):
             if is_given and not is_used:
@@ -194,6 +192,8 @@ class Simulation(Stepper):
                     f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
                 )
         self._check_end(end)
+        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
+            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, RunFolder)):
             request.warn_of_unshown(self.time, stacklevel=2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -57,8 +58,9 @@ def check_kinds(state: Mapping[str, Any]) -> None:
         if name not in FLAGS and np.asarray(value).dtype.kind == "b":
             raise InputTypeError(f"saved state: {name} = {show(value)}: must be a number, or an array of numbers")
     for name in ENERGIES:
-        if name in state and (energy := number_of(f"saved state: {name}", state[name], "J")) < 0.0:
-            raise InputError(f"saved state: {name} = {energy}: must be at least 0 (J); {DAMAGED}")
+        energy = state.get(name)  # the core refuses what is no number, or not finite
+        if isinstance(energy, Real) and energy < 0.0:
+            raise InputError(f"saved state: {name} = {show(energy)}: must be at least 0 (J); {DAMAGED}")
 
 
 def check_method(state: Mapping[str, Any], integrator: str, dt: float, *, is_adaptive: bool) -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import Film, Model, Nodes, Surface
@@ -39,6 +43,29 @@ class Settings:
     """The time at which all that depends on time is frozen [s]; None: time passes."""
     margin: float = MARGIN
     energy_tolerance: float = ENERGY_TOLERANCE
+
+
+@contextmanager
+def overflow_named(scene: Scene) -> Iterator[None]:
+    """Name the cause where the core finds a stiffness that is no number: coordinates were checked, so it overflowed."""
+    try:
+        yield
+    except InputError as error:
+        if not str(error).startswith("the stiffness of node"):
+            raise
+        where, value = max(_numbers_of(scene), key=lambda item: abs(item[1]), default=("the scene", math.inf))
+        raise InputError(
+            f"the stiffness, damping and masses of this scene overflow: their eigenvalues are no numbers; the largest "
+            f"value is {where} = {value:g}: check it, in SI units"
+        ) from None
+
+
+def _numbers_of(scene: Scene) -> Iterator[tuple[str, float]]:
+    """Numbers of material, laws and parts, by their names."""
+    for thing in (scene.material, *scene.laws, *scene.parts):
+        for name, value in vars(thing).items() if thing is not None else ():
+            if isinstance(value, float) and math.isfinite(value):
+                yield f"{type(thing).__name__}.{name}", value
 
 
 def settings_of(scene: Scene) -> Settings:

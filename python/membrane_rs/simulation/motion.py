@@ -29,7 +29,7 @@ from membrane_rs.simulation.continuation import (
     unknown_entries,
 )
 from membrane_rs.simulation.copies import Copies
-from membrane_rs.simulation.core_input import Settings, laws_of, model_of, settings_of
+from membrane_rs.simulation.core_input import Settings, laws_of, model_of, overflow_named, settings_of
 from membrane_rs.simulation.readings import Readings
 
 SHORTEST_STEP = 1e-100
@@ -58,13 +58,14 @@ class Motion(KnownAttributes, Copies, Readings):
         self.scene = scene
         self.assembly: Assembly = scene.assemble()
         step = self._given_dt = _step_of(scene.run.dt if dt is None else dt)
-        self._core = _core.Simulation(
-            model_of(scene, self.assembly),
-            laws_of(scene),
-            scene.run.integrator if integrator is None else str(integrator),
-            step,
-            self._settings(),
-        )
+        with overflow_named(scene):
+            self._core = _core.Simulation(
+                model_of(scene, self.assembly),
+                laws_of(scene),
+                scene.run.integrator if integrator is None else str(integrator),
+                step,
+                self._settings(),
+            )
         self.is_relaxed = False
         self._motions_set = 0
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
@@ -317,7 +318,8 @@ class Motion(KnownAttributes, Copies, Readings):
         """The limit, its part in words, and its node; kept for as long as nothing moves, since it costs many steps."""
         now = (self.step_count, self.time, self._motions_set)
         if self._limit is None or self._limit[0] != now:
-            limit = self._core.limit()
+            with overflow_named(self.scene):
+                limit = self._core.limit()
             sets = [name for name, nodes in self.assembly.node_sets.items() if limit.node in nodes]
             part = f"{limit.part} (in {', '.join(sets)})" if sets else limit.part
             self._limit = now, (limit.dt, part, limit.node)
