@@ -24,9 +24,11 @@ def test_no_motion_stops_a_sound_scene(kind: Kind, method: str) -> None:
 @pytest.mark.parametrize("kind", FAULTY, ids=lambda kind: str(kind.__name__))
 @pytest.mark.parametrize("method", ["rk4", "leapfrog"])
 def test_no_motion_hides_a_fault(kind: Kind, method: str) -> None:
+    # Rotation may put a fault right: its tension holds what negative springs drive apart.
     for motion in MOTIONS:
-        found = verdict(kind, motion, method, 0, is_compared=False)
-        assert found is None or found.is_stopped, found
+        found = verdict(kind, motion, method, 0)
+        turns = motion not in ("at rest", "thrown")
+        assert found is None or found.is_stopped or (turns and not found.is_missed), found
 
 
 def square(*laws: Law, dt: float | None = None, **run: float) -> Simulation:
@@ -51,6 +53,17 @@ def test_the_speed_of_the_whole_changes_neither_verdict_nor_number(share: float,
             shaken(share, speed, size).step(5000)
         messages.append((caught.value.step, str(caught.value).split(" J")[0].split(": ")[1]))
     assert len(set(messages)) == 1, messages
+
+
+@pytest.mark.parametrize("rate", [20.0, 30.0, 50.0])
+@pytest.mark.parametrize("share", [1.03, 1.1])
+def test_a_fast_rotation_hides_no_growth(rate: float, share: float) -> None:
+    # Without damping no error of its work is allowed: a share of the rotation's energy would hide all the vibration.
+    sim = square(Springs(), dt=share * square(Springs()).stable_dt())
+    sim.positions = sim.positions * [1.003, 0.999, 1.0]
+    spun(sim, np.array([0.0, 0.0, rate]))
+    with pytest.raises(UnstableError, match="spurious gain"):
+        sim.reach(0.5)
 
 
 def spun(sim: Simulation, rates: Floats) -> Simulation:

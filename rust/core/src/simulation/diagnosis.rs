@@ -65,7 +65,7 @@ impl Simulation {
 
     /// Row and work \[J\] of each law whose work a step may hardly resolve: those that dissipate, and loads that depend
     /// on velocity.
-    fn resisting_work(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub(super) fn resisting_work(&self) -> impl Iterator<Item = (usize, f64)> {
         let resists = |law: &dyn Law| {
             let Properties { work_class, depends_on_velocity, .. } = law.properties();
             work_class == WorkClass::Dissipative || (work_class == WorkClass::External && depends_on_velocity)

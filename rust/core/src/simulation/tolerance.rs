@@ -23,8 +23,9 @@ const SUMMATION: f64 = 1e-13;
 /// Reference energy that is no exchange, in units of its rounding.
 const NO_EXCHANGE: f64 = 100.0;
 
-/// Error of the balance of a turning piece in a step over K_rigid (omega dt)^4: the stages of a step lie on tangents to
-/// the circles, so that dashpots do work there. Largest value seen in 1,050 random scenes: 36.
+/// Error of the balance of a turning piece in a step over K_rigid (omega dt)^4, at most all work of damping: the stages
+/// of a step lie on tangents to the circles, so that dashpots do work there. Largest value seen in 1,050 random scenes:
+/// 36.
 const TANGENTS: f64 = 60.0;
 /// Vibration about the widened shape of a piece that is set turning without strain, over the largest exchange. With x
 /// the widening and U = k x^2/2 the spring overshoots to 2 x, so that it exchanges 4 U, of which U is vibration: 1/4.
@@ -116,7 +117,10 @@ impl Simulation {
         let against_frame = turns * (frame_rate * dt).powi(self.properties().order as i32);
         let translation = if self.ledger.scope.is_isolated() { 0.0 } else { translation };
         let seen_from_frame = translation + rotation + carried;
-        let circles = tangents(rate) * rotation + tangents(frame_rate) * carried;
+        let damping: f64 = self.resisting_work().map(|(_, work)| work.abs()).sum();
+        let against = tangents(frame_rate) * carried;
+        let against = if self.ledger.residual(now) > 0.0 { against.min(damping) } else { against };
+        let circles = (tangents(rate) * rotation).min(damping) + against;
         let floor = own + circles + against_frame.min(most) * seen_from_frame;
         if floor.is_finite() { floor } else { 0.0 }
     }
