@@ -48,6 +48,7 @@ class FakeSimulation:
     until: float | None = None
     hub_angle: float = 0.0
     dt: float = 1e-5
+    given_dt: float | None = None
     integrator: str = "rk4"
     step_count: int = 0
     evaluation_count: int = 0

@@ -69,17 +69,12 @@ def test_another_angle_is_refused(shown: float, given: float) -> None:
         Mesh(**values)
 
 
-@pytest.mark.parametrize(("shown", "given", "is_refused"), [(3, -1.5, True), (-3, 1.5, True), (3, -0.5, False)])
-def test_another_sign_is_refused_within_the_tolerance_of_angles_too(
-    shown: float, given: float, is_refused: bool
-) -> None:
+@pytest.mark.parametrize(("shown", "given"), [(3, -1.5), (-3, 1.5), (3, -0.5)])
+def test_another_sign_is_refused_within_the_tolerance_of_angles_too(shown: float, given: float) -> None:
     values = wings(shown)
     values["fold_angles"][:2] = np.radians(given)
-    if is_refused:
-        with pytest.raises(MeshError, match=r"\(2 such creases\); the sign is that of the FOLD format"):
-            Mesh(**values)
-    else:  # flat by what is given
-        assert len(Mesh(**values).fold_angles) == 6
+    with pytest.raises(MeshError, match=r"\(2 such creases\); the sign is that of the FOLD format"):
+        Mesh(**values)
 
 
 def test_one_wrong_crease_of_many_is_named() -> None:
@@ -100,8 +95,8 @@ def test_triangles_wound_from_the_other_side_exchange_valley_and_mountain() -> N
 @pytest.mark.parametrize(
     ("shown", "given", "warns"),
     [
-        *[(0, 60, True), (0, -6, True), (0, 178, True), (180, 100, True), (180, -91, True)],
-        *[(0, 0, False), (0, 4, False), (0, 180, False), (0, -180, False), (180, 180, False), (180, -140, False)],
+        *[(0, 60, True), (0, -6, True), (0, 178, True)],
+        *[(0, 0, False), (0, 4, False), (0, 180, False), (0, -180, False), (180, 180, False), (180, -176, False)],
     ],
 )
 def test_an_angle_that_says_more_than_a_side_is_warned_of(shown: float, given: float, warns: bool) -> None:

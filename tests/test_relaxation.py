@@ -175,8 +175,8 @@ def test_a_scene_that_passes_through_its_balance_is_not_at_rest() -> None:
     cord = Tether((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 1, 100.0, 0.0, tip_mass=1.0)
     sim = Simulation(Scene(None, None, [Gravity((0.0, 0.0, -9.81))], [cord]))
     rate = math.sqrt(100.0 - 0.25)
-    with pytest.warns(UserWarning, match=r"not at rest.*node 1 has a net force of .* and a speed of 0\.\d+ m/s"):
-        sim.relax((math.pi - math.atan2(rate, 0.5)) / rate, 1.0)
+    # There it moves at 0.8 m/s, so that relaxation goes on.
+    assert sim.relax((math.pi - math.atan2(rate, 0.5)) / rate, 1.0) < 0.1
     assert left(sim) < 0.01
 
 

@@ -164,6 +164,7 @@ def check(
                 f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
             )
             typer.echo(f"               {saving.advice}")
+        sim._check_end(chosen.run.until)
         steps, seconds = _expected_cost(sim)
         typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
         if not found.ok:

@@ -139,12 +139,10 @@ def check_fold_angles(mesh: Triangulation, positions: Floats, given: Floats) -> 
 def taken_as_sides(mesh: Triangulation, positions: Floats, given: Floats) -> Ints:
     """Creases whose given angle (c,) [rad] says more than positions (n, 3) do, where its sign alone is taken.
 
-    A flat crease that is given as folded by 5 to 179 degrees, and a shut one that is given as open by more than 45. 0
-    and +-pi are the usual marks of a side.
+    A flat crease that is given as folded by 5 to 179 degrees. 0 and +-pi are the usual marks of a side.
     """
     found, size = np.abs(measured_fold_angles(mesh, positions)), np.abs(given)
-    is_flat = (found < FLAT) & (size > TOLERANCE) & (size <= SHUT)
-    return np.flatnonzero(is_flat | ((found > SHUT) & (size < np.pi - OPEN)))
+    return np.flatnonzero((found < FLAT) & (size > TOLERANCE) & (size <= SHUT))
 
 
 def _contradicts(mesh: Triangulation, positions: Floats, given: Floats, found: Floats) -> Bools:

@@ -363,7 +363,7 @@ class Motion(KnownAttributes, Copies, Readings):
         before = self._core.progress()
         self._core.resume(state)
         try:
-            check_balance(state, self.ledger(), self.scene.run.energy_loss)
+            check_balance(state, self.ledger())
         except InputError:
             self._core.resume(before)
             raise
