@@ -292,9 +292,9 @@ def page(found: list[Verdict]) -> str:
         "mass differs from that of a reference run (rk4 at a tenth of its limit, without monitor) by more than",
         f"{100 * WRONG:g} % of the largest exchange and {100 * SMALL:g} % of itself, with what a rotation with the",
         "frame would add. A kind of fault may do no harm:",
-        "with dopri5, whose steps are chosen by their error, a scene may vibrate within the tolerance; the tension of a",
-        "film that turns holds what negative springs would drive apart; noise that is lost is a small share of what a fast",
-        "rotation exchanges. Made by",
+        "with dopri5, whose steps are chosen by their error, a scene may vibrate within the tolerance; the tension",
+        "of a film that turns holds what negative springs would drive apart; noise that is lost is a small share",
+        "of what a fast rotation exchanges. Made by",
         "`python tests/rigid_motions.py`; a part of it is `tests/test_rigid_motions.py`. How the monitor judges:",
         "[model.md](model.md#energy-error-and-monitor).",
     ]

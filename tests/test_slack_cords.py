@@ -40,7 +40,7 @@ def bounce(time: float, speed: float) -> float:
         return START + speed * time
     count, own = divmod(since, pi / OMEGA + 2.0 / speed)
     beyond = speed / OMEGA * sin(OMEGA * own) if own < pi / OMEGA else -speed * (own - pi / OMEGA)
-    return (1.0 + beyond) * (-1.0) ** count
+    return (1.0 + beyond) * (-1.0 if count % 2 else 1.0)
 
 
 def assert_balanced(sim: Simulation, kinetic: float) -> None:
