@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -82,3 +83,16 @@ def test_states_of_the_scenes_are_read(name: str) -> None:
     for _ in range(3):
         sim.set_state(sim.state())
         sim.step(5)
+
+
+@pytest.mark.parametrize(("entry", "value"), [("integrator", np.zeros(2)), ("integrator", 3), ("is_adaptive", None)])
+def test_what_names_no_way_of_stepping_is_refused(entry: str, value: object) -> None:
+    sim = Simulation(scenes.load("spinning-tether"))
+    with pytest.raises(InputTypeError, match=f"saved state: {entry} = "):
+        sim.set_state({**sim.state(), entry: value})
+
+
+def test_a_restored_step_was_not_given(tmp_path: Path) -> None:
+    sim = Simulation(scenes.load("spinning-tether"))
+    sim.save(tmp_path / "state.npz")
+    assert Simulation.restore(tmp_path / "state.npz").given_dt is None

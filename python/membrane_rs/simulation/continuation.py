@@ -55,8 +55,12 @@ def check_kinds(state: Mapping[str, Any]) -> None:
     Raises InputError and InputTypeError.
     """
     for name, value in state.items():
-        if name not in FLAGS and np.asarray(value).dtype.kind == "b":
+        array = np.asarray(value)
+        if name not in FLAGS and array.dtype.kind == "b":
             raise InputTypeError(f"saved state: {name} = {show(value)}: must be a number, or an array of numbers")
+        for kind, names, what in (("b", FLAGS, "true or false"), ("U", {"integrator"}, "the name of a method")):
+            if name in names and (array.ndim or array.dtype.kind != kind):
+                raise InputTypeError(f"saved state: {name} = {show(value)}: must be {what}")
     for name in ENERGIES:
         energy = state.get(name)  # the core refuses what is no number, or not finite
         if isinstance(energy, Real) and energy < 0.0:
@@ -69,7 +73,7 @@ def check_method(state: Mapping[str, Any], integrator: str, dt: float, *, is_ada
     A state that an earlier version saved does not say them. Raises InputError.
     """
     instead = "or go on from its motion: Simulation(scene, start=other)"
-    given = state.get("integrator", integrator)
+    given = str(state.get("integrator", integrator))
     if given != integrator:
         raise InputError(
             f"saved state: integrator is {show(given)}, and that of this simulation {integrator!r}; build one with "

@@ -207,6 +207,7 @@ class Stepper(Motion):
             if not isinstance(is_adaptive, bool):
                 raise ValueError("is_adaptive is not true or false")
             sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
+            sim._given_dt = scene.run.dt  # a file does not say whether its step was given otherwise
             if is_adaptive:
                 sim._core.set_dt(number_of("dt", dt))
             sim.is_relaxed = bool(state.pop("is_relaxed"))
