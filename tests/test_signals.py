@@ -100,6 +100,20 @@ def test_while_pictures_are_drawn(tmp_path: Path) -> None:
     assert summary(tmp_path / "run")["outcome"] == "finished"
 
 
+def test_a_signal_in_a_finalizer_is_not_lost() -> None:
+    class Finalised:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    @signals.interruptible()
+    def run() -> None:
+        Finalised()
+        time.sleep(SECONDS)
+
+    with pytest.raises(Interrupted, match="SIGTERM"):
+        run()
+
+
 @ENDING
 def test_in_python_the_run_can_go_on(tmp_path: Path, number: signal.Signals) -> None:
     whole, sim = Simulation(SCENE), Simulation(SCENE)

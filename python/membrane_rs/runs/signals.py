@@ -9,10 +9,14 @@ interrupted; in others nothing here has an effect.
 
 from __future__ import annotations
 
+import _thread
 import signal
 import threading
+import time
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
+from queue import SimpleQueue
 from types import FrameType
 
 from membrane_rs.errors import Interrupted
@@ -22,6 +26,8 @@ ENDING = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name)
 """The signals that end a run, where the system has them."""
 DEFAULTS = (signal.SIG_DFL, signal.default_int_handler)
 """Handlers that are replaced for as long as a run goes on."""
+AGAIN = 0.01
+"""Time after which a signal is sent again that came where nothing can be raised [s]."""
 
 
 class _Signals:
@@ -38,12 +44,17 @@ class _Signals:
         """Signals wait where this is above 0."""
         self.waiting: int | None = None
         """The signal that waits."""
+        self.again: SimpleQueue[int | None] = SimpleQueue()
+        """Signals to be sent again; its `put` may be called anywhere."""
         self.is_raised = False
         """Whether `Interrupted` was raised: the run is ending, and further signals change nothing."""
 
-    def handle(self, signum: int, _: FrameType | None) -> None:
+    def handle(self, signum: int, frame: FrameType | None) -> None:
         """The handler."""
         if self.is_raised:
+            return
+        if _is_ignoring_errors(frame):
+            self.again.put(signum)
             return
         # Ctrl-C a second time is for an observer that does not return.
         if self.depth == 0 or (self.depth == 1 and self.waiting is not None):
@@ -77,6 +88,8 @@ def interruptible() -> Iterator[None]:
     before = {number: signal.getsignal(number) for number in ENDING}
     replaced = {number: handler for number, handler in before.items() if handler in DEFAULTS}
     _signals.is_handled = True
+    again = _signals.again
+    threading.Thread(target=_send_again, args=(again,), daemon=True).start()
     try:
         for number in replaced:
             signal.signal(number, _signals.handle)
@@ -86,6 +99,7 @@ def interruptible() -> Iterator[None]:
         for number, handler in replaced.items():
             signal.signal(number, handler)
         _signals.is_handled = False
+        again.put(None)
     _signals.look()
 
 
@@ -120,6 +134,22 @@ def _shifted(change: int) -> Iterator[None]:
         _signals.depth -= change
     if _signals.depth == 0:
         _signals.look()
+
+
+def _send_again(numbers: SimpleQueue[int | None]) -> None:
+    """Send signals to the main thread, which has left by then where it was."""
+    while (number := numbers.get()) is not None:
+        time.sleep(AGAIN)
+        _thread.interrupt_main(signal.Signals(number))
+
+
+def _is_ignoring_errors(frame: FrameType | None) -> bool:
+    """Whether Python would ignore what is raised here: in finalizers, and in callbacks of weak references."""
+    while frame is not None:
+        if frame.f_code.co_name == "__del__" or frame.f_code.co_filename == weakref.__file__:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _is_main() -> bool:
