@@ -23,7 +23,7 @@ def mesh_faults(scene: Scene) -> Iterator[Finding]:
 
 
 def fold_angles(scene: Scene) -> Iterator[Finding]:
-    """Fold angles of creases that are flat or shut in positions: their sign is taken as the side, and nothing else."""
+    """Fold angles of creases that are flat in positions: their sign is taken as the side, and nothing else."""
     mesh = scene.mesh
     if mesh is None or not len(mesh.creases):
         return
