@@ -33,7 +33,7 @@ from membrane_rs.errors import InputError, InputTypeError, MembraneError
 T = TypeVar("T")
 
 _TYPE_ERRORS = {"wrong_type", "unexpected_keyword_argument", "unexpected_positional_argument"}
-_TYPE_ERRORS |= {"missing_argument", "missing", "multiple_argument_values"}
+_TYPE_ERRORS |= {"missing_argument", "missing", "multiple_argument_values", "dataclass_type"}
 _BOUNDS = ((Gt, "gt", "greater than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))
 
 
@@ -139,6 +139,8 @@ Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(_vector)]
 """Three finite numbers, from a tuple, list or array."""
 Times = Annotated[Sequence[NonNegative], BeforeValidator(_numbers)]
 """Any number of times, none negative, from a tuple, list or array."""
+Numbers = Annotated[Sequence[Finite], BeforeValidator(_numbers)]
+"""Any number of finite numbers, from a tuple, list or array."""
 Nodes = Annotated[str | Sequence[int], BeforeValidator(_nodes)]
 """The name of a node set, or node indices (tuple, list or array), none twice."""
 
@@ -321,23 +323,42 @@ def _as_input_error(error: ValidationError, cls: type, prefix: str) -> InputErro
     for detail in details:
         inner = detail.get("ctx", {}).get("error")
         if isinstance(inner, InputError):
-            own = f"{cls.__name__}."
-            text = str(inner)
-            return type(inner)(f"{prefix}.{text.removeprefix(own)}" if text.startswith(own) else text)
+            owner, where, _ = _owner((*detail["loc"], "itself"), cls, prefix)
+            own, text = f"{owner.__name__}.", str(inner)
+            return type(inner)(f"{where}.{text.removeprefix(own)}" if text.startswith(own) else text)
     text = "; ".join(_explain(detail, cls, prefix) for detail in details)
     if all(detail["type"] in _TYPE_ERRORS for detail in details):
         return InputTypeError(text)
     return InputError(text)
 
 
+def _owner(place: tuple[int | str, ...], cls: type, prefix: str) -> tuple[type, str, tuple[int | str, ...]]:
+    """The class that a faulty field belongs to, which may be that of a field of `cls`; its name; the place in it."""
+    known = list(getattr(cls, "__pydantic_fields__", {}))
+    if not place:
+        return cls, prefix, place
+    name = known[place[0]] if isinstance(place[0], int) and place[0] < len(known) else str(place[0])
+    inner = checked_class(cls, name)
+    if inner is None or len(place) == 1:
+        return cls, prefix, (name, *place[1:])
+    return _owner(place[1:], inner, f"{prefix}.{name}")
+
+
+def checked_class(cls: type, name: str) -> type | None:
+    """The validated class of a field, None where its values are of no such class."""
+    info = getattr(cls, "__pydantic_fields__", {}).get(name)
+    kinds = () if info is None else (info.annotation, *get_args(info.annotation))
+    return next((kind for kind in kinds if hasattr(kind, "__pydantic_fields__")), None)
+
+
 def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
     """One thing that is wrong, in words."""
-    place = detail["loc"]
+    cls, prefix, place = _owner(detail["loc"], cls, prefix)
     kind = detail["type"]
     if not place:
         return f"{prefix}: {detail['msg'].removeprefix('Value error, ')}"
     known = list(getattr(cls, "__pydantic_fields__", {}))
-    name = known[place[0]] if isinstance(place[0], int) and place[0] < len(known) else str(place[0])
+    name = str(place[0])
     if kind == "unexpected_keyword_argument":
         return f"{prefix}.{name}: no such key; {nearest(name, known)}"
     if kind == "unexpected_positional_argument":
@@ -349,6 +370,8 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
     if kind in ("missing", "missing_argument"):
         return f"{where}: is missing" + (f"; must be {allowed}" if allowed else "") + suffix
     text = detail["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if kind == "dataclass_type" and (inner := checked_class(cls, name)) is not None:
+        text = f"must be a {inner.__name__}, or a table with {', '.join(getattr(inner, '__pydantic_fields__', {}))}"
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         text = f"must be {allowed}" if allowed else text
     elif allowed:

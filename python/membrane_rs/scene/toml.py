@@ -7,7 +7,8 @@
     [[parts]]         kind = "tethers" and its fields
     [run]             the fields of RunSettings
 
-Units are SI. Every error names the file, the key, the value and the allowed range.
+A schedule in a field is an inline table: {times = [0.0, 1.0], values = [3.0, 2.0], ease = 0.1}. Units are SI. Every
+error names the file, the key, the value and the allowed range.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -198,6 +199,9 @@ def _toml(value: object) -> str:
         return "true" if value else "false"
     if isinstance(value, tuple):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if is_dataclass(value):
+        items = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
+        return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in items if item is not None) + "}"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)

@@ -4,4 +4,5 @@ pub mod checks;
 pub mod frame;
 pub mod input;
 pub mod mesh;
+pub mod schedule;
 mod spring_constants;

@@ -1,0 +1,126 @@
+"""A number as a function of time, by knots."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import replace
+from typing import Annotated
+
+from annotated_types import Le
+
+from membrane_rs._validation import NonNegative, Numbers, Unit, number_of, show, validated
+from membrane_rs.errors import InputError
+
+MOST_KNOTS = 10_000
+"""More would be a table of a motion's every step."""
+
+
+@validated
+class Schedule:
+    """A number as a function of time, by knots: constant before the first and after the last one.
+
+    Between two knots, T apart and with values that differ by D, with s = (t - t_k)/T from 0 to 1, the rate rises
+    over the first share e of the time, is constant, and falls over the last share e:
+
+        rate   D/(T (1 - e)) w(s),   w = S(s/e) for s < e, 1, S((1 - s)/e) for s > 1 - e,   S(u) = 3 u^2 - 2 u^3
+        value  v_k + D p(s),         p = e (u^3 - u^4/2)/(1 - e) for u = s/e < 1, (s - e/2)/(1 - e) up to s = 1/2,
+                                     p(s) = 1 - p(1 - s) from there
+
+    So e = 0 is linear, where the rate jumps at the knots; with e > 0 the rate and its derivative are continuous.
+    Methods of high order keep their order across a knot only with e > 0, or with steps that end there.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Of the knots [s], ascending, 1 to 10,000. They count from the start of the stage that gives the schedule; in
+        a scene without stages, from t = 0.
+    values : sequence of float
+        One for each time, in the unit of the field that the schedule stands in.
+    ease : float
+        Share e of the time between two knots over which the rate rises, and again falls; 0 to 0.5.
+
+    Raises
+    ------
+    InputError
+        Lists of different lengths or none, times that do not ascend, or lie too near for the difference of values.
+    """
+
+    times: Annotated[Numbers, Unit("s")]
+    values: Numbers
+    ease: Annotated[NonNegative, Le(0.5)] = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the knots against each other."""
+        count = len(self.times)
+        if not 1 <= count <= MOST_KNOTS:
+            raise InputError(f"Schedule.times: holds {count} times; must be 1 to {MOST_KNOTS} (s)")
+        if len(self.values) != count:
+            what = f"Schedule.values = {show(self.values)}: holds {len(self.values)} values"
+            raise InputError(f"{what} for {count} times; give one for each")
+        area = 0.0
+        for k in range(1, count):
+            where = f"Schedule.times[{k}] = {show(self.times[k])}"
+            length = self.times[k] - self.times[k - 1]
+            if length <= 0.0:
+                what = "make a jump the boundary of a stage" if length == 0.0 else "sort the knots by time"
+                raise InputError(f"{where}: must be above the time before, {show(self.times[k - 1])}; {what} (s)")
+            change = self.values[k] - self.values[k - 1]
+            area += (0.5 * self.values[k - 1] + 0.5 * self.values[k]) * length
+            if not all(map(math.isfinite, (length, area, self._steepest(change, length)))):
+                what = f"the value changes from {show(self.values[k - 1])} to {show(self.values[k])} in {length:g} s"
+                raise InputError(f"{where}: {what}, which is too much to compute with; give SI units (s)")
+
+    @property
+    def last(self) -> float:
+        """The value from the last knot on."""
+        return self.values[-1]
+
+    def delayed(self, by: float) -> Schedule:
+        """The same schedule, later by a time [s].
+
+        Raises
+        ------
+        InputError, InputTypeError
+            A time that is no finite number.
+        """
+        by = number_of("by", by)
+        return replace(self, times=tuple(time + by for time in self.times))
+
+    def at(self, time: float) -> float:
+        """The value at a time [s].
+
+        Raises
+        ------
+        InputError, InputTypeError
+            A time that is no finite number.
+        """
+        k, before, after = self._place(number_of("time", time))
+        if k is None:
+            return before
+        change = self.values[k + 1] - self.values[k]
+        if before <= after:
+            return self.values[k] + change * self._risen(before)
+        return self.values[k + 1] - change * self._risen(after)
+
+    def _steepest(self, change: float, length: float) -> float:
+        """The largest rate between two knots, or the largest second derivative where that is more."""
+        rate = change / (length * (1.0 - self.ease))
+        return rate if self.ease == 0.0 else max(abs(rate), 1.5 * abs(rate) / (self.ease * length))
+
+    def _place(self, time: float) -> tuple[int | None, float, float]:
+        """The knot before a time, and the shares before and after it; None with the value, beyond the knots."""
+        times = self.times
+        k = bisect_right(times, time) - 1
+        if k < 0 or k == len(times) - 1:
+            return None, self.values[max(k, 0)], 0.0
+        length = times[k + 1] - times[k]
+        return k, (time - times[k]) / length, (times[k + 1] - time) / length
+
+    def _risen(self, share: float) -> float:
+        """p(s) for s up to one half."""
+        ease = self.ease
+        if share >= ease:
+            return (share - 0.5 * ease) / (1.0 - ease)
+        u = share / ease
+        return ease * u * u * u * (1.0 - 0.5 * u) / (1.0 - ease)
