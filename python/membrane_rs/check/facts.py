@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
 
 
@@ -14,6 +15,7 @@ def facts(scene: Scene) -> dict[str, str]:
     for name, points in (("size", assembly.reference), ("at start", assembly.positions)):
         sides = " x ".join(f"{side:.4g}" for side in np.ptp(points, axis=0))
         found[name] = f"{sides} m"
+    found |= facts_of(scene.mesh)
     masses = {"tips and cords": float(assembly.extra_masses.sum())}
     if scene.mesh is not None and scene.material is not None:
         area = float(scene.mesh.areas().sum())

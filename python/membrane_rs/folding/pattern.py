@@ -6,6 +6,7 @@ from typing import Protocol, runtime_checkable
 
 from typing_extensions import Self
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import MOST, number_of
 from membrane_rs.errors import InputError
 from membrane_rs.mesh import Mesh
@@ -43,6 +44,33 @@ class RowPattern(Pattern, Protocol):
     @property
     def row_height(self) -> float:
         """Height of a row in the flat mesh [m]."""
+
+
+@runtime_checkable
+class StowedPattern(Pattern, Protocol):
+    """A pattern that describes its stowed shape in words, and knows where cords from the hub lie in it."""
+
+    def facts(self) -> dict[str, str]:
+        """What its stowed shape is, by name, each with its unit."""
+
+    def cord_path(self, node: Floats) -> Floats | None:
+        """(k, 2) points in plan [m] by which a stowed cord goes from the hub to the node that lies at `node` (3,) in
+        the flat mesh, that node the last of them; None: straight.
+        """
+
+
+def facts_of(mesh: Mesh | None) -> dict[str, str]:
+    """What the pattern of a mesh says of its stowed shape."""
+    pattern = pattern_of(mesh)
+    return pattern.facts() if isinstance(pattern, StowedPattern) else {}
+
+
+def cord_path(mesh: Mesh | None, node: int) -> Floats | None:
+    """`StowedPattern.cord_path` of a node of a mesh; None without such a pattern."""
+    pattern = pattern_of(mesh)
+    if mesh is None or not isinstance(pattern, StowedPattern):
+        return None
+    return pattern.cord_path(mesh.reference[node])
 
 
 def pattern_of(mesh: Mesh | None) -> Pattern | None:

@@ -1,7 +1,8 @@
-"""A square sail of four petals, folded into a cross round a spool.
+"""A square sail of four petals, folded into a cross round a spool, or wound round it.
 
-Each petal is a trapezoid with parallel fold lines, alternately mountain and valley; its strips run round the
-spool from the petal's middle and turn outward along the diagonals. Flat, the sail lies at z = 0 about the
+Each petal is a trapezoid with parallel fold lines, alternately mountain and valley. In the cross its strips run round
+the spool from the petal's middle and turn outward along the diagonals; wound, they go on round the spool in arms of two
+halves (`_wound_petal`). Flat, the sail lies at z = 0 about the
 origin, its petals at 0, 90, 180 and 270 degrees, its diagonals between them. Stowed, the inner edge is at z =
 0 and fold lines are at z = 0 and z = the strip's height in turn.
 """
@@ -14,13 +15,14 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from membrane_rs._arrays import Floats
+from membrane_rs._arrays import Bools, Floats
 from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
-from membrane_rs.folding.pattern import Pattern, multiplied
+from membrane_rs.folding._wound_petal import THICKEST, WoundPath, default_gap, wound_petal
+from membrane_rs.folding.pattern import StowedPattern, multiplied
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
 
@@ -29,8 +31,8 @@ _NARROW = ("fan", "even")
 
 
 @validated
-class SquareSail(Pattern):
-    """A square sail and its folds.
+class SquareSail(StowedPattern):
+    """A square sail and its folds, stowed as a cross or wound.
 
     Parameters
     ----------
@@ -45,15 +47,18 @@ class SquareSail(Pattern):
         Cells along the inner edge. Default: so that cells are a little narrower than high (a quarter as wide
         in the layouts "fan" and "even"). The layout "equilateral" has none to choose.
     spool_radius : float
-        Radius at which the innermost layer goes round the spool [m].
+        Radius at which the innermost layer goes round the spool [m]; wound, the least one: `wound_radius` is what
+        the columns make of it.
     fillet_radius : float, optional
-        Radius of the turn from the spool to the diagonal [m]. Default: 3 mm; in the layouts "fan" and "even",
-        whose edges are cut short by a sharp turn, 10 mm.
-    layer_gap : float
+        Of the cross: radius of the turn from the spool to the diagonal [m]. Default: 3 mm; in the layouts "fan" and
+        "even", whose edges are cut short by a sharp turn, 10 mm.
+    layer_gap : float, optional
         Distance of layers, from one fold line to the next [m]; the strain of the stowed sail grows with it.
-        Default: the thickness of the film that the default dimensions belong to, so that layers touch.
-    diagonal_gap : float
-        Distance of the innermost layer from the diagonal plane [m]. Default: half the layers' distance.
+        Default: 7.5 um, the thickness of the film that the default dimensions belong to, so that layers touch;
+        wound, no more than keeps the strain within 0.25 %, 2 um with seven fold lines on a spool of 25 mm.
+    diagonal_gap : float, optional
+        Distance of the innermost layer from the diagonal plane, or from the middle of a wound arm [m]. Default:
+        3.75 um; wound, half the layers' distance.
     layout : "ruled", "equilateral", "fan" or "even"
         How nodes lie in the flat petal, see `_flat_petal`. "ruled", the paper's, has right triangles, whose net of
         springs is soft in shear (`membrane_rs.mesh.net_moduli`). "equilateral" represents the film in every direction
@@ -61,6 +66,9 @@ class SquareSail(Pattern):
         are equal, have negative spring constants and are kept for comparison.
     join : "merge" or "bridge"
         Petals share the nodes on the diagonals, or have their own, joined by stiff bridges.
+    stowage : "cross" or "wound"
+        The stowed shape: four straight arms on the diagonals, or all of it wound round the spool, counter-clockwise
+        seen from +z. Wound, the layout must be "ruled".
 
     Raises
     ------
@@ -75,10 +83,11 @@ class SquareSail(Pattern):
     columns: Count | None = None
     spool_radius: Annotated[Positive, Unit("m")] = 0.025
     fillet_radius: Annotated[Positive, Unit("m")] | None = None
-    layer_gap: Annotated[NonNegative, Unit("m")] = 7.5e-6
-    diagonal_gap: Annotated[NonNegative, Unit("m")] = 3.75e-6
+    layer_gap: Annotated[NonNegative, Unit("m")] | None = None
+    diagonal_gap: Annotated[NonNegative, Unit("m")] | None = None
     layout: Literal["ruled", "equilateral", "fan", "even"] = "ruled"
     join: Literal["merge", "bridge"] = "merge"
+    stowage: Literal["cross", "wound"] = "cross"
 
     def __post_init__(self) -> None:
         """Check dimensions and counts against each other."""
@@ -103,7 +112,10 @@ class SquareSail(Pattern):
         nodes = 4.0 * rows * mean_columns(self.layout, rows, columns)
         where = f"SquareSail: {rows} rows and {columns:.6g} columns along the inner edge"
         check_nodes(nodes, where, "take fewer; without columns, a wider film or fewer rows", MeshError)
-        self._path()
+        if self.stowage == "cross":
+            self._path()
+        else:
+            self._check_wound()
 
     @property
     def strips(self) -> int:
@@ -132,6 +144,47 @@ class SquareSail(Pattern):
         """Height of a row of cells in the flat sail [m]."""
         return self.strip_height / self.rows_per_strip
 
+    @property
+    def wound_radius(self) -> float | None:
+        """Radius of the circle through the corners of the innermost layer of the wound sail [m]; None in the cross.
+
+        It follows from the columns of the inner edge: the smallest one, not less than spool_radius, at which a whole
+        number of cells spans a quarter turn from one hairpin to the next.
+        """
+        return self._wound_path().hub_radius if self.stowage == "wound" else None
+
+    @property
+    def wound_outer_radius(self) -> float | None:
+        """Distance of the outer corners of the wound sail from the axis [m]; None in the cross."""
+        return self._wound_path().outer_radius if self.stowage == "wound" else None
+
+    @property
+    def turns(self) -> float | None:
+        """Turns of each arm round the hub, from the hairpin to the outer corner; None in the cross."""
+        return self._wound_path().turns if self.stowage == "wound" else None
+
+    def facts(self) -> dict[str, str]:
+        """Radii, turns and distance of layers of the wound sail; nothing of the cross."""
+        if self.stowage == "cross":
+            return {}
+        path = self._wound_path()
+        gap = float(path.offset[self.rows_per_strip] - path.offset[0])
+        return {
+            "roll": f"radius {path.hub_radius:.5g} to {path.outer_radius:.5g} m, {path.turns:.4g} turns, layers "
+            f"{gap:.3g} m apart; {path.on_hub} of {path.columns} columns lie on the hub between two hairpins"
+        }
+
+    def cord_path(self, node: Floats) -> Floats | None:
+        """(k, 2) points in plan [m] of a cord to a node of the diagonals, at `node` (3,) in the flat sail.
+
+        In the wound sail it lies in the middle of an arm, from the hairpin on. None for other nodes, and in the cross.
+        """
+        x, y = float(node[0]), float(node[1])
+        row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)
+        if self.stowage == "cross" or abs(abs(x) - abs(y)) > 1e-9 * self.outer_width:
+            return None
+        return self._wound_path().diagonal_path(math.floor(math.atan2(y, x) / (0.5 * math.pi)), row)
+
     def counts(self) -> dict[str, int]:
         """Masses, springs and elements of the four petals, each petal counted by itself."""
         petal = self._petal()
@@ -142,13 +195,15 @@ class SquareSail(Pattern):
     def mesh(self) -> Mesh:
         """The flat mesh with its creases, and the stowed sail as its positions.
 
-        Node sets: "corners" and "inner_corners" (at 45, 135, 225, 315 degrees), "petal-0" to "petal-3" (at 0,
-        90, 180, 270 degrees), "diagonals", and "guide_bars": what lies round the spool and in the fillets.
+        Node sets: "corners" and "inner_corners" (at 45, 135, 225, 315 degrees when flat), "petal-0" to "petal-3" (at
+        0, 90, 180, 270 degrees), "diagonals", and "guide_bars", which are held where the stowed sail is relaxed: what
+        lies round the spool and in the fillets; wound, the whole roll. Wound, "on_hub" too, the columns from one
+        hairpin of each petal to where it leaves the hub, and "hairpins", those of the hairpins alone.
         """
         petal = self._petal()
         level = np.arange(self.strips * self.rows_per_strip + 1) % (2 * self.rows_per_strip)
         height = self.strip_height * (1.0 - np.abs(level / self.rows_per_strip - 1.0))
-        stowed, held = stowed_petal(petal, self._path(), height, by_chord=self.layout == "ruled")
+        stowed, stowed_sets = self._stowed(petal, height)
         lines = [petal.index[k * self.rows_per_strip] for k in range(1, self.strips)]
         pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
         creases = np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)])
@@ -174,7 +229,8 @@ class SquareSail(Pattern):
         sets = {f"petal-{p}": distinct(number[copies[p] + np.arange(size)]) for p in range(4)}
         sets["corners"], sets["inner_corners"] = number[here[:, -1]], number[here[:, 0]]
         sets["diagonals"] = distinct(number[np.concatenate([here, there], axis=1)])
-        sets["guide_bars"] = distinct(number[(copies + np.flatnonzero(held)).ravel()])
+        for name, is_in in stowed_sets.items():
+            sets[name] = distinct(number[(copies + np.flatnonzero(is_in)).ravel()])
         return Mesh(
             reference[kept],
             number[(copies[:, :, None] + petal.triangles).reshape(-1, 3)],
@@ -205,13 +261,56 @@ class SquareSail(Pattern):
         rows = self.strips * self.rows_per_strip
         return self.columns or default_columns(self.layout, self.inner_width, self.row_height, rows)
 
+    def _stowed(self, petal: FlatPetal, height: Floats) -> tuple[Floats, dict[str, Bools]]:
+        """(n, 3) stowed nodes of the petal about the x axis [m], and its node sets by name, (n,)."""
+        if self.stowage == "cross":
+            points, held = stowed_petal(petal, self._path(), height, by_chord=self.layout == "ruled")
+            return points, {"guide_bars": held}
+        path = self._wound_path()
+        along = np.concatenate(petal.along)
+        sets = {
+            "guide_bars": np.ones(len(along), dtype=bool),
+            "on_hub": np.abs(along) < path.hairpin + 0.5 * path.cell,
+            "hairpins": np.abs(along + path.hairpin) < 0.5 * path.cell,
+        }
+        return wound_petal(petal, path, height), sets
+
+    def _wound_path(self) -> WoundPath:
+        columns = int(self._columns())
+        gap = self.layer_gap
+        if gap is None:
+            gap = default_gap(self.spool_radius, min(self.inner_width / columns, self.row_height), self.strips)
+        first = 0.5 * gap if self.diagonal_gap is None else self.diagonal_gap
+        return WoundPath(
+            spool_radius=self.spool_radius,
+            inner_width=self.inner_width,
+            columns=columns,
+            row_height=self.row_height,
+            offset=first + gap * np.arange(self.strips * self.rows_per_strip + 1) / self.rows_per_strip,
+        )
+
+    def _check_wound(self) -> None:
+        if self.layout != "ruled":
+            raise MeshError(
+                f'SquareSail.layout = "{self.layout}": a wound sail bends about columns that all rows share; take the '
+                'layout "ruled"'
+            )
+        if self.fillet_radius is not None:
+            raise MeshError(
+                f"SquareSail.fillet_radius = {self.fillet_radius:g}: a wound sail has no fillets; leave it out"
+            )
+        for name, value in (("layer_gap", self.layer_gap), ("diagonal_gap", self.diagonal_gap)):
+            if value == 0.0:
+                raise MeshError(f"SquareSail.{name} = 0: wound layers would lie in each other; make it larger (m)")
+        self._wound_path().check()
+
     def _path(self) -> StowedPath:
         rows = self.strips * self.rows_per_strip
         return StowedPath(
             spool_radius=self.spool_radius,
             fillet_radius=self.fillet_radius or (0.010 if self.layout in _NARROW else 0.003),
-            diagonal_gap=self.diagonal_gap,
-            offset=self.layer_gap * np.arange(rows + 1) / self.rows_per_strip,
+            diagonal_gap=3.75e-6 if self.diagonal_gap is None else self.diagonal_gap,
+            offset=(THICKEST if self.layer_gap is None else self.layer_gap) * np.arange(rows + 1) / self.rows_per_strip,
             half=np.linspace(self.inner_width / 2, self.outer_width / 2, rows + 1),
             taper=self.inner_width / 2,
         )

@@ -17,7 +17,7 @@ from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import ContactSet, Cords, Creases, Links
-from membrane_rs.scene.cords import cord_positions
+from membrane_rs.scene.cords import cord_along, cord_positions
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,11 @@ class Builder:
         where, remedy = f"{where}.segments = {segments}", "take fewer segments"
         check_nodes(self.node_count + new_nodes, where, remedy, SceneError, "cord nodes with those of the mesh")
 
-    def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int) -> Ints:
+    def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int, path: Floats | None = None) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.
 
         It starts at a point (3,) [m] and ends at a point, or at a node of the membrane. At the start of a run it is
-        straight if taut, and else hangs below.
+        straight if taut, and else hangs below; between the two it goes by the points of a `path` in plan, (k, 2) [m].
 
         Raises
         ------
@@ -119,7 +119,11 @@ class Builder:
         if shared:
             nodes = np.append(nodes, end)
         try:
-            positions = cord_positions(start, stowed, cord.length, cord.segments)
+            if path is None:
+                positions = cord_positions(start, stowed, cord.length, cord.segments)
+            else:
+                between = np.column_stack([path[:-1], np.full(len(path) - 1, start[2])])
+                positions = cord_along(np.vstack([start, between, stowed]), cord.length, cord.segments)
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
         name = f"tether-{len(self._cords)}"

@@ -54,6 +54,19 @@ def cord_positions(start: Floats, end: Floats, length: float, segments: int) -> 
     return positions
 
 
+def cord_along(path: Floats, length: float, segments: int) -> Floats:
+    """Nodes of a cord that lies along a path (k, 3) [m]: evenly on it if taut, else hanging below it, slack.
+
+    It is `cord_positions` of the path laid out straight. So what is below a bend of the path is a little shorter than
+    without load. Returns (segments + 1, 3) [m]; raises as `cord_positions` does.
+    """
+    at = np.append(0.0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T)))
+    end = np.array([at[-1], 0.0, path[-1, 2] - path[0, 2]])
+    flat = cord_positions(np.zeros(3), end, length, segments)
+    plan = [np.interp(flat[:, 0], at, path[:, k]) for k in range(2)]
+    return np.stack([*plan, path[0, 2] + flat[:, 2]], axis=1)
+
+
 def _headings(target: float, segments: int) -> Floats:
     """Angles of the segments to the chord, evenly turning, whose cosines add up to `target` [rad]."""
     offsets = np.arange(segments) - 0.5 * (segments - 1)

@@ -14,6 +14,7 @@ import numpy as np
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError, SceneError
+from membrane_rs.folding.pattern import cord_path
 from membrane_rs.scene.builder import Builder, Cord
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
@@ -76,7 +77,8 @@ class Tethers(Part):
     """Cords from the rim of the spool to nodes of the membrane, one for each node.
 
     Each starts on the rim, at z = 0 and at the azimuth that its node has in the flat sail, where it is
-    fixed. If the node is nearer than the cord is long, the cord hangs below in an arc without strain.
+    fixed. If the node is nearer than the cord is long, the cord hangs below in an arc without strain. In a wound sail
+    it lies along the middle of an arm, from the hairpin on, and hangs below that.
 
     Parameters
     ----------
@@ -124,7 +126,8 @@ class Tethers(Part):
             length = self.length or float(np.linalg.norm(flat - anchor))
             if length == 0:
                 raise SceneError(f"{where}.anchor_radius = {self.anchor_radius}: node {node} lies on the rim")
-            nodes = builder.add_cord(_cord(self, length), where, anchor, node)
+            path = cord_path(builder.mesh, node)
+            nodes = builder.add_cord(_cord(self, length), where, anchor, node, path)
             builder.fix(nodes[:1])
 
     @property
