@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from membrane_rs._arrays import Floats
 from membrane_rs.errors import InputError, MeshError
 from membrane_rs.folding import SquareSail
 from membrane_rs.mesh import Mesh
@@ -37,8 +38,8 @@ def wound(**dimensions: Any) -> SquareSail:
     return SquareSail(stowage="wound", **dimensions)
 
 
-def radii(mesh: Mesh) -> np.ndarray:
-    return np.hypot(*mesh.positions[:, :2].T)
+def radii(mesh: Mesh) -> Floats:
+    return np.asarray(np.hypot(*mesh.positions[:, :2].T))
 
 
 @pytest.mark.parametrize(("dimensions", "radius", "turns", "strain"), SHAPES)

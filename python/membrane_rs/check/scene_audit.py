@@ -22,6 +22,7 @@ from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.spool import spool
 from membrane_rs.check.step_accuracy import accuracy_of_step
 from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
+from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.check.supports import supports
 from membrane_rs.errors import AuditWarning
 from membrane_rs.mesh.findings import Audit, Finding
@@ -57,6 +58,7 @@ STEPPING_CHECKS: list[SteppingCheck] = [
 COSTLY_CHECKS: list[Check] = [
     growing_modes_of_large_meshes,
     net_of_springs,
+    stowed_energy,
     accuracy_of_step,
 ]
 """Checks that take longer: made by `check` alone."""

@@ -28,7 +28,7 @@ class Finding:
         "long_bridges", "duplicate_triangles", "shared_edges", "winding", "upside_down", "overlaps", "pieces",
         "thick_film", "singular_springs", "negative_springs", "growing_mode" or "strain".
         Of a scene: "fold_angles", "film_law", "supports", "spool", "chord_sag", "start_inside", "implausible_value",
-        "idle_law", "net_of_springs", "step", "setting_without_effect", "step_accuracy" or "left_out".
+        "idle_law", "net_of_springs", "stowed_energy", "step", "setting_without_effect", "step_accuracy" or "left_out".
     count : int
         How many there are.
     message, remedy : str
