@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from membrane_rs._core_input import Model, Settings
 
 __all__ = [
+    "Crossings",
     "EnergyBalance",
     "FilmStates",
     "FilmStress",
@@ -21,6 +22,7 @@ __all__ = [
     "NewtonStatistics",
     "Simulation",
     "StepLimit",
+    "crossings",
     "edges",
     "hinge_count",
     "integrators",
@@ -48,8 +50,35 @@ def lumped_masses(
 def hinge_count(reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]) -> int:
     """Number of creases (c, 2), after checking that each is an edge with two triangles of one winding."""
 
+def crossings(positions: NDArray[np.float64], triangles: NDArray[np.int64], limit: int) -> Crossings:
+    """Crossings of triangles (m, 3) at positions (n, 3) [m]: all counted, the first `limit` listed."""
+
 def integrators() -> list[MethodFacts]:
     """What is known of each method, in the order in which they are listed."""
+
+@final
+class Crossings:
+    """Pairs of triangles by what they have in common."""
+
+    @property
+    def pairs(self) -> NDArray[np.int64]:
+        """The first pairs that cross, (k, 2), ascending."""
+
+    @property
+    def count(self) -> int:
+        """Of all that cross: inner points in common, in two planes."""
+
+    @property
+    def overlapping(self) -> int:
+        """Of those with inner points in common in one plane."""
+
+    @property
+    def touching(self) -> int:
+        """Of those without a common node that have no common point inside of both."""
+
+    @property
+    def candidates(self) -> int:
+        """Of those whose bounding boxes have common points."""
 
 @final
 class MethodFacts:

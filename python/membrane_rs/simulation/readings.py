@@ -8,6 +8,7 @@ import numpy as np
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats
+from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 
@@ -122,3 +123,7 @@ class Readings:
         The force on the spool is the negative sum over the nodes.
         """
         return self._core.contact_forces()
+
+    def crossings(self, *, limit: int = LISTED) -> Crossings:
+        """Pairs of the membrane's triangles that pass through each other now; see `Mesh.crossings`."""
+        return crossings(self.assembly.triangles, self._core.positions(), limit)

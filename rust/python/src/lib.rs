@@ -2,6 +2,7 @@
 
 mod arrays;
 mod components;
+mod crossings;
 mod errors;
 mod laws;
 mod mesh;
@@ -19,6 +20,8 @@ static ALLOCATOR: Aligned = Aligned;
 /// The compiled core of membrane_rs; use it through the package's own classes.
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::crossings::{Crossings, crossings};
     #[pymodule_export]
     use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
     #[pymodule_export]

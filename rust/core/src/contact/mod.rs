@@ -1,0 +1,8 @@
+//! Geometry of contact: which triangles cross. No physics: neither stiffness nor distance at which a force begins.
+
+mod box_tree;
+mod crossings;
+mod orientation;
+mod triangle_pair;
+
+pub use crossings::{Crossings, crossings};
