@@ -69,6 +69,14 @@ class FakeSimulation:
         self.hub_angle = 6.0 * np.pi * time
         self.step_count = round(time / self.dt)
 
+    stage = 0
+    stage_name = ""
+    boundaries = ()
+
+    @property
+    def potential_names(self) -> tuple[str, ...]:
+        return tuple(self.ledger()["stored_by_law"])
+
     def energies(self) -> dict[str, float]:
         return {"kinetic": 0.3, **self.stored}
 

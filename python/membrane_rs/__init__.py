@@ -44,6 +44,7 @@ from membrane_rs.scene.laws import (
 from membrane_rs.scene.parts import Bridges, Fixed, Tether, Tethers, TipMasses
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.schedule import Schedule
+from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation import IntegratorFacts, integrators
 
 __version__ = version("membrane_rs")
@@ -76,6 +77,7 @@ __all__ = [
     "SpoolContact",
     "SpringDamping",
     "Springs",
+    "Stage",
     "Tether",
     "Tethers",
     "TipMasses",

@@ -88,6 +88,17 @@ class Corners:
         x, y = positions[self.nodes, 0], positions[self.nodes, 1]
         return float(np.hypot(x, y).mean()) / self.flat_radius
 
+    @property
+    def turned(self) -> Floats:
+        """(k,) angles by which the corners have turned so far from the reference [rad]."""
+        turned: Floats = self._turned.copy()
+        return turned
+
+    def resume(self, positions: Floats, turned: Floats) -> None:
+        """Follow on from positions (N, 3) [m] at which the corners have turned by `turned` (k,) [rad]."""
+        self._azimuth = np.arctan2(positions[self.nodes, 1], positions[self.nodes, 0])
+        self._turned = np.array(turned, dtype=np.float64)
+
     def phase_difference(self, positions: Floats) -> float:
         """Mean angle of the corners relative to the spool [deg].
 

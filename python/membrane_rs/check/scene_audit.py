@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
@@ -82,13 +83,40 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     -------
     Audit
         The findings of all `CHECKS` and `STEPPING_CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
+        Of a scene with stages those of each stage, which a message names unless they all have it; costly ones of the
+        first stage alone.
     """
-    return _audit(scene, Stepping.of_scene(scene), COSTLY_CHECKS if costly else [_left_out])
+    more = COSTLY_CHECKS if costly else [_left_out]
+    if not scene.stages:
+        return _audit(scene, Stepping.of_scene(scene), more)
+    return _of_stages(scene, lambda staged: _audit(staged, Stepping.of_scene(staged), more))
 
 
 def audit_of_motion(sim: Motion) -> Audit:
     """The same of the scene of a simulation, with the method and the step that it has; costly checks left out."""
-    return _audit(sim.scene, Stepping.of_motion(sim), [_left_out])
+    if not sim.scene.stages:
+        return _audit(sim.scene, Stepping.of_motion(sim), [_left_out])
+
+    def of_stage(staged: Scene) -> Audit:
+        stepping = Stepping.of_motion(sim) if staged is sim.stage_scene else Stepping.of_scene(staged)
+        return _audit(staged, stepping, [_left_out])
+
+    return _of_stages(sim.scene, of_stage)
+
+
+def _of_stages(scene: Scene, audit_of: Callable[[Scene], Audit]) -> Audit:
+    """The findings of all stages, each of them once; those that not all stages have name their stages."""
+    found: dict[Finding, list[str]] = {}
+    for k, stage in enumerate(scene.stages):
+        for finding in audit_of(scene.staged(k)).findings:
+            found.setdefault(finding, []).append(stage.name)
+    count = len(scene.stages)
+    return Audit.of(finding if len(names) == count else _in_stages(finding, names) for finding, names in found.items())
+
+
+def _in_stages(finding: Finding, names: Sequence[str]) -> Finding:
+    stages = "stage" if len(names) == 1 else "stages"
+    return replace(finding, message=f"{stages} {', '.join(map(repr, names))}: {finding.message}")
 
 
 def _audit(scene: Scene, stepping: Stepping, more: Sequence[Check]) -> Audit:
@@ -106,6 +134,9 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     `Springs.negative` "clip" or "keep" accepts negative springs, and "keep" the modes that grow by them; a strain limit
     above the strain at the start accepts that.
     """
+    if scene.stages:
+        of_stages = [unaccepted_errors(scene.staged(k)) for k in range(len(scene.stages))]
+        return tuple(dict.fromkeys(error for errors in of_stages for error in errors))
     accepted = set()
     if scene.negative_springs in ("clip", "keep"):
         accepted |= {"negative_springs", "growing_mode"}

@@ -30,7 +30,8 @@ class Bar:
         if self._first_step is None:
             self._first_step, self._began = sim.step_count, now
         rate = (sim.step_count - self._first_step) / max(now - self._began, 1e-9)
-        detail = f"{sim.time:.4f} of {self._end:g} s  {rate:,.0f} steps/s"
+        stage = f"{sim.stage_name}  " if sim.stage_name else ""
+        detail = f"{stage}{sim.time:.4f} of {self._end:g} s  {rate:,.0f} steps/s"
         self._progress.update(self._task, completed=sim.time - self._start, detail=detail)
 
     def pictures(self, what: str, done: int, total: int) -> None:

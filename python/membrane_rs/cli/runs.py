@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -36,6 +36,7 @@ from membrane_rs.cli.progress import Bar, progress_bar, terminal
 
 if TYPE_CHECKING:
     from membrane_rs.runs import Simulation
+    from membrane_rs.scene import Scene
 
 NOBODY = dict.fromkeys(("pid", "host", "start"), "unknown")
 
@@ -64,16 +65,18 @@ def run(
     with reported_errors():
         from membrane_rs.check import unaccepted_errors
 
-        wanted = {
+        wanted: dict[str, Any] = {
             "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
             "spectral_radius": spectral_radius, "substeps": substeps_of(substeps, short_steps), "frames": frames,
         }  # fmt: skip
-        chosen = with_settings(load(scene), wanted)
+        loaded = load(scene)
+        end = wanted.pop("until") if loaded.stages else None
+        chosen = with_settings(loaded, wanted)
         folder = out or Path("runs") / chosen.name
         sim = simulation_of(chosen)
         if unaccepted_errors(chosen) and not despite_errors:
             _refuse(sim, folder, overwrite)
-        _run(sim, folder, overwrite, pictures=not no_pictures, checkpoint=checkpoint)
+        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, checkpoint=checkpoint)
 
 
 @app.command()
@@ -103,8 +106,7 @@ def resume(
             return
         sim = Simulation.restore(source)
         report(sim.audit())
-        settings = sim.scene.run
-        end = settings.until if until is None else until
+        end = sim.planned_end if until is None else until
         if end <= sim.time:
             raise InputError(f"--until = {end}: the state is at {sim.time:.6g} s already; give a later time (s)")
         folder = out or source.parent.with_name(f"{source.parent.resolve().name}-continued")
@@ -136,8 +138,6 @@ def check(
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     with reported_errors():
         from membrane_rs.check import audit, facts
-        from membrane_rs.check.redundancy import step_savings
-        from membrane_rs.runs import Simulation
 
         wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
         chosen = with_settings(load(scene), wanted)
@@ -148,27 +148,39 @@ def check(
             typer.echo(f"  {name:<10} {words}")
         found = audit(chosen)
         typer.echo(f"\nAudit\n{_indented(str(found))}")
-        sim = Simulation(chosen)
-        typer.echo(f"\nRun      {chosen.run.until:g} s by {sim.integrator}")
-        typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
-        typer.echo(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")
-        if sim.slow_laws:
-            typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the others in {chosen.run.substeps} substeps")
-        shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.contiguous_shares.items())
-        typer.echo(f"  contiguous   {shares or 'none'} (share of elements in contiguous batches, the fast ones)")
-        savings = step_savings(chosen)
-        if not savings:
-            typer.echo("  savings      none: no single part sets the step, others are within 2 % of it")
-        for saving in savings:
-            typer.echo(
-                f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long"
-            )
-            typer.echo(f"               {saving.advice}")
-        sim._check_end(chosen.run.until)
-        steps, seconds = _expected_cost(sim)
-        typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
+        for k, stage in enumerate(chosen.stages):
+            latest = "at most " if stage.measure is not None else ""
+            typer.echo(f"\nStage    {stage.name}, {latest}{stage.duration:g} s")
+            _report_run(chosen.staged(k), stage.duration)
+        if not chosen.stages:
+            typer.echo("")
+            _report_run(chosen, chosen.run.until)
         if not found.ok:
             raise typer.Exit(FAILED)
+
+
+def _report_run(scene: Scene, duration: float) -> None:
+    """Step and cost of a scene without stages, for so long [s]."""
+    from membrane_rs.check.redundancy import step_savings
+    from membrane_rs.runs import Simulation
+
+    sim = Simulation(scene)
+    typer.echo(f"Run      {duration:g} s by {sim.integrator}")
+    typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
+    typer.echo(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")
+    if sim.slow_laws:
+        typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the others in {scene.run.substeps} substeps")
+    shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.contiguous_shares.items())
+    typer.echo(f"  contiguous   {shares or 'none'} (share of elements in contiguous batches, the fast ones)")
+    savings = step_savings(scene)
+    if not savings:
+        typer.echo("  savings      none: no single part sets the step, others are within 2 % of it")
+    for saving in savings:
+        typer.echo(f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long")
+        typer.echo(f"               {saving.advice}")
+    sim._check_end(duration)
+    steps, seconds = _expected_cost(sim, duration)
+    typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
 
 
 def _refuse(sim: Simulation, folder: Path, overwrite: bool) -> None:
@@ -199,7 +211,7 @@ def _run(
 
     console = terminal()
     settings = sim.scene.run
-    with progress_bar(console, sim.time, settings.until if until is None else until) as show, _stopped(show, folder):
+    with progress_bar(console, sim.time, sim.planned_end if until is None else until) as show, _stopped(show, folder):
         results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
@@ -243,9 +255,9 @@ def _stopped(show: Bar, folder: Path) -> Iterator[None]:
         raise typer.Exit(exit_code(stop)) from None
 
 
-def _expected_cost(sim: Simulation) -> tuple[int, float]:
-    """Number of steps to the end, and their time [s], extrapolated from a few hundred steps."""
-    steps = max(1, round(sim.scene.run.until / sim.dt))
+def _expected_cost(sim: Simulation, duration: float) -> tuple[int, float]:
+    """Number of steps in so long [s], and their time [s], extrapolated from a few hundred steps."""
+    steps = max(1, round(duration / sim.dt))
     taken, began, spent = 0, time.perf_counter(), 0.0
     while taken < min(steps, 300) and spent < 2.0:
         batch = min(20, steps - taken)
@@ -253,7 +265,7 @@ def _expected_cost(sim: Simulation) -> tuple[int, float]:
         taken += batch
         spent = time.perf_counter() - began
     if sim.is_adaptive:
-        steps = max(1, round(sim.scene.run.until / sim.time * taken))
+        steps = max(1, round(duration / sim.time * taken))
     return steps, steps * spent / taken
 
 

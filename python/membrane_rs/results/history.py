@@ -16,11 +16,18 @@ hub_torque             [N m] torque of the sail on the hub about its axis; likew
 contact_force          [N] sum of the magnitudes of the forces between spool and nodes; where nodes meet a spool
 largest_cord_tension   [N] elastic tension of the tautest segment; with cords
 largest_film_stress    [Pa] largest principal stress, at least 0, see `Motion.film_stress`; with a law of the film
+
+With stages the columns are those of all stages; an energy is 0 where its law is not at work. There are also
+
+stage                  index of the stage; at a boundary that of the stage that begins
+energy_of_changes      [J] put in by changes of stage so far: what is stored and moves after one, less what was before
 """
 
 from __future__ import annotations
 
 import csv
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +53,8 @@ FIRST_COLUMNS = (
     "reference_energy",
 )
 
+OF_STAGES = ("stage", "energy_of_changes")
+"""The last columns of a scene with stages."""
 RENAMED = {"energy_turned_over": "reference_energy"}
 """New names of columns by those of version 0.1; files and tables have both."""
 
@@ -85,13 +94,16 @@ class History(Writer):
         """Name the columns."""
         self._record, self._path = record, record.path / HISTORY
         self._corners = Corners(sim.assembly)
-        self._energies = list(sim.ledger()["stored_by_law"])
+        self._energies = list(sim.potential_names)
         self._works = [law.kind for law in sim.scene.laws]
+        self._readings = _readings_of(sim)
+        self._of_stages = OF_STAGES if sim.scene.stages else ()
         self.columns = [
             *FIRST_COLUMNS,
             *(f"energy_{name}" for name in self._energies),
             *(f"work_{name}" for name in self._works),
-            *_readings(sim),
+            *self._readings,
+            *self._of_stages,
         ]
         self.rows = []
 
@@ -119,10 +131,12 @@ class History(Writer):
             ledger["error"],
             sim.hub_angle,
             ledger["reference_energy"],
-            *(ledger["stored_by_law"][name] for name in self._energies),
+            *(ledger["stored_by_law"].get(name, 0.0) for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
-            *_readings(sim).values(),
+            *_readings(sim, self._readings),
         ]
+        if self._of_stages:
+            row += [sim.stage, math.fsum(ledger["changes"].values())]
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.rows.append([float(value) + 0.0 for value in row])
         self._write(self.rows[-1])
@@ -148,19 +162,32 @@ class History(Writer):
             self._file.flush()
 
 
-def _readings(sim: Stepper) -> dict[str, float]:
-    """The largest stress and tension, and the load on the hub, as far as the scene has them."""
-    assembly, found = sim.assembly, {}
-    if len(assembly.fixed) or len(assembly.contacts):
+def _readings_of(sim: Stepper) -> list[str]:
+    """The largest stress and tension, and the load on the hub, as far as the scene has them in any stage."""
+    scenes = [sim.scene.staged(k) for k in range(len(sim.scene.stages))] or [sim.scene]
+    assemblies, found = [scene.assemble() for scene in scenes], []
+    has_contacts = any(len(assembly.contacts) for assembly in assemblies)
+    if has_contacts or any(len(assembly.fixed) for assembly in assemblies):
+        found = ["hub_force", "hub_torque", *(["contact_force"] if has_contacts else [])]
+    if len(sim.assembly.cords):
+        found.append("largest_cord_tension")
+    if len(sim.assembly.triangles) and any(law.is_film for law in sim.scene.laws):
+        found.append("largest_film_stress")
+    return found
+
+
+def _readings(sim: Stepper, names: Sequence[str]) -> list[float]:
+    """The readings of these names now."""
+    found = {}
+    if "hub_force" in names:
         load = sim.hub_load()
         found = {"hub_force": float(np.linalg.norm(load.force)), "hub_torque": float(load.torque[2])}
-        if len(assembly.contacts):
-            found["contact_force"] = load.contact
-    if len(assembly.cords):
+        found["contact_force"] = load.contact
+    if "largest_cord_tension" in names:
         found["largest_cord_tension"] = float(sim.cord_tensions().max())
-    if len(assembly.triangles) and any(law.is_film for law in sim.scene.laws):
+    if "largest_film_stress" in names:
         found["largest_film_stress"] = sim.largest_film_stress()
-    return found
+    return [found[name] for name in names]
 
 
 def read_history(path: Path | str) -> dict[str, Floats]:

@@ -25,6 +25,7 @@ At each checkpoint, and at the end:
 time                  [s] simulated time
 steps                 steps taken
 wall_time             [s] spent on the run, without what a killed process did after its last checkpoint
+stage, stage_starts   of a scene with stages: name of the present one; wall time at which each began [s]
 
 At the end, too:
 
@@ -38,6 +39,8 @@ energy_balance        reference_energy [J]; error at the end, lowest_error (loss
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
+stages                of a scene with stages, one entry for each that was reached: what `StageRecord` holds, with
+                      wall_time [s] and the curves of its samples
 pictures              what drew them: "pyvista", "matplotlib" or "none"
 """
 
@@ -48,6 +51,7 @@ import math
 import platform
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
@@ -78,6 +82,7 @@ class Summary(Writer):
     """Writes what is known before the first step, and at the end what the run has shown."""
 
     own_files = (SUMMARY,)
+    _stage_starts: dict[int, float]
 
     def start(self, sim: Stepper, record: Record) -> None:
         """Write a first summary."""
@@ -102,6 +107,7 @@ class Summary(Writer):
         """Take over what the summary said at the start, and say who goes on."""
         before = read_summary(record.path)
         self._begin(record, before.get("wall_time") or 0.0)
+        self._stage_starts = dict(enumerate(before.get("stage_starts") or ()))
         at_end = ("signal", "frames", "samples", "energy_balance", "curves", "pictures")
         record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
             "outcome": "running",
@@ -121,7 +127,9 @@ class Summary(Writer):
 
     def at_checkpoint(self, sim: Stepper) -> Callable[[], None]:
         """What adds how far the run has come, for the background."""
-        now = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
+        now: dict[str, Any] = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
+        if sim.scene.stages:
+            now |= {"stage": sim.stage_name, "stage_starts": list(self._stage_starts.values())}
 
         def write() -> None:
             self._record.summary |= now
@@ -143,6 +151,7 @@ class Summary(Writer):
             "samples": len(table["time"]),
             "energy_balance": energy_balance(table),
             "curves": curve_features(table),
+            **({"stages": self._stages(sim)} if sim.scene.stages else {}),
             "pictures": "none",
         }
 
@@ -157,8 +166,25 @@ class Summary(Writer):
         """Write what all outputs have added so far. Raises OutputError."""
         write_summary(self._record.path / SUMMARY, self._record.summary)
 
+    def sample(self, sim: Stepper) -> None:
+        """Note when a stage begins."""
+        if sim.scene.stages:
+            self._stage_starts.setdefault(sim.stage, self._wall_time())
+
+    def _stages(self, sim: Stepper) -> list[dict[str, Any]]:
+        """The record of each stage, with its wall time and its curves."""
+        table, found = self._record.table, []
+        for k, record in enumerate(sim.stages):
+            rows = (table["time"] >= record.start) & (table["time"] <= record.end)
+            start, end = self._stage_starts.get(k), self._stage_starts.get(k + 1, self._wall_time())
+            curves = curve_features({name: column[rows] for name, column in table.items()})
+            wall_time = None if start is None else end - start
+            found.append({**asdict(record), "wall_time": wall_time, "curves": curves})
+        return found
+
     def _begin(self, record: Record, spent: float) -> None:
         self._record, self._began = record, perf_counter() - spent
+        self._stage_starts = {}
 
     def _wall_time(self) -> float:
         return perf_counter() - self._began

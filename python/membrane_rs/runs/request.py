@@ -13,7 +13,7 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import MOST_INSTANTS
-from membrane_rs.simulation.output_times import SAME_TIME, output_times
+from membrane_rs.simulation.output_times import SAME_TIME, output_times, with_boundaries
 
 CHECKPOINT = 10.0
 """Seconds of wall time between two checkpoints, unless the caller says otherwise."""
@@ -55,12 +55,14 @@ class Request:
         """The same as a table."""
         return asdict(self)
 
-    def output_times(self, start: float, scene: Scene) -> dict[float, bool]:
-        """The instants [s] that a run from `start` on shows, and whether each is a frame.
+    def output_times(self, start: float, scene: Scene, boundaries: Sequence[float] = ()) -> dict[float, bool]:
+        """The instants [s] that a run from `start` on shows, those of given boundaries of stages among them, and
+        whether each is a frame.
 
         Raises InputError and InputTypeError for instants that are none.
         """
-        return dict(output_times(start, self.until, self.frames, self.samples, scene.run.snapshots))
+        times = output_times(start, self.until, self.frames, self.samples, scene.run.snapshots)
+        return with_boundaries(times, boundaries)
 
     def warn_of_unshown(self, now: float, stacklevel: int) -> None:
         """Warn of given times [s] that lie outside the run from `now` to its end, and so are not shown."""

@@ -132,7 +132,8 @@ class Simulation(Stepper):
         Parameters
         ----------
         until : float, optional
-            Time at the end [s]. Default: the scene's.
+            Time at the end [s]. Default: the scene's; with stages the end of the last one, at the latest. A run ends
+            earlier where a measure ends the last stage.
         frames : int or sequence of float, optional
             How many shapes to keep, evenly spaced from time 0 to the end, or their times [s]. Default: the scene's.
             Given times before now or after the end are left out, with a warning.
@@ -166,7 +167,7 @@ class Simulation(Stepper):
             Results cannot be written.
         """
         settings = self.scene.run
-        end = number_of("until", settings.until if until is None else until)
+        end = number_of("until", self.planned_end if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
         if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
@@ -192,6 +193,7 @@ class Simulation(Stepper):
                     f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
                 )
         self._check_end(end)
+        self._check_stages_last(end)
         if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
             raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         request.output_times(self.time, self.scene)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from typing import ClassVar
 
 from membrane_rs._validation import validated
@@ -14,10 +15,17 @@ from membrane_rs.scene.spool import Spool
 
 @validated
 class Part:
-    """A part as checked values. A part overrides the defaults that do not hold for it."""
+    """A part as checked values. A part overrides the defaults that do not hold for it.
+
+    Parameters
+    ----------
+    name : str, optional
+        By which a stage names it; unlike those of other parts, and no kind of a law. By keyword alone.
+    """
 
     kind: ClassVar[str]
     """Its name in scene files."""
+    name: str | None = field(default=None, kw_only=True)
 
     def add_nodes(self, builder: Builder, where: str) -> None:
         """Add its own nodes, cords and links; `where` is its place in the scene, for errors."""

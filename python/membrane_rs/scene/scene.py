@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TypeVar, overload
@@ -19,6 +19,8 @@ from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.stage import Stage
+from membrane_rs.scene.staging import check_same_nodes, check_stages, planned_starts, staged
 from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
 
 SCENE_FILE = "scene.toml"
@@ -44,13 +46,16 @@ class Scene:
     name : str
         For titles and folders: not empty, no slash or backslash, at most 100 characters.
     run : RunSettings
-        How the scene is run unless the caller says otherwise.
+        How the scene is run unless the caller says otherwise. With stages `until` is their end, whatever is given.
+    stages : sequence of Stage
+        One after the other in one run, at most 100. What a stage changes holds for that stage; laws, parts and
+        bodies must be in the scene, and stages are `without` them.
 
     Raises
     ------
     SceneError
         Two laws of a kind, two laws of the film, a mesh without material, nothing at all, a node set
-        that is not there, a name that is none for a folder.
+        that is not there, a name that is none for a folder, two parts of a name, a stage that the scene does not fit.
     InputTypeError
         Something that is no mesh, material, law or part.
     """
@@ -61,6 +66,7 @@ class Scene:
     parts: Sequence[Part] = ()
     name: str = field(default="scene", kw_only=True)
     run: RunSettings = field(default_factory=RunSettings, kw_only=True)
+    stages: Sequence[Stage] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         """Check the parts of the scene against each other."""
@@ -75,6 +81,11 @@ class Scene:
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
             raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
+        self._check_part_names()
+        object.__setattr__(self, "stages", _checked("stages", self.stages, (Stage,)))
+        if self.stages:
+            self._check_stages()
+            return
         films = [f"laws.{law.kind}" for law in self.laws if law.is_film]
         if len(films) > 1:
             raise SceneError(f"{' and '.join(films)}: each is the law of the film; leave all but one out")
@@ -82,6 +93,54 @@ class Scene:
             raise SceneError("material: is missing; a mesh needs one")
         if self._assembly.node_count == 0:
             raise SceneError("mesh: is missing, and no part of kind 'tether' replaces it; a scene needs nodes")
+
+    def _check_part_names(self) -> None:
+        names = [law.kind for law in self.laws]
+        for k, part in enumerate(self.parts):
+            if part.name is None:
+                continue
+            _check_name(part.name, f"parts[{k}].name")
+            if part.name in names:
+                what = "is that of a law or of another part; rename it"
+                raise SceneError(f"parts[{k}].name = {show(part.name)}: {what}")
+            names.append(part.name)
+
+    def _check_stages(self) -> None:
+        """Check that the stages fit the scene, each as a scene of its own, and end the run with them."""
+        check_stages(self)
+        object.__setattr__(self, "run", replace(self.run, until=planned_starts(self.stages)[-1]))
+        first = self.staged(0).assemble()
+        for k in range(1, len(self.stages)):
+            check_same_nodes(first, self.staged(k).assemble(), f"stages[{k}]")
+
+    def staged(self, index: int, starts: Sequence[float] | None = None) -> Scene:
+        """The scene of one stage, without stages.
+
+        Parameters
+        ----------
+        index : int
+            Of the stage, from 0.
+        starts : sequence of float, optional
+            Start of each stage up to it [s], from which its schedules count. Default: as if no measure ended a stage.
+
+        Raises
+        ------
+        SceneError
+            No such stage, or values that the scene refuses.
+        """
+        if not 0 <= index < len(self.stages):
+            raise SceneError(f"stage {show(index)}: must be from 0 to {len(self.stages) - 1}")
+        planned = tuple(planned_starts(self.stages)[: index + 1])
+        given = planned if starts is None else tuple(float(time) for time in starts)
+        if given != planned:
+            return staged(self, index, given)
+        if index not in self._staged:
+            self._staged[index] = staged(self, index, planned)
+        return self._staged[index]
+
+    @cached_property
+    def _staged(self) -> dict[int, Scene]:
+        return {}
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
@@ -104,7 +163,9 @@ class Scene:
     def to_toml(self) -> str:
         """The scene as TOML, all values resolved. A mesh that no pattern made is named, not written."""
         return write_scene(
-            SceneContent(self.mesh, self.material, tuple(self.laws), tuple(self.parts), self.name, self.run)
+            SceneContent(
+                self.mesh, self.material, tuple(self.laws), tuple(self.parts), self.name, self.run, tuple(self.stages)
+            )
         )
 
     def save(self, folder: str | Path) -> None:
@@ -142,7 +203,9 @@ class Scene:
         return next((rule for rule in rules if rule is not None), None)
 
     def assemble(self) -> Assembly:
-        """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords."""
+        """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords. With stages, that of
+        the first one.
+        """
         return self._assembly
 
     def counts(self) -> dict[str, int]:
@@ -173,6 +236,8 @@ class Scene:
 
     @cached_property
     def _assembly(self) -> Assembly:
+        if self.stages:
+            return self.staged(0).assemble()
         builder = Builder(self.mesh)
         for k, part in enumerate(self.parts):
             with computable(f"parts[{k}]", SceneError):
@@ -191,12 +256,12 @@ def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) 
         raise InputTypeError(f"Scene.{name} = {show(value)}: must be {wanted}")
 
 
-def _check_name(name: str) -> None:
+def _check_name(name: str, where: str = "Scene.name") -> None:
     """The name becomes a folder's, so it must be one plain component of a path, which files can hold."""
-    check_text(name, "Scene.name =", SceneError)
+    check_text(name, f"{where} =", SceneError)
     if name in ("", ".", "..") or len(name) > LONGEST_NAME or any(sign in name for sign in "/\\\0"):
         raise SceneError(
-            f"Scene.name = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "
+            f"{where} = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "
             "backslash or NUL, and neither '.' nor '..'"
         )
 

@@ -5,6 +5,7 @@
     [material]        the fields of Material
     [laws.springs]    one table for each law; an empty table takes the law with its defaults
     [[parts]]         kind = "tethers" and its fields
+    [[stages]]        the fields of Stage
     [run]             the fields of RunSettings
 
 A schedule in a field is an inline table: {times = [0.0, 1.0], values = [3.0, 2.0], ease = 0.1}. Units are SI. Every
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -30,6 +31,7 @@ from membrane_rs.mesh import Mesh
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.stage import Stage
 
 tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 
@@ -52,6 +54,7 @@ class SceneContent:
     parts: tuple[Part, ...]
     name: str
     run: RunSettings
+    stages: tuple[Stage, ...] = ()
 
 
 def read_scene(path: Path) -> SceneContent:
@@ -113,7 +116,9 @@ def write_scene(content: SceneContent) -> str:
         lines += ["", f"[laws.{law.kind}]", *_table(law)]
     for part in content.parts:
         lines += ["", "[[parts]]", f"kind = {_toml(part.kind)}", *_table(part)]
-    lines += ["", "[run]", *_table(content.run)]
+    for stage in content.stages:
+        lines += ["", "[[stages]]", *_table(stage)]
+    lines += ["", "[run]", *_table(content.run, ("until",) if content.stages else ())]
     return "\n".join(lines) + "\n"
 
 
@@ -124,8 +129,8 @@ def pattern_name(mesh: Mesh) -> str | None:
 
 def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
     for key in table:
-        if key not in ("name", "mesh", "material", "laws", "parts", "run"):
-            known = ("name", "mesh", "material", "laws", "parts", "run")
+        known = ("name", "mesh", "material", "laws", "parts", "stages", "run")
+        if key not in known:
             raise SceneError(f"{key}: no such key; {nearest(key, known)}")
     name = table.get("name", path.stem.encode(errors="replace").decode())
     if not isinstance(name, str):
@@ -142,8 +147,15 @@ def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
     if not isinstance(items, list):
         raise SceneError("parts: must be a list of tables; write [[parts]] above each")
     parts = tuple(_part(_as_table(item, f"parts[{i}]"), f"parts[{i}]") for i, item in enumerate(items))
-    run = build(RunSettings, _as_table(table.get("run", {}), "run"), "run")
-    return SceneContent(mesh, material, laws, parts, name, run)
+    items = table.get("stages", [])
+    if not isinstance(items, list):
+        raise SceneError("stages: must be a list of tables; write [[stages]] above each")
+    stages = tuple(build(Stage, _as_table(item, f"stages[{i}]"), f"stages[{i}]") for i, item in enumerate(items))
+    values = _as_table(table.get("run", {}), "run")
+    if stages and "until" in values:
+        raise SceneError(f"run.until = {show(values['until'])}: the run ends with the last of the stages; leave it out")
+    run = build(RunSettings, values, "run")
+    return SceneContent(mesh, material, laws, parts, name, run, stages)
 
 
 def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
@@ -183,10 +195,12 @@ def _as_table(value: object, where: str) -> dict[str, Any]:
     return value
 
 
-def _table(item: Any) -> list[str]:
+def _table(item: Any, left_out: Sequence[str] = ()) -> list[str]:
     """The fields of a validated dataclass, one line each."""
     lines = []
     for entry in fields(item):
+        if entry.name in left_out or (entry.kw_only and getattr(item, entry.name) is None):
+            continue  # a field by keyword alone came later: without it a file, and the digest of it, stay the same
         value, unit = getattr(item, entry.name), unit_of(type(item), entry.name)
         suffix = f"  # {unit}" if unit else ""
         lines.append(f"# {entry.name}: not set{suffix}" if value is None else f"{entry.name} = {_toml(value)}{suffix}")
@@ -197,11 +211,16 @@ def _toml(value: object) -> str:
     """A value as TOML writes it; floats keep every bit."""
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     if is_dataclass(value):
         items = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
         return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in items if item is not None) + "}"
+    if isinstance(value, dict):
+        items = (f"{json.dumps(key, ensure_ascii=False)} = {_toml(item)}" for key, item in value.items())
+        return "{" + ", ".join(items) + "}"
+    if callable(value):
+        return _toml(Stage.function_name(value))
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)

@@ -19,7 +19,9 @@ from membrane_rs.scene.toml import SceneContent, write_scene
 
 def scene_digest(scene: Scene) -> str:
     """A digest of all in a scene that its motion depends on: neither its name nor the settings of its run."""
-    content = SceneContent(scene.mesh, scene.material, tuple(scene.laws), tuple(scene.parts), "", RunSettings())
+    content = SceneContent(
+        scene.mesh, scene.material, tuple(scene.laws), tuple(scene.parts), "", RunSettings(), tuple(scene.stages)
+    )
     found = hashlib.sha256(write_scene(content).encode())
     if scene.mesh is not None:
         mesh = scene.mesh

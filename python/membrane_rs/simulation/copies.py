@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
 
-MADE = ("scene", "assembly", "_core", "_limit", "_motions_set", "_digest", "masses", "spring_pairs")
+MADE = (
+    "scene", "assembly", "_core", "_limit", "_motions_set", "_digest", "masses", "spring_pairs", "_stage_scene",
+    "_timeline", "_stage_end",
+)  # fmt: skip
 """Attributes that follow from scene and state."""
 
 
@@ -30,18 +33,24 @@ class Copies:
     def __reduce__(self) -> tuple[Any, ...]:
         """What copies and pickles hold: scene, method, step, state, and the attributes of a user's own class."""
         own = {name: value for name, value in self.__dict__.items() if name not in MADE}
+        return _remade, (type(self), self.scene, self._built_with(), self.state(), own)
+
+    def _built_with(self) -> tuple[str | None, float | None]:
+        """Method and step by which it is built again; a step that is chosen by its error is none."""
         core = self.__dict__["_core"]
-        step = (core.integrator, core.dt, core.is_adaptive)
-        return _remade, (type(self), self.scene, step, self.state(), own)
+        return core.integrator, None if core.is_adaptive else core.dt
 
 
 def _remade(
-    kind: type[Copies], scene: Scene, step: tuple[str, float, bool], state: dict[str, Any], own: dict[str, Any]
+    kind: type[Copies],
+    scene: Scene,
+    built_with: tuple[str | None, float | None],
+    state: dict[str, Any],
+    own: dict[str, Any],
 ) -> Copies:
     """A simulation as it was when it was copied or pickled."""
-    integrator, dt, is_adaptive = step
     made = kind.__new__(kind)
-    made._build(scene, integrator, None if is_adaptive else dt)
+    made._build(scene, *built_with)
     made.set_state(state)
     made.__dict__.update(own)
     return made

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
@@ -42,6 +42,7 @@ class Motion(KnownAttributes, Copies, Readings):
     """
 
     ONCE = ("scene", "assembly")
+    assembly: Assembly
     SETTABLE = ("is_relaxed",)
     INSTEAD = "make another simulation, which may go on from this one (start=)"
 
@@ -56,18 +57,25 @@ class Motion(KnownAttributes, Copies, Readings):
         if not isinstance(scene, Scene):
             raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene; load or build one first")
         self.scene = scene
-        self.assembly: Assembly = scene.assemble()
-        step = self._given_dt = _step_of(scene.run.dt if dt is None else dt)
+        self.is_relaxed = False
+        self._motions_set = 0
+        self._simulate(scene.staged(0) if scene.stages else scene, integrator, dt)
+
+    def _simulate(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
+        """Make the core of a scene without stages."""
+        assembly, step = scene.assemble(), _step_of(scene.run.dt if dt is None else dt)
         with overflow_named(scene):
-            self._core = _core.Simulation(
-                model_of(scene, self.assembly),
+            core = _core.Simulation(
+                model_of(scene, assembly),
                 laws_of(scene),
                 scene.run.integrator if integrator is None else str(integrator),
                 step,
-                self._settings(),
+                self._settings(scene),
             )
-        self.is_relaxed = False
-        self._motions_set = 0
+        self._core, self._stage_scene, self._given_dt = core, scene, step
+        self.__dict__["assembly"] = assembly
+        self.__dict__.pop("masses", None)
+        self._motions_set += 1
         self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
         if step is None and not self._core.dt > SHORTEST_STEP:
             raise InputError(
@@ -75,9 +83,14 @@ class Motion(KnownAttributes, Copies, Readings):
                 "a time; check the values of that law, of the material and of the masses"
             )
 
-    def _settings(self) -> Settings:
-        """How the core runs the scene."""
-        return settings_of(self.scene)
+    def _settings(self, scene: Scene) -> Settings:
+        """How the core runs a scene."""
+        return settings_of(scene)
+
+    @property
+    def stage_scene(self) -> Scene:
+        """The scene at work now, without stages: `scene` itself, or that of its present stage."""
+        return self._stage_scene
 
     @property
     def time(self) -> float:
@@ -237,47 +250,6 @@ class Motion(KnownAttributes, Copies, Readings):
         }
         return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})
 
-    def spring_strains(self) -> Floats:
-        """(S,) strain of each spring, in the order of `spring_pairs`."""
-        d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
-        rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
-        lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
-        strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
-        return strains
-
-    def buckled(self) -> NDArray[np.bool_]:
-        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
-
-        With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
-        wrinkled or slack.
-        """
-        found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
-        edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
-        of_film = [(law.kind, slice(None, edges)) for law in self.scene.laws if law.is_film]
-        for name, rows in (*of_film, ("tethers", slice(edges, None))):
-            readings = self._core.link_readings(name)
-            if readings is not None:
-                found[rows] = readings.buckled
-        films = self._core.film_states()
-        if films is not None:
-            found[:edges] = films.buckled
-        return found
-
-    def film_states(self) -> NDArray[np.int8]:
-        """(m,) state of the film in each triangle, by the law `Triangles`: 0 taut, 1 wrinkled, 2 slack; -1 without it.
-
-        A film of springs has no such state: its springs buckle one by one, see `buckled`.
-        """
-        films = self._core.film_states()
-        if films is None:
-            return np.full(len(self.assembly.triangles), -1, np.int8)
-        return films.state.astype(np.int8)
-
-    def crease_angles(self) -> Floats:
-        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law."""
-        angles = self._core.crease_angles()
-        return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles
-
     @property
     def hub_angle(self) -> float:
         """The angle that the hub has turned since time 0 [rad]."""
@@ -351,7 +323,7 @@ class Motion(KnownAttributes, Copies, Readings):
         for name in ("hub_phase", "scene_digest"):
             if name not in state:
                 raise InputError(f"saved state: {name} is missing; give one that this version saved")
-        for entry, words in unknown_entries(state, self._core.law_names).items():
+        for entry, words in unknown_entries(state, self._law_names()).items():
             raise InputError(f"saved state: {entry}: {words}")
         if str(state["scene_digest"]) != self._digest:
             raise InputError(
@@ -368,6 +340,10 @@ class Motion(KnownAttributes, Copies, Readings):
             self._core.resume(before)
             raise
         self._motions_set += 1
+
+    def _law_names(self) -> list[str]:
+        """The laws whose histories a state may hold."""
+        return self._core.law_names
 
     @cached_property
     def _digest(self) -> str:

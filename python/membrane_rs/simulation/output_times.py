@@ -55,6 +55,19 @@ def output_times(
     return list(zip(chosen.tolist(), np.logical_or.reduceat(is_frame, first).tolist(), strict=True))
 
 
+def is_same_time(one: float, other: float) -> bool:
+    """Whether two times [s] are one."""
+    return abs(one - other) <= SAME_TIME * abs(one)
+
+
+def with_boundaries(times: list[tuple[float, bool]], boundaries: Sequence[float]) -> dict[float, bool]:
+    """Output times with the boundaries [s] of stages among them, each of them a frame, and in place of what is the
+    same time.
+    """
+    left = [(time, flag) for time, flag in times if not any(is_same_time(time, bound) for bound in boundaries)]
+    return dict(sorted([*left, *((bound, True) for bound in boundaries)]))
+
+
 def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
     """Given times, or evenly spaced ones; the latter to twelve digits, so that they are round where they should be."""
     is_scalar = isinstance(wanted, np.ndarray) and wanted.ndim == 0

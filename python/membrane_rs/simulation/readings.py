@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from membrane_rs import _core
-from membrane_rs._arrays import Floats
+from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
@@ -70,6 +72,57 @@ class Readings:
     _core: _core.Simulation
     scene: Scene
     assembly: Assembly
+
+    @property
+    def positions(self) -> Floats:
+        """(N, 3) positions now [m]."""
+        raise NotImplementedError
+
+    @cached_property
+    def spring_pairs(self) -> Ints:
+        """(S, 2) ends of each spring."""
+        raise NotImplementedError
+
+    def spring_strains(self) -> Floats:
+        """(S,) strain of each spring, in the order of `spring_pairs`."""
+        d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
+        rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
+        lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
+        strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
+        return strains
+
+    def buckled(self) -> NDArray[np.bool_]:
+        """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
+
+        With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
+        wrinkled or slack.
+        """
+        found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
+        edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
+        of_film = [(law.kind, slice(None, edges)) for law in self.scene.laws if law.is_film]
+        for name, rows in (*of_film, ("tethers", slice(edges, None))):
+            readings = self._core.link_readings(name)
+            if readings is not None:
+                found[rows] = readings.buckled
+        films = self._core.film_states()
+        if films is not None:
+            found[:edges] = films.buckled
+        return found
+
+    def film_states(self) -> NDArray[np.int8]:
+        """(m,) state of the film in each triangle, by the law `Triangles`: 0 taut, 1 wrinkled, 2 slack; -1 without it.
+
+        A film of springs has no such state: its springs buckle one by one, see `buckled`.
+        """
+        films = self._core.film_states()
+        if films is None:
+            return np.full(len(self.assembly.triangles), -1, np.int8)
+        return films.state.astype(np.int8)
+
+    def crease_angles(self) -> Floats:
+        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law."""
+        angles = self._core.crease_angles()
+        return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles
 
     def film_stress(self) -> FilmStress:
         """Stress of the film now, elastic, by its law; that of dashpots is not included.

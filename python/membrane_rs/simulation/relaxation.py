@@ -50,8 +50,8 @@ class FrozenStepper(Stepper):
         self._instant = instant
         super().__init__(scene, integrator)
 
-    def _settings(self) -> Settings:
-        return replace(super()._settings(), frozen_at=self._instant)
+    def _settings(self, scene: Scene) -> Settings:
+        return replace(super()._settings(scene), frozen_at=self._instant)
 
 
 def held_scene(scene: Scene, rate: float) -> Scene:
@@ -84,7 +84,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
     """Positions (N, 3) [m] of rest at the instant of `start`, after `duration` of friction and as much kinetic damping
     as it takes, and the largest speed before the last stop [m/s]. Warns where that is not rest.
     """
-    scene = start.scene
+    scene = start.stage_scene
     time = scene.run.relax if duration is None else float(duration)
     rate = scene.run.relax_rate if rate is None else float(rate)
     for name, value, unit in (("duration", time, "s"), ("rate", rate, "1/s")):

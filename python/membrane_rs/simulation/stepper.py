@@ -19,7 +19,9 @@ from membrane_rs.simulation.checkpoint import StateFile, read_state
 from membrane_rs.simulation.continuation import unknown_entries
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
-from membrane_rs.simulation.output_times import output_times
+from membrane_rs.simulation.output_times import is_same_time, output_times
+from membrane_rs.simulation.stages import StagedMotion
+from membrane_rs.simulation.timeline import ENTRIES
 
 MOST_STEPS = 10**15
 """More steps than this are taken as an input error: they would take centuries."""
@@ -27,7 +29,7 @@ CHUNK = 0.1
 """Wall time after which a run on its way to the next output calls what watches it [s]."""
 
 
-class Stepper(Motion):
+class Stepper(StagedMotion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
     """
@@ -47,10 +49,13 @@ class Stepper(Motion):
     """Time at the end of the present or the last run [s]; None before one."""
 
     def step(self, n: int = 1) -> None:
-        """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last.
+        """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last. With stages, through their
+        ends; the rest of a step up to one is not counted.
 
         Raises
         ------
+        InputError
+            The last stage ended before.
         UnstableError
             The run became unstable; the state is then that of the last check without a fault.
         KeyboardInterrupt
@@ -62,7 +67,10 @@ class Stepper(Motion):
             raise InputTypeError(f"n = {show(n)}: must be a whole number of steps") from None
         if not 0 <= count <= MOST_STEPS:
             raise InputError(f"n = {show(count)}: must be a whole number of steps, from 0 to {MOST_STEPS:.0e}")
-        self._core.step(count)
+        if self._timeline is None:
+            self._core.step(count)
+        else:
+            self._step(count)
 
     def march(
         self,
@@ -107,12 +115,8 @@ class Stepper(Motion):
                 observer.start(self)
                 started.append(observer)
             for time, is_frame in times:
-                self._refuse_past(time)
-                self._advance(time, watchers)
-                self._core.check(time >= end)
-                self._show(observers, is_frame=is_frame)
-                for watcher in watchers if time < end else watchers[: progress is not None]:
-                    watcher(self)
+                if self._leads(time, end, watchers, progress, observers, is_frame=is_frame):
+                    break
         except BaseException as caught:
             error = caught
             if isinstance(caught, UnstableError):
@@ -123,6 +127,30 @@ class Stepper(Motion):
             with ExitStack() as ending:
                 for observer in reversed(started):
                     ending.callback(observer.finish, self, error)
+
+    def _leads(
+        self,
+        time: float,
+        end: float,
+        watchers: Sequence[Callable[[Self], None]],
+        progress: Callable[[Self], None] | None,
+        observers: Sequence[Observer[Self]],
+        *,
+        is_frame: bool,
+    ) -> bool:
+        """Step to the next output, and show it, and each boundary of stages before it; whether all is shown."""
+        while True:
+            if is_same_time(time, self.stage_end):
+                time = self.stage_end
+            self._refuse_past(time)
+            is_boundary = self._advance(time, watchers)
+            is_end = self.time >= end or self.is_over
+            self._core.check(is_end)
+            self._show(observers, is_frame=is_frame or is_boundary)
+            for watcher in watchers if not is_end else watchers[: progress is not None]:
+                watcher(self)
+            if is_end or self.time >= time:
+                return is_end
 
     def _show(self, observers: Sequence[Observer[Self]], *, is_frame: bool) -> None:
         for observer in observers:
@@ -145,16 +173,20 @@ class Stepper(Motion):
         """
         target = number_of("time", time)
         self._check_end(target, "time")
-        self._advance(target, ())
+        while self._advance(target, ()) and self.time < target:
+            pass
 
     def reach_within(self, time: float, seconds: float) -> bool:
         """As `reach`, for about `seconds` of wall time; whether the time was reached."""
-        return seconds > 0.0 and self._core.reach(time, seconds)
+        return seconds > 0.0 and self._reach(time, seconds) and self.time >= time
 
-    def _advance(self, time: float, watchers: Sequence[Callable[[Self], None]]) -> None:
-        while not self._core.reach(time, CHUNK):
+    def _advance(self, time: float, watchers: Sequence[Callable[[Self], None]]) -> bool:
+        """Step to a time [s], or to the end of the present stage before it; whether a stage has ended."""
+        before = self.stage, self.is_over
+        while not self._reach(time, CHUNK):
             for watcher in watchers:
                 watcher(self)
+        return before != (self.stage, self.is_over)
 
     def _check_end(self, end: float, name: str = "until") -> None:
         ahead = (end - self.time) / self.dt
@@ -185,6 +217,21 @@ class Stepper(Motion):
         return {"is_relaxed": self.is_relaxed, **self.state()}
 
     @classmethod
+    def _with_method_of(cls, scene: Scene, state: dict[str, Any]) -> Self:
+        """A simulation with the method and the step of a saved state; without stages they are then not in it."""
+        if scene.stages:
+            dt = number_of("stage_given_dt", state.get("stage_given_dt"))
+            return cls(scene, str(state.get("stage_method")) or None, dt or None)
+        dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
+        if not isinstance(is_adaptive, bool):
+            raise ValueError("is_adaptive is not true or false")
+        sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
+        sim._given_dt = scene.run.dt  # a file does not say whether its step was given otherwise
+        if is_adaptive:
+            sim._core.set_dt(number_of("dt", dt))
+        return sim
+
+    @classmethod
     def restore(cls, path: str | Path) -> Self:
         """The simulation that `save` wrote.
 
@@ -203,15 +250,10 @@ class Stepper(Motion):
         path = path_of(path)
         scene, state = read_state(path)
         try:
-            dt, is_adaptive = state.pop("dt"), state.pop("is_adaptive")
-            if not isinstance(is_adaptive, bool):
-                raise ValueError("is_adaptive is not true or false")
-            sim = cls(scene, str(state.pop("integrator")), None if is_adaptive else dt)
-            sim._given_dt = scene.run.dt  # a file does not say whether its step was given otherwise
-            if is_adaptive:
-                sim._core.set_dt(number_of("dt", dt))
+            sim = cls._with_method_of(scene, state)
             sim.is_relaxed = bool(state.pop("is_relaxed"))
-            for name, words in unknown_entries(state, sim._core.law_names).items():
+            own = ENTRIES if scene.stages else ()
+            for name, words in unknown_entries([name for name in state if name not in own], sim.law_names).items():
                 warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=2)
                 del state[str(name)]
             sim.set_state(state)

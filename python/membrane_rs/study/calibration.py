@@ -17,6 +17,7 @@ from membrane_rs._markdown import table
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell
+from membrane_rs.study.common.stages import refuse_stages
 from membrane_rs.study.common.variation import varied
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
 from membrane_rs.study.length_scales import PAPER
@@ -103,6 +104,8 @@ def calibrate(
     """
     from scipy.optimize import minimize_scalar  # slow to import
 
+    refuse_stages(scene)
+    refuse_stages(target)
     low, high = between
     if not 0.0 < low < high < math.inf:
         raise InputError(f"between = {between}: must be two numbers above 0, the lower one first")

@@ -24,6 +24,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.study.common.stages import refuse_stages
 
 STEPS = 800
 """Number of steps over which growth is measured: enough to detect a step 0.3 % beyond the limit."""
@@ -57,6 +58,7 @@ def measured_limit(scene: Scene, integrator: str | None = None, seed: int = 1, s
 
     By bisection to 0.3 %, starting from steps around the predicted limit.
     """
+    refuse_stages(scene)
     calm = replace(scene, run=replace(scene.run, watch=NEVER_CHECK))
     predicted = Simulation(calm, integrator).stable_dt()
     if not math.isfinite(predicted):

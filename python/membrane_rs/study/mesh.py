@@ -28,6 +28,7 @@ from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, run_parallel
 from membrane_rs.study.common.run import SHIFT, study_case
+from membrane_rs.study.common.stages import refuse_stages
 from membrane_rs.study.length_scales import FORMS, LengthScales
 
 INTEGRATOR, SHARE = "leapfrog", 0.8
@@ -175,6 +176,7 @@ def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
 
 
 def _sail(scene: Scene) -> RowPattern:
+    refuse_stages(scene)
     sail = pattern_of(scene.mesh)
     if not isinstance(sail, RowPattern):
         raise InputError(

@@ -20,6 +20,7 @@ from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
+from membrane_rs.study.common.stages import refuse_stages
 from membrane_rs.study.common.variation import varied
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
@@ -110,6 +111,7 @@ def stability_map(
     InputError
         No values, methods or steps, a parameter or value that the scene does not accept, a method without a limit.
     """
+    refuse_stages(scene)
     if not values or not shares or not methods or min(shares) <= 0:
         raise InputError("stability map: give at least one value, one method and one step above 0")
     end = scene.run.until if until is None else until

@@ -15,6 +15,7 @@ from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.stages import refuse_stages
 
 SHIFT = 1e-12
 """Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
@@ -137,6 +138,7 @@ def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
     InputError
         An end that is not above 0, fewer than one instant, or a scene that a simulation refuses.
     """
+    refuse_stages(scene)
     end = scene.run.until if until is None else float(until)
     if not 0.0 < end < float("inf"):
         raise InputError(f"until = {end}: must be greater than 0 and finite (s)")

@@ -10,6 +10,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import LAWS
+from membrane_rs.study.common.stages import refuse_stages
 
 
 def varied(scene: Scene, parameter: str, value: Any) -> Scene:
@@ -27,6 +28,7 @@ def varied(scene: Scene, parameter: str, value: Any) -> Scene:
     """
     if not isinstance(parameter, str):
         raise InputTypeError(f"parameter = {show(parameter)}: must be a name such as 'laws.creases.stiffness'")
+    refuse_stages(scene)
     head, *rest = parameter.split(".")
     if head == "laws" and len(rest) == 2:
         kind = _known(rest[0], list(LAWS), "laws")

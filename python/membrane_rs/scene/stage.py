@@ -1,0 +1,171 @@
+"""A stage of a run: what is at work in it, with which values, and when it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+from membrane_rs._validation import Finite, Positive, Unit, build, check_text, nearest, show, validated
+from membrane_rs.errors import InputError
+from membrane_rs.scene.run_settings import LONGEST, SHORTEST
+from membrane_rs.scene.schedule import Schedule
+
+MEASURES = (
+    "deployment_rate",
+    "phase_difference_deg",
+    "kinetic_energy",
+    "stored_energy",
+    "hub_angle",
+    "hub_force",
+    "hub_torque",
+    "contact_force",
+    "largest_cord_tension",
+    "largest_film_stress",
+    "largest_speed",
+)
+"""Names of the measures by whose values a stage may end, as columns of history.csv; `largest_speed` [m/s] is that of
+any node."""
+LONGEST_NAME = 100
+Measure = Callable[[Any], float]
+"""A function of the simulation that gives a number, and only reads."""
+
+
+def _table(value: object) -> object:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise PydanticCustomError("wrong_type", "must be a table of keys such as 'material.youngs_modulus'")
+    return {key: _plain(item) for key, item in value.items()}
+
+
+def _plain(value: object) -> object:
+    """Lists and arrays as tuples, at any depth, and tables of a schedule as one: as files give them back."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        table = {key: _plain(item) for key, item in value.items()}
+        return build(Schedule, table, "Schedule") if "times" in table else table
+    return tuple(map(_plain, value)) if isinstance(value, list | tuple) else value
+
+
+def _names(value: object) -> object:
+    if isinstance(value, list):
+        value = tuple(value)
+    if not isinstance(value, tuple) or not all(isinstance(name, str) for name in value):
+        raise PydanticCustomError("wrong_type", "must be a list of names")
+    twice = next((name for name in value if value.count(name) > 1), None)
+    if twice is not None:
+        raise PydanticCustomError("twice", "must not hold {name} twice", {"name": repr(twice)})
+    return value
+
+
+def _measure(value: object) -> object:
+    if value is None or callable(value):
+        return value
+    if not isinstance(value, str):
+        raise PydanticCustomError("wrong_type", "must be the name of a measure, or in Python a function")
+    return value
+
+
+@validated
+class Stage:
+    """A stage of a run: the scene without some of its laws, parts and bodies, and with other values.
+
+    Parameters
+    ----------
+    name : str
+        Unlike those of other stages; not empty, at most 100 characters in one line.
+    duration : float
+        How long it lasts [s], at the most where a measure may end it; from 1e-15 to 1e12.
+    measure : str or callable, optional
+        The stage ends when this passes a value: a name in `MEASURES`; in Python also a function that takes the
+        simulation, gives a number, and only reads. No file holds a function.
+    below, above : float, optional
+        The value: the stage ends as the measure falls to `below`, or rises to `above`. One of them, with `measure`. A
+        measure that is beyond it at the start must come back first.
+    without : sequence of str
+        Laws by their kind, parts and bodies by their name, that are not at work in this stage.
+    scale : dict of str to float
+        Factors above 0 on numbers of the scene, by dotted keys: "material.youngs_modulus", "laws.<kind>.<key>",
+        "parts.<name or index>.<key>", "bodies.<name>.<key>".
+    set : dict
+        Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
+        a schedule count from the start of this stage. What stands in place of a schedule holds in later stages too,
+        until one sets another; all else holds in this stage alone.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A measure without a value or with two, values without a measure, an unknown measure, a factor of 0 or below.
+    """
+
+    ONLY_IN_PYTHON: ClassVar[str] = "python:"
+    """How a file tells that a measure was a function."""
+
+    name: str
+    duration: Annotated[Positive, Unit("s")]
+    measure: Annotated[Any, BeforeValidator(_measure)] = None
+    below: Finite | None = None
+    above: Finite | None = None
+    without: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
+    scale: Annotated[dict[str, Positive], BeforeValidator(_table)] = ()  # type: ignore[assignment]
+    set: Annotated[dict[str, Any], BeforeValidator(_table)] = ()  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        """Check the fields against each other."""
+        for name in ("scale", "set"):
+            object.__setattr__(self, name, dict(getattr(self, name)))
+        check_text(self.name, "Stage.name =")
+        if not 1 <= len(self.name) <= LONGEST_NAME or not self.name.isprintable() or not self.name.strip():
+            raise InputError(
+                f"Stage.name = {show(self.name)}: must be 1 to {LONGEST_NAME} characters in one line, not all blank"
+            )
+        if not SHORTEST <= self.duration <= LONGEST:
+            raise InputError(f"Stage.duration = {self.duration}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+        self._check_end()
+        both = next((key for key in self.scale if key in self.set), None)
+        if both is not None:
+            raise InputError(f"Stage.set: {both!r} is scaled too; leave it out of one of them")
+
+    def _check_end(self) -> None:
+        levels = {name: getattr(self, name) for name in ("below", "above")}
+        given = [name for name, level in levels.items() if level is not None]
+        if self.measure is None:
+            if given:
+                raise InputError(
+                    f"Stage.{given[0]} = {levels[given[0]]:g}: is given without measure; name one, such as "
+                    f"{MEASURES[0]!r}, or leave it out"
+                )
+            return
+        if len(given) != 1:
+            found = "both below and above are given" if given else "neither below nor above is given"
+            raise InputError(f"Stage.measure = {show(self.measure)}: {found}; give one of them")
+        if isinstance(self.measure, str) and self.measure not in MEASURES:
+            if self.measure.startswith(self.ONLY_IN_PYTHON):
+                raise InputError(
+                    f"Stage.measure = {show(self.measure)}: was a function, which no file holds; build the scene in "
+                    "Python, and go on with Simulation(scene, start=...)"
+                )
+            hint = nearest(self.measure, MEASURES)
+            raise InputError(f"Stage.measure = {show(self.measure)}: no such measure; {hint}")
+
+    @property
+    def level(self) -> float | None:
+        """The value that its measure passes; None where it ends by time alone."""
+        return self.above if self.below is None else self.below
+
+    def is_past(self, value: float) -> bool:
+        """Whether a value of the measure lies beyond the one that ends the stage, or on it."""
+        return (self.above is not None and value >= self.above) or (self.below is not None and value <= self.below)
+
+    @property
+    def measure_name(self) -> str:
+        """The measure, as files and messages call it; empty without one."""
+        named = self.measure is None or isinstance(self.measure, str)
+        return (self.measure or "") if named else self.function_name(self.measure)
+
+    @classmethod
+    def function_name(cls, function: Measure) -> str:
+        """What a file says in place of a function."""
+        return f"{cls.ONLY_IN_PYTHON}{getattr(function, '__qualname__', type(function).__name__)}"

@@ -1,0 +1,226 @@
+"""The scenes of the stages of a scene: each without what is not at work in it, and with its values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from membrane_rs._validation import build, nearest, show
+from membrane_rs.errors import InputError, SceneError
+from membrane_rs.material import Material
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.law import Law
+from membrane_rs.scene.part import Part
+from membrane_rs.scene.run_settings import LONGEST, RunSettings
+from membrane_rs.scene.stage import Stage
+
+MOST_STAGES = 100
+OF_A_STAGE = (
+    "integrator", "dt", "tolerance", "tolerance_length", "tolerance_speed", "spectral_radius", "substeps", "watch",
+    "energy_loss",
+)  # fmt: skip
+"""Run settings that a stage may set; the others are those of the whole run."""
+SECTIONS = ("material", "laws", "parts", "run")
+"""What dotted keys begin with."""
+
+
+class Staged(Protocol):
+    """What of a scene its stages need."""
+
+    @property
+    def material(self) -> Material | None:
+        """Of the membrane."""
+
+    @property
+    def laws(self) -> Sequence[Law]:
+        """All laws."""
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """All parts."""
+
+    @property
+    def run(self) -> RunSettings:
+        """How it is run."""
+
+    @property
+    def stages(self) -> Sequence[Stage]:
+        """The stages."""
+
+
+S = TypeVar("S", bound=Staged)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Something of a scene that a stage may change."""
+
+    section: str
+    index: int
+    item: Any
+    name: str
+    """Of the law, part or body; empty where it has none."""
+
+
+def planned_starts(stages: Sequence[Stage]) -> list[float]:
+    """Start of each stage, and the end of the last one, where none ends before its time [s]."""
+    return [math.fsum(stage.duration for stage in stages[:k]) for k in range(len(stages) + 1)]
+
+
+def check_stages(scene: Staged) -> None:
+    """Refuse stages that contradict each other or the scene. Raises SceneError."""
+    stages = scene.stages
+    if len(stages) > MOST_STAGES:
+        raise SceneError(f"stages: {len(stages)} of them; must be at most {MOST_STAGES}")
+    names = [stage.name for stage in stages]
+    twice = next((k for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise SceneError(f"stages[{twice}].name = {show(names[twice])}: is that of an earlier stage too; rename one")
+    if planned_starts(stages)[-1] > LONGEST:
+        raise SceneError(f"stages: last {planned_starts(stages)[-1]:g} s in all; must be at most {LONGEST:g} (s)")
+
+
+def check_same_nodes(first: Assembly, other: Assembly, where: str) -> None:
+    """Refuse a stage with other nodes than the first one. Raises SceneError."""
+    if (
+        first.node_count == other.node_count
+        and np.array_equal(first.cords.nodes, other.cords.nodes)
+        and first.node_sets.keys() == other.node_sets.keys()
+        and all(np.array_equal(first.node_sets[name], other.node_sets[name]) for name in first.node_sets)
+    ):
+        return
+    raise SceneError(
+        f"{where}: has other nodes or cords than the first stage; parts with nodes of their own must be at work in all "
+        "stages, with as many segments"
+    )
+
+
+def staged(scene: S, index: int, starts: Sequence[float]) -> S:
+    """The scene of a stage, without stages, from the start times [s] of all stages up to it. Raises SceneError."""
+    stage, where = scene.stages[index], f"stages[{index}]"
+    places = list(_places(scene))
+    try:
+        gone = _gone(places, stage, where)
+        values = _values(scene, places, index, starts)
+        for place in gone:
+            changed = next((key for key in (*stage.scale, *stage.set) if _find(places, key, where)[0] is place), None)
+            if changed is not None:
+                raise SceneError(f"{where}: {changed!r} is not at work in this stage; leave it out here or in without")
+        made: dict[str, list[Any]] = {section: [] for section in SECTIONS}
+        for place in places:
+            if place not in gone:
+                item, delay = place.item, starts[0]
+                if delay:
+                    item = _rebuilt(place, _delayed(item, delay), where)
+                if (own := values.get((place.section, place.index))) is not None:
+                    item = _rebuilt(replace(place, item=item), own, where)
+                made[place.section].append(item)
+        run = made["run"][0]
+        until = starts[index] + stage.duration
+        whole: Any = scene
+        found: S = replace(
+            whole,
+            material=next(iter(made["material"]), None),
+            laws=made["laws"],
+            parts=made["parts"],
+            run=replace(run, until=until, relax=run.relax if index == 0 else 0.0),
+            stages=(),
+        )
+        return found
+    except InputError as error:
+        text = str(error)
+        raise SceneError(text if text.startswith(where) else f"{where}: {text}") from None
+
+
+def _places(scene: Staged) -> Iterator[Place]:
+    if scene.material is not None:
+        yield Place("material", 0, scene.material, "")
+    for k, law in enumerate(scene.laws):
+        yield Place("laws", k, law, law.kind)
+    for k, part in enumerate(scene.parts):
+        yield Place("parts", k, part, part.name or "")
+    yield Place("run", 0, scene.run, "")
+
+
+def _gone(places: Sequence[Place], stage: Stage, where: str) -> list[Place]:
+    """What is not at work in a stage."""
+    named = {place.name: place for place in places if place.name}
+    for name in stage.without:
+        if name not in named:
+            hint = nearest(name, named) if named else "this scene has none"
+            what = "no law of that kind, and no part or body of that name, in the scene"
+            raise SceneError(f"{where}.without: {name!r}: {what}; {hint}")
+    return [named[name] for name in stage.without]
+
+
+def _values(
+    scene: Staged, places: Sequence[Place], index: int, starts: Sequence[float]
+) -> dict[tuple[str, int], dict[str, Any]]:
+    """The values of a stage in place of those of the scene, by place and key."""
+    found: dict[tuple[str, int], dict[str, Any]] = {}
+    for k, stage in enumerate(scene.stages[: index + 1]):
+        where, is_last = f"stages[{k}]", k == index
+        for key, value in stage.set.items():
+            place, name = _find(places, key, f"{where}.set")
+            own = found.get((place.section, place.index), {})
+            before = own.get(name, getattr(place.item, name, None))
+            made = getattr(_rebuilt(place, {name: value}, where), name, value)
+            if is_last or _is_schedule(made) or _is_schedule(before) or name in own:
+                delayed = made.delayed(starts[k]) if _is_schedule(made) else made
+                found.setdefault((place.section, place.index), {})[name] = delayed
+    for key, factor in scene.stages[index].scale.items():
+        place, name = _find(places, key, f"stages[{index}].scale")
+        where = f"stages[{index}].scale: {key!r}"
+        if place.section == "run":
+            raise SceneError(f"{where}: settings of the run are not scaled; set them")
+        if name not in {item.name for item in fields(place.item)}:
+            _rebuilt(place, {name: factor}, f"stages[{index}]")  # raises, and says which keys there are
+        value = getattr(place.item, name)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise SceneError(f"{where}: is {show(value)}, no number, so it is not scaled; set it")
+        found.setdefault((place.section, place.index), {})[name] = value * factor
+    return found
+
+
+def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:
+    """What a dotted key names, and the name of its field. Raises SceneError."""
+    section, _, rest = key.partition(".")
+    if section not in {place.section for place in places} | {"run"}:
+        known = sorted({place.section for place in places})
+        raise SceneError(f"{where}: {key!r}: does not begin with {', '.join(known)}; {nearest(section, known)}")
+    if section in ("material", "run"):
+        if section == "run" and rest not in OF_A_STAGE:
+            raise SceneError(f"{where}: {key!r}: is no setting of a stage; {nearest(rest, OF_A_STAGE)}")
+        return next(place for place in places if place.section == section), rest
+    name, _, field = rest.rpartition(".")
+    of_section = [place for place in places if place.section == section]
+    known_names = {place.name: place for place in of_section if place.name}
+    if section != "laws":
+        known_names |= {str(place.index): place for place in of_section}
+    if not name or name not in known_names:
+        hint = nearest(name, known_names) if known_names else "the scene has none"
+        example = f"{section}.{next(iter(known_names), 'name')}.key"
+        raise SceneError(f"{where}: {key!r}: {section} has no {name!r}; {hint}. A key is such as {example!r}")
+    return known_names[name], field
+
+
+def _rebuilt(place: Place, values: Mapping[str, Any], where: str) -> Any:
+    """What stands at a place, with other values of its fields, checked by its own class. Raises InputError."""
+    item = place.item
+    own = {field.name: getattr(item, field.name) for field in fields(item)}
+    label = place.section if place.section in ("material", "run") else f"{place.section}.{place.name or place.index}"
+    return build(type(item), own | dict(values), f"{where}: {label}")
+
+
+def _delayed(item: Any, by: float) -> dict[str, Any]:
+    """The schedules among the fields of something, later by a time [s]."""
+    values = {field.name: getattr(item, field.name) for field in fields(item)}
+    return {name: value.delayed(by) for name, value in values.items() if _is_schedule(value)}
+
+
+def _is_schedule(value: object) -> bool:
+    return hasattr(value, "delayed")

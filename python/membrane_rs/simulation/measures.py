@@ -1,0 +1,92 @@
+"""The measures by whose values a stage may end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs._validation import number_of
+from membrane_rs.analysis.deployment import Corners
+from membrane_rs.errors import InputError
+from membrane_rs.scene.stage import Stage
+from membrane_rs.simulation.motion import Motion
+
+PHASE = "phase_difference_deg"
+"""The measure that is followed from one evaluation to the next, since it is an angle."""
+OF_MOTION: dict[str, Callable[[Motion], float]] = {
+    "deployment_rate": lambda sim: Corners(sim.assembly).deployment_rate(sim.positions),
+    "kinetic_energy": lambda sim: sim.energies()["kinetic"],
+    "stored_energy": lambda sim: math.fsum(energy for name, energy in sim.energies().items() if name != "kinetic"),
+    "hub_angle": lambda sim: sim.hub_angle,
+    "hub_force": lambda sim: float(np.linalg.norm(sim.hub_load().force)),
+    "hub_torque": lambda sim: float(sim.hub_load().torque[2]),
+    "contact_force": lambda sim: sim.hub_load().contact,
+    "largest_cord_tension": lambda sim: float(sim.cord_tensions().max(initial=0.0)),
+    "largest_film_stress": lambda sim: sim.largest_film_stress(),
+    "largest_speed": lambda sim: float(np.linalg.norm(sim.velocities, axis=1).max()),
+}
+"""All of `membrane_rs.scene.stage.MEASURES` but `PHASE`."""
+
+
+class Follower:
+    """Evaluates the measure of a stage. An angle is followed from the turn nearest to the flat shape at the start of
+    the stage, by less than half a turn from one call of `at_check` to the next.
+    """
+
+    def __init__(self, stage: Stage, where: str, sim: Motion) -> None:
+        self._stage, self._where = stage, f"{where}.measure = {stage.measure_name!r}"
+        self._corners = Corners(sim.assembly) if stage.measure == PHASE else None
+        self.is_measuring = False
+        """Whether the measure is being evaluated."""
+
+    def value(self, sim: Motion) -> float:
+        """The measure now.
+
+        Raises InputError and InputTypeError for what is no finite number, InputError where it steps the simulation.
+        """
+        return self._value(sim, deepcopy(self._corners))
+
+    def at_check(self, sim: Motion) -> Follower:
+        """The follower from now on, where nodes may have turned."""
+        after = deepcopy(self)
+        if after._corners is not None:
+            after._value(sim, after._corners)
+        return after
+
+    @property
+    def turned(self) -> Floats | None:
+        """(k,) angles by which the corners have turned [rad]; None for a measure that is no angle."""
+        return None if self._corners is None else self._corners.turned
+
+    def resume(self, sim: Motion, turned: Floats | None) -> None:
+        """Follow on from the positions now, where the corners have turned so far. Raises InputError."""
+        if self._corners is not None:
+            if turned is None or turned.shape != self._corners.turned.shape:
+                raise InputError("saved state: stage_turned does not have one angle for each corner; it is damaged")
+            self._corners.resume(sim.positions, turned)
+
+    def _value(self, sim: Motion, corners: Corners | None) -> float:
+        measure: Any = self._stage.measure
+        before, self.is_measuring = (sim._core.step_count, sim._core.time), True
+        try:
+            if corners is not None:
+                value: object = corners.phase_difference(sim.positions)
+            else:
+                value = (OF_MOTION[measure] if isinstance(measure, str) else measure)(sim)
+        finally:
+            self.is_measuring = False
+        if before != (sim._core.step_count, sim._core.time):
+            raise InputError(f"{self._where}: has stepped the simulation; a measure only reads")
+        return number_of(f"{self._where} at t = {sim.time:.6g} s", value, "it ends a stage")
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Follower:
+        """A copy that follows on by itself."""
+        made = Follower.__new__(Follower)
+        made._stage, made._where, made._corners = self._stage, self._where, deepcopy(self._corners, memo)
+        made.is_measuring = False
+        return made

@@ -1,0 +1,127 @@
+"""The end of a stage by a measure.
+
+The measure is evaluated every `CHECK_STEPS` steps of the stage. Before anything is shown at a time, the run has looked
+ahead to the first check after it; where the measure has passed its value there, the time at which it does is found
+between the two checks by Brent's method, each trial being stepped from the state at the earlier one. So neither that
+time nor the motion depends on outputs, and a saved state is that at the last check.
+
+R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4.
+"""
+
+from __future__ import annotations
+
+import math
+from time import monotonic
+from typing import Any
+
+import numpy as np
+
+from membrane_rs import _core
+from membrane_rs.scene.stage import Stage
+from membrane_rs.simulation.measures import Follower
+from membrane_rs.simulation.motion import Motion
+
+CHECK_STEPS = 20
+"""Steps between two evaluations of the measure that ends a stage; one where the method chooses its steps."""
+
+
+class StageEnd:
+    """The measure that may end a stage: its last evaluation, and the first one after it.
+
+    Parameters
+    ----------
+    sim : Motion
+        At the last evaluation.
+    stage : Stage
+        With a measure.
+    end : float
+        Time at which the stage ends at the latest [s].
+    follower : Follower
+        Of its measure.
+    is_armed : bool, optional
+        Whether the measure has been on this side of its value in this stage. Default: whether it is.
+    """
+
+    def __init__(
+        self, sim: Motion, stage: Stage, end: float, follower: Follower, *, is_armed: bool | None = None
+    ) -> None:
+        self._sim, self._stage, self._end, self.follower = sim, stage, end, follower
+        self.is_armed = not self._is_past() if is_armed is None else is_armed
+        self.event: float | None = None
+        """Time at which the measure passes its value [s]; None: not before the next evaluation, as far as known."""
+        self._keep()
+
+    @property
+    def is_measuring(self) -> bool:
+        """Whether the measure is being evaluated."""
+        return self.follower.is_measuring
+
+    def _keep(self) -> None:
+        """Keep the state now as that of the last evaluation."""
+        core = self._sim._core
+        self.state: dict[str, Any] = core.progress()
+        self.time = self._ahead = core.time
+        self._next_armed = self.is_armed
+
+    def look_ahead(self, goal: float, seconds: float | None) -> bool:
+        """Evaluate the measure up to the first time of an evaluation not before `goal` [s], for about `seconds` of wall
+        time. Whether that is done; the state is then that at a time not after `goal`, or after `event`.
+        """
+        began, core = monotonic(), self._sim._core
+        while self.event is None and self._ahead < goal:
+            if self._ahead > self.time:
+                core.reach(self._ahead)
+                self.follower, self.is_armed = self.follower.at_check(self._sim), self._next_armed
+                self._keep()
+            core.resume(self.state)
+            ahead = self._next_time()
+            try:
+                core.reach(ahead)
+                is_past = self._is_past()
+                if self.is_armed and is_past:
+                    self.event = self._found(ahead)
+            except BaseException:
+                core.resume(self.state)
+                raise
+            self._next_armed, self._ahead = self.is_armed or not is_past, ahead
+            if ahead > goal or self.event is not None:
+                core.resume(self.state)
+            elif ahead < goal and seconds is not None and monotonic() - began > seconds:
+                return False
+        return True
+
+    def _next_time(self) -> float:
+        """Time of the first evaluation after the last one [s]: at the end of a step, or of the stage."""
+        core = self._sim._core
+        if core.is_adaptive:
+            return next_adaptive(core, self._end)
+        number = (core.step_count // CHECK_STEPS + 1) * CHECK_STEPS
+        time: float = self.state["origin"] + number * core.dt
+        return min(self._end, time)
+
+    def _found(self, ahead: float) -> float:
+        """Time between the last evaluation and the next one at which the measure passes its value [s]."""
+        from scipy.optimize import brentq  # slow to import
+
+        level, rounding = self._stage.level or 0.0, float(np.finfo(float).eps)
+
+        def excess(time: float) -> float:
+            self._sim._core.resume(self.state)
+            self._sim._core.reach(time)
+            return self.follower.value(self._sim) - level
+
+        found: float = brentq(excess, self.time, ahead, xtol=2.0 * rounding * abs(ahead), rtol=4.0 * rounding)
+        return found
+
+    def _is_past(self) -> bool:
+        return self._stage.is_past(self.follower.value(self._sim))
+
+
+def next_adaptive(core: _core.Simulation, end: float) -> float:
+    """Take the next step of a method that chooses its steps; the time at its end [s], or `end` where that is before."""
+    core.reach(min(end, math.nextafter(_step_end(core), math.inf)))
+    return min(end, _step_end(core))
+
+
+def _step_end(core: _core.Simulation) -> float:
+    return float(core.progress()["adaptive_numbers"][0])

@@ -1,0 +1,368 @@
+"""The stages of a scene in motion: each by a core of its own, which goes on from the motion of the one before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from membrane_rs._arrays import Floats
+from membrane_rs._validation import number_of, show
+from membrane_rs.errors import InputError, InputTypeError, UnstableError
+from membrane_rs.scene import Scene
+from membrane_rs.simulation.measures import Follower
+from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.stage_end import StageEnd, next_adaptive
+from membrane_rs.simulation.timeline import BY_DURATION, BY_MEASURE, ENTRIES, StageRecord, Timeline
+
+
+class StagedMotion(Motion):
+    """A motion that passes through the stages of its scene; of a scene without stages, a `Motion`."""
+
+    _timeline: Timeline | None = None
+    _stage_end: StageEnd | None = None
+
+    def _build(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
+        self._timeline, self._stage_end = None, None
+        super()._build(scene, integrator, dt)
+        if not scene.stages:
+            return
+        self._given = (integrator, dt)
+        laws, potentials = dict.fromkeys(self._core.law_names), dict.fromkeys(self._potentials())
+        for k in range(1, len(scene.stages)):
+            with _named(f"stages[{k}]"):
+                trial = Motion(scene.staged(k), *self._method(k))
+            laws |= dict.fromkeys(trial._core.law_names)
+            potentials |= dict.fromkeys(name for name in trial.energies() if name != "kinetic")
+        self._timeline = Timeline(scene.stages, list(laws), list(potentials))
+        self._open_check()
+
+    def _method(self, index: int) -> tuple[str | None, float | None]:
+        """Method and step of a stage by the caller, where the stage sets no other."""
+        names = self.scene.stages[index].set
+        integrator, dt = self._given
+        return None if "run.integrator" in names else integrator, None if "run.dt" in names else dt
+
+    def _built_with(self) -> tuple[str | None, float | None]:
+        return super()._built_with() if self._timeline is None else self._given
+
+    @property
+    def stage(self) -> int:
+        """Index of the present stage; 0 for a scene without stages. At a boundary it is the stage that begins."""
+        return 0 if self._timeline is None else self._timeline.index
+
+    @property
+    def stage_name(self) -> str:
+        """Name of the present stage; empty for a scene without stages."""
+        return "" if self._timeline is None else self._timeline.stage.name
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last stage has ended."""
+        return self._timeline is not None and self._timeline.ended_by is not None
+
+    @property
+    def stages(self) -> list[StageRecord]:
+        """A record of each stage up to the present one; empty for a scene without stages."""
+        return [] if self._timeline is None else [*self._timeline.past, self._record()]
+
+    @property
+    def boundaries(self) -> list[float]:
+        """Times at which stages after the first one began [s]."""
+        return [] if self._timeline is None else self._timeline.starts[1:]
+
+    @property
+    def stage_end(self) -> float:
+        """Time at which the present stage ends at the latest [s]; infinite for a scene without stages."""
+        return math.inf if self._timeline is None else self._timeline.end
+
+    @property
+    def planned_end(self) -> float:
+        """Time at the end of a run [s]: that of the scene, or of its last stage, where no measure ends one earlier."""
+        return self.scene.run.until if self._timeline is None else self._timeline.last_end
+
+    def _check_stages_last(self, end: float) -> None:
+        """Refuse a time [s] after the end of the last stage. Raises InputError."""
+        line = self._timeline
+        if line is not None and end > line.latest_end:
+            raise InputError(
+                f"until = {end} s: the last stage ends at {line.latest_end:.6g} s; give an earlier time, or make a "
+                "stage longer"
+            )
+
+    @property
+    def law_names(self) -> tuple[str, ...]:
+        """All laws that act in any stage, those of cords and bridges among them."""
+        return tuple(self._core.law_names if self._timeline is None else self._timeline.laws)
+
+    @property
+    def potential_names(self) -> tuple[str, ...]:
+        """Those that have a potential in any stage."""
+        return tuple(self._potentials() if self._timeline is None else self._timeline.potentials)
+
+    @property
+    def step_count(self) -> int:
+        """Steps taken, in all stages."""
+        return self._core.step_count + sum(record.steps for record in self._past())
+
+    @property
+    def evaluation_count(self) -> int:
+        """Evaluations of the forces while stepping, in all stages."""
+        return self._core.evaluation_count + sum(record.evaluations for record in self._past())
+
+    @property
+    def rejected_count(self) -> int:
+        """Steps that were tried and rejected because of their error; their evaluations count."""
+        return self._core.rejected_count + sum(record.rejected_steps for record in self._past())
+
+    def ledger(self) -> dict[str, Any]:
+        """The energy balance since the start, or since positions or velocities were last set.
+
+        Returns
+        -------
+        dict
+            That of `Motion.ledger`. With stages "work" and "work_by_law" are sums over the stages, "reference_energy"
+            is the largest of any stage, and "error" the sum of the residuals of all stages as a share of it. "changes"
+            is what changes of stage have put in [J], as {"<stage>: <term>": J}, where a term is "kinetic" or a law.
+        """
+        found = super().ledger()
+        if self._timeline is None:
+            return found
+        past = self._past()
+        work: dict[str, float] = {}
+        for by_law in (*(record.work_by_law for record in past), found["work_by_law"]):
+            for law, joule in by_law.items():
+                work[law] = work.get(law, 0.0) + joule
+        residual = math.fsum(
+            [found["error"] * found["reference_energy"], *(r.error * r.reference_energy for r in past)]
+        )
+        reference = max([found["reference_energy"], *(record.reference_energy for record in past)])
+        by_stage = [*((record.name, record.changes) for record in past), (self.stage_name, self._timeline.changes)]
+        found |= {
+            "work": math.fsum(work.values()),
+            "work_by_law": work,
+            "reference_energy": reference,
+            "error": residual / reference if reference > 0.0 else 0.0,
+            "changes": {f"{name}: {term}": joule for name, changes in by_stage for term, joule in changes.items()},
+        }
+        return found
+
+    def _past(self) -> list[StageRecord]:
+        return [] if self._timeline is None else self._timeline.past
+
+    def _potentials(self) -> list[str]:
+        return [name for name in self.energies() if name != "kinetic"]
+
+    def _law_names(self) -> list[str]:
+        return list(self.law_names)
+
+    def _record(self) -> StageRecord:
+        """Of the present stage."""
+        line, core = self._present(), self._core
+        balance = core.ledger()
+        return StageRecord(
+            name=line.stage.name,
+            start=line.starts[-1],
+            end=core.time,
+            ended_by=line.ended_by,
+            integrator=core.integrator,
+            dt=core.dt,
+            steps=core.step_count,
+            evaluations=core.evaluation_count,
+            rejected_steps=core.rejected_count,
+            changes=line.changes,
+            work_by_law=dict(balance.work_by_law),
+            reference_energy=balance.reference_energy,
+            error=balance.error,
+        )
+
+    def _present(self) -> Timeline:
+        if self._timeline is None:
+            raise InputError("the scene has no stages")
+        return self._timeline
+
+    def _reach(self, time: float, seconds: float | None = None) -> bool:
+        """Step to a time [s], at most to the end of the present stage, where the next one begins, or stop after about
+        `seconds` of wall time. Whether it came there.
+        """
+        line, core = self._timeline, self._core
+        if line is None:
+            return core.reach(time, seconds)
+        stage_end = self._stage_end
+        if stage_end is not None and stage_end.is_measuring:
+            raise InputError("a measure has stepped the simulation; a measure only reads")
+        if line.ended_by is not None:
+            raise self._over()
+        goal = min(time, line.end)
+        try:
+            if stage_end is not None:
+                if not stage_end.look_ahead(goal, seconds):
+                    return False
+                goal = goal if stage_end.event is None else min(goal, stage_end.event)
+            if not core.reach(goal, seconds):
+                return False
+        except UnstableError:
+            self._open_check()
+            raise
+        if stage_end is not None and goal == stage_end.event:
+            self._end_stage(BY_MEASURE)
+        elif goal == line.end:
+            self._end_stage(BY_DURATION)
+        return True
+
+    def _step(self, count: int) -> None:
+        """Take steps through the stages; the rest of a step up to the end of a stage is none of them."""
+        while count > 0:
+            line, core = self._present(), self._core
+            index = line.index
+            if line.ended_by is not None:
+                raise self._over()
+            before = core.step_count
+            if core.is_adaptive:
+                self._reach(next_adaptive(core, line.end))
+            else:
+                self._reach(core.progress()["origin"] + (before + count) * core.dt)
+            if line.index == index:
+                count -= core.step_count - before
+            else:
+                count -= line.past[-1].steps - before
+
+    def _over(self) -> InputError:
+        return InputError(
+            f"the last stage, {self.stage_name!r}, has ended at {self.time:.6g} s; to go on, make it longer, or "
+            "continue under another scene: Simulation(other, start=this)"
+        )
+
+    def _end_stage(self, ended_by: str) -> None:
+        """End the present stage, and begin the next one."""
+        line, core = self._present(), self._core
+        if line.is_last:
+            line.ended_by, self._stage_end = ended_by, None
+            return
+        before = self.energies()
+        line.ended_by = ended_by
+        record, line.ended_by = self._record(), None
+        motion = core.time, core.hub_angle, core.positions(), core.velocities()
+        starts = [*line.starts, core.time]
+        index = line.index + 1
+        with _named(f"stages[{index}]"):
+            self._simulate(self.scene.staged(index, starts), *self._method(index))
+        self._core.start_from(*motion)
+        line.past.append(record)
+        line.starts = starts
+        after = self.energies()
+        changes = {name: after.get(name, 0.0) - before.get(name, 0.0) for name in before | after}
+        line.changes = {name: joule for name, joule in changes.items() if joule != 0.0}
+        self._open_check()
+
+    def _start_from(self, other: Motion) -> None:
+        super()._start_from(other)
+        line = self._timeline
+        if line is not None:
+            line.starts = [other.time]
+            if other.time != 0.0:
+                self._simulate(self.scene.staged(0, line.starts), *self._method(0))
+                super()._start_from(other)
+            self._open_check()
+
+    def _set_motion(self, positions: Floats, velocities: Floats) -> None:
+        if self._stage_end is not None and self._stage_end.is_measuring:
+            raise InputError("a measure has set the motion; a measure only reads")
+        super()._set_motion(positions, velocities)
+        if self._timeline is not None:
+            line = self._timeline
+            line.changes = {}
+            line.past = [_without_energy(record) for record in line.past]
+            self._open_check()
+
+    def _open_check(self) -> None:
+        """Begin to follow the measure of the present stage, from now on."""
+        line, self._stage_end = self._timeline, None
+        if line is not None and line.stage.measure is not None and line.ended_by is None:
+            follower = Follower(line.stage, f"stages[{line.index}]", self).at_check(self)
+            self._stage_end = StageEnd(self, line.stage, line.end, follower)
+
+    def state(self) -> dict[str, Any]:
+        """As `Motion.state`; with stages also how far the run has come in them ("stage_index", ...). In a stage that a
+        measure may end, the motion is that at its last evaluation, from which `set_state` steps to "stage_now".
+        """
+        found = super().state()
+        line, check = self._timeline, self._stage_end
+        if line is None:
+            return found
+        if check is not None:
+            for name in self._core.progress():
+                del found[name]
+            found |= check.state
+            found |= {"stage_now": self.time, "stage_is_armed": int(check.is_armed)}
+            if check.follower.turned is not None:
+                found["stage_turned"] = check.follower.turned
+        integrator, dt = self._given
+        given = {"stage_method": integrator or "", "stage_given_dt": dt or 0.0}
+        return {**found, **line.saved(), **given}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """As `Motion.set_state`; with stages also the stage."""
+        if self._timeline is None or not isinstance(state, dict):
+            super().set_state(state)
+            return
+        own = {name: value for name, value in state.items() if name in ENTRIES}
+        before = dict(self.__dict__)
+        try:
+            self._set_state(own, {name: value for name, value in state.items() if name not in own})
+        except BaseException:
+            self.__dict__.clear()
+            self.__dict__.update(before)
+            raise
+
+    def _set_state(self, own: dict[str, Any], plain: dict[str, Any]) -> None:
+        index = own.get("stage_index")
+        methods = [self._method(k)[0] or self.scene.staged(k).run.integrator for k in range(len(self.scene.stages))]
+        line = self._timeline = self._present().loaded(own, methods)
+        integrator, dt = self._method(line.index)
+        scene = self.scene.staged(line.index, line.starts)
+        saved = plain.get("dt")
+        is_free = dt is None and scene.run.dt is None and plain.get("is_adaptive") is False and saved is not None
+        with _named(f"stages[{index}]"):
+            self._simulate(scene, integrator, number_of("saved state: dt", saved) if is_free else dt)
+            self._given_dt = None if is_free else self._given_dt
+        self._stage_end = None
+        super().set_state(plain)
+        if not line.starts[-1] - 1e-12 * abs(self.time) <= self.time <= line.end:
+            raise InputError(
+                f"saved state: it is at {self.time:.6g} s, which is not in {line.stage.name!r}, from "
+                f"{line.starts[-1]:.6g} to {line.end:.6g} s; it is damaged: give one that a simulation gave"
+            )
+        if line.stage.measure is not None and line.ended_by is None:
+            self._resume_check(own)
+
+    def _resume_check(self, own: dict[str, Any]) -> None:
+        line = self._present()
+        is_armed, now = own.get("stage_is_armed"), number_of("saved state: stage_now", own.get("stage_now"))
+        if is_armed not in (0, 1):
+            raise InputTypeError(f"saved state: stage_is_armed = {show(is_armed)}: must be 0 or 1")
+        if not self.time <= now <= line.end:
+            raise InputError(f"saved state: stage_now = {now:.6g} s: must be from {self.time:.6g} to {line.end:.6g} s")
+        follower = Follower(line.stage, f"stages[{line.index}]", self)
+        follower.resume(self, own.get("stage_turned"))
+        self._stage_end = StageEnd(self, line.stage, line.end, follower, is_armed=bool(is_armed))
+        if now > self.time:
+            index = line.index
+            self._reach(now)
+            if line.index != index or line.ended_by is not None:
+                raise InputError("saved state: its stage has ended before stage_now; it is damaged")
+
+
+def _without_energy(record: StageRecord) -> StageRecord:
+    return replace(record, changes={}, work_by_law={}, reference_energy=0.0, error=0.0)
+
+
+@contextmanager
+def _named(where: str) -> Iterator[None]:
+    """Name the stage in an error of its scene."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"{where}: {error}") from None

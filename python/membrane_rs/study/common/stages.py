@@ -1,0 +1,15 @@
+"""Studies compare runs of one scene without stages."""
+
+from __future__ import annotations
+
+from membrane_rs.errors import InputError
+from membrane_rs.scene import Scene
+
+
+def refuse_stages(scene: Scene) -> None:
+    """Raise InputError for a scene with stages, of which a study would compare no one knows which."""
+    if scene.stages:
+        raise InputError(
+            f"scene {scene.name!r} has {len(scene.stages)} stages; a study compares runs of a scene without: give it "
+            "one of them, such as scene.staged(0)"
+        )
