@@ -213,14 +213,16 @@ def _toml(value: object) -> str:
         return "true" if value else "false"
     if isinstance(value, tuple | list):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
-    if is_dataclass(value):
-        items = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
-        return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in items if item is not None) + "}"
     if isinstance(value, dict):
-        items = (f"{json.dumps(key, ensure_ascii=False)} = {_toml(item)}" for key, item in value.items())
-        return "{" + ", ".join(items) + "}"
-    if callable(value):
-        return _toml(Stage.function_name(value))
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return _inline({json.dumps(key, ensure_ascii=False): item for key, item in value.items()})
+    if is_dataclass(value):
+        return _inline({entry.name: getattr(value, entry.name) for entry in fields(value)})
+    text = Stage.function_name(value) if callable(value) else value
+    if isinstance(text, str):
+        return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)
+
+
+def _inline(table: Mapping[str, Any]) -> str:
+    """An inline table, without what is not set."""
+    return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in table.items() if item is not None) + "}"
