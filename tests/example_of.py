@@ -24,6 +24,8 @@ def _value(kind: Any, k: int) -> Any:
         return LENGTH * (k + 1)
     if kind is int:
         return COUNT
+    if kind is str:
+        return "some_name"
     if get_origin(kind) is tuple:
         return tuple(LENGTH * (k + i) for i, _ in enumerate(get_args(kind)))
     if any(get_origin(one) is Sequence for one in get_args(kind)):

@@ -13,16 +13,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from membrane_rs import _core, scenes
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.scene.bodies import BODIES, CORE_KINDS
 from membrane_rs.scene.cords import cord_positions
 from membrane_rs.scene.laws import LAWS, Creases, Gravity, Springs
 from membrane_rs.scene.parts import PARTS, Tether, Tethers
 from membrane_rs.simulation.core_input import model_of, settings_of
 
-KINDS: dict[str, Any] = {**LAWS, **PARTS}
+KINDS: dict[str, Any] = {**LAWS, **PARTS, **BODIES}
 
 
 def test_lists_hold_each_kind_once() -> None:
-    assert not LAWS.keys() & PARTS.keys()
+    assert len(KINDS) == len(LAWS) + len(PARTS) + len(BODIES)
     assert all(cls.kind == kind for kind, cls in KINDS.items())
 
 
@@ -32,7 +33,7 @@ def test_python_and_the_core_hold_the_same_laws() -> None:
     with pytest.raises(InputError, match="unknown variant `no law`") as caught:
         _core.Simulation(model_of(scene, scene.assemble()), unknown, "rk4", None, settings_of(scene))
     names = re.findall("`([^`]+)`", str(caught.value).split("expected one of")[1])
-    assert sorted(names) == sorted(LAWS)
+    assert sorted(names) == sorted([*LAWS, *CORE_KINDS])
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -29,6 +29,7 @@ from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.runs import Simulation, resume
 from membrane_rs.scene import Scene
+from membrane_rs.scene.bodies import Cylinder, Plane
 from membrane_rs.scene.laws import (
     AirDrag,
     Creases,
@@ -54,6 +55,7 @@ __all__ = [
     "AuditWarning",
     "Bridges",
     "Creases",
+    "Cylinder",
     "Fixed",
     "Gravity",
     "InputError",
@@ -67,6 +69,7 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "OutputError",
+    "Plane",
     "Pressure",
     "RunSettings",
     "Scene",

@@ -15,6 +15,7 @@ from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
@@ -43,6 +44,8 @@ class Scene:
         At most one of each kind; see `membrane_rs.scene.laws`. A law left out costs nothing.
     parts : sequence of parts
         See `membrane_rs.scene.parts`.
+    bodies : sequence of bodies
+        Cylinders and planes of prescribed motion; see `membrane_rs.scene.bodies`.
     name : str
         For titles and folders: not empty, no slash or backslash, at most 100 characters.
     run : RunSettings
@@ -64,6 +67,7 @@ class Scene:
     material: Material | None
     laws: Sequence[Law] = ()
     parts: Sequence[Part] = ()
+    bodies: Sequence[Body] = field(default=(), kw_only=True)
     name: str = field(default="scene", kw_only=True)
     run: RunSettings = field(default_factory=RunSettings, kw_only=True)
     stages: Sequence[Stage] = field(default=(), kw_only=True)
@@ -77,6 +81,8 @@ class Scene:
         _check_type("run", self.run, (RunSettings,), "RunSettings")
         object.__setattr__(self, "laws", _checked("laws", self.laws, tuple(LAWS.values())))
         object.__setattr__(self, "parts", _checked("parts", self.parts, tuple(PARTS.values())))
+        object.__setattr__(self, "bodies", _checked("bodies", self.bodies, tuple(BODIES.values())))
+        _check_names(self.bodies)
         kinds = [law.kind for law in self.laws]
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
@@ -164,7 +170,14 @@ class Scene:
         """The scene as TOML, all values resolved. A mesh that no pattern made is named, not written."""
         return write_scene(
             SceneContent(
-                self.mesh, self.material, tuple(self.laws), tuple(self.parts), self.name, self.run, tuple(self.stages)
+                self.mesh,
+                self.material,
+                tuple(self.laws),
+                tuple(self.parts),
+                self.name,
+                self.run,
+                stages=tuple(self.stages),
+                bodies=tuple(self.bodies),
             )
         )
 
@@ -249,6 +262,16 @@ class Scene:
             law.add_contacts(builder)
         with computable("parts", SceneError):
             return builder.assembly()
+
+
+def _check_names(bodies: Sequence[Body]) -> None:
+    """Each body has a name of its own among laws, bodies and their frictions, and the terms of the energy."""
+    taken = dict.fromkeys((*LAWS, "tethers", "bridges", "kinetic"), "a law")
+    for k, body in enumerate(bodies):
+        for name in filter(None, (body.name, body.friction_name)):
+            if name in taken:
+                raise SceneError(f"bodies[{k}].name = {show(body.name)}: {name} is the name of {taken[name]} too")
+            taken[name] = f"bodies[{k}]"
 
 
 def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:

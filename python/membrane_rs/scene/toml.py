@@ -5,6 +5,7 @@
     [material]        the fields of Material
     [laws.springs]    one table for each law; an empty table takes the law with its defaults
     [[parts]]         kind = "tethers" and its fields
+    [[bodies]]        kind = "cylinder" and its fields
     [[stages]]        the fields of Stage
     [run]             the fields of RunSettings
 
@@ -16,11 +17,11 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from membrane_rs._files import read_text
 from membrane_rs._validation import build, computable, nearest, show, unit_of
@@ -28,12 +29,15 @@ from membrane_rs.errors import InputError, MissingFileError, SceneError
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
+from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
 
 tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+
+T = TypeVar("T")
 
 MESH_FILE = "mesh.npz"
 """Where a scene's folder keeps a mesh that no folding pattern made."""
@@ -55,6 +59,7 @@ class SceneContent:
     name: str
     run: RunSettings
     stages: tuple[Stage, ...] = ()
+    bodies: tuple[Body, ...] = ()
 
 
 def read_scene(path: Path) -> SceneContent:
@@ -116,6 +121,8 @@ def write_scene(content: SceneContent) -> str:
         lines += ["", f"[laws.{law.kind}]", *_table(law)]
     for part in content.parts:
         lines += ["", "[[parts]]", f"kind = {_toml(part.kind)}", *_table(part)]
+    for body in content.bodies:
+        lines += ["", "[[bodies]]", f"kind = {_toml(body.kind)}", *_table(body)]
     for stage in content.stages:
         lines += ["", "[[stages]]", *_table(stage)]
     lines += ["", "[run]", *_table(content.run, ("until",) if content.stages else ())]
@@ -128,8 +135,8 @@ def pattern_name(mesh: Mesh) -> str | None:
 
 
 def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
+    known = ("name", "mesh", "material", "laws", "parts", "bodies", "stages", "run")
     for key in table:
-        known = ("name", "mesh", "material", "laws", "parts", "stages", "run")
         if key not in known:
             raise SceneError(f"{key}: no such key; {nearest(key, known)}")
     name = table.get("name", path.stem.encode(errors="replace").decode())
@@ -143,10 +150,8 @@ def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
         build(_known(kind, LAWS, "laws"), _as_table(values, f"laws.{kind}"), f"laws.{kind}")
         for kind, values in _as_table(table.get("laws", {}), "laws").items()
     )
-    items = table.get("parts", [])
-    if not isinstance(items, list):
-        raise SceneError("parts: must be a list of tables; write [[parts]] above each")
-    parts = tuple(_part(_as_table(item, f"parts[{i}]"), f"parts[{i}]") for i, item in enumerate(items))
+    parts = tuple(_listed(table, "parts", PARTS))
+    bodies = tuple(_listed(table, "bodies", BODIES))
     items = table.get("stages", [])
     if not isinstance(items, list):
         raise SceneError("stages: must be a list of tables; write [[stages]] above each")
@@ -155,7 +160,7 @@ def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
     if stages and "until" in values:
         raise SceneError(f"run.until = {show(values['until'])}: the run ends with the last of the stages; leave it out")
     run = build(RunSettings, values, "run")
-    return SceneContent(mesh, material, laws, parts, name, run, stages)
+    return SceneContent(mesh, material, laws, parts, name, run, stages, bodies)
 
 
 def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
@@ -175,12 +180,16 @@ def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
     return mesh
 
 
-def _part(table: Mapping[str, Any], where: str) -> Part:
-    values = dict(table)
-    if "kind" not in values:
-        raise SceneError(f"{where}.kind: is missing; must be one of {', '.join(PARTS)}")
-    part: Part = build(_known(values.pop("kind"), PARTS, f"{where}.kind"), values, where)
-    return part
+def _listed(table: Mapping[str, Any], key: str, kinds: Mapping[str, type[T]]) -> Iterator[T]:
+    """The items of a list of tables, each of a kind."""
+    items = table.get(key, [])
+    if not isinstance(items, list):
+        raise SceneError(f"{key}: must be a list of tables; write [[{key}]] above each")
+    for i, item in enumerate(items):
+        where, values = f"{key}[{i}]", dict(_as_table(item, f"{key}[{i}]"))
+        if "kind" not in values:
+            raise SceneError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
+        yield build(_known(values.pop("kind"), kinds, f"{where}.kind"), values, where)
 
 
 def _known(name: object, classes: Mapping[str, type[Any]], where: str) -> type[Any]:

@@ -19,9 +19,9 @@ from membrane_rs.scene.toml import SceneContent, write_scene
 
 def scene_digest(scene: Scene) -> str:
     """A digest of all in a scene that its motion depends on: neither its name nor the settings of its run."""
-    content = SceneContent(
-        scene.mesh, scene.material, tuple(scene.laws), tuple(scene.parts), "", RunSettings(), tuple(scene.stages)
-    )
+    laws, parts = tuple(scene.laws), tuple(scene.parts)
+    stages, bodies = tuple(scene.stages), tuple(scene.bodies)
+    content = SceneContent(scene.mesh, scene.material, laws, parts, "", RunSettings(), stages, bodies)
     found = hashlib.sha256(write_scene(content).encode())
     if scene.mesh is not None:
         mesh = scene.mesh

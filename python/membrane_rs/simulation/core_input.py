@@ -62,7 +62,7 @@ def overflow_named(scene: Scene) -> Iterator[None]:
 
 def _numbers_of(scene: Scene) -> Iterator[tuple[str, float]]:
     """Numbers of material, laws and parts, by their names."""
-    for thing in (scene.material, *scene.laws, *scene.parts):
+    for thing in (scene.material, *scene.laws, *scene.parts, *scene.bodies):
         for name, value in vars(thing).items() if thing is not None else ():
             if isinstance(value, float) and math.isfinite(value):
                 yield f"{type(thing).__name__}.{name}", value
@@ -115,5 +115,6 @@ def _film_of(scene: Scene) -> Film | None:
 
 
 def laws_of(scene: Scene) -> list[tuple[str, dict[str, Any]]]:
-    """Kind and parameters of each law."""
-    return [(law.kind, law.core_parameters()) for law in scene.laws]
+    """Kind and parameters of each law, those of the bodies last."""
+    bodies = [law for body in scene.bodies for law in body.core_laws()]
+    return [(law.kind, law.core_parameters()) for law in scene.laws] + bodies

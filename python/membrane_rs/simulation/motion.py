@@ -19,6 +19,7 @@ from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.continuation import (
     check_balance,
@@ -201,20 +202,21 @@ class Motion(KnownAttributes, Copies, Readings):
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
         return frozen(np.vstack([edges, self.assembly.cords.nodes]))
 
-    def forces(self, law: str | Law | type[Law] | None = None) -> Floats:
+    def forces(self, law: str | Law | type[Law] | Body | None = None) -> Floats:
         """(N, 3) forces now [N], of one law or of all.
 
         Parameters
         ----------
-        law : str, law or class of a law, optional
-            "springs", "creases", ... or "tethers" and "bridges", which come with those parts. Default: all.
+        law : str, law, class of a law or body, optional
+            "springs", "creases", ..., the name of a body, or "tethers" and "bridges", which come with those parts.
+            Default: all.
 
         Raises
         ------
         InputError
             A law that the scene does not hold.
         """
-        name = law if law is None or isinstance(law, str) else getattr(law, "kind", None)
+        name = law if law is None or isinstance(law, str) else getattr(law, "name", getattr(law, "kind", None))
         if law is not None and name is None:
             raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
         return self._core.forces(name)

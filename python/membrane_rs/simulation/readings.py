@@ -43,10 +43,11 @@ class FilmStress:
 class HubLoad:
     """What the sail exerts on the hub, in the frame that turns with the hub.
 
-    The sail is all nodes, held ones included. The hub holds these, and touches others at the spool. The load is
+    The sail is all nodes, held ones included. The hub holds these, and touches others at the spool and at the bodies
+    that it drives. The load is
 
         sum over held nodes of (forces of all laws, inertial forces of the turning frame included)
-        - sum over all nodes of the forces of contact with the spool,
+        - sum over all nodes of the forces of contact with spool and bodies,
 
     so that it balances the rate of change of the sail's momentum and of its angular momentum in an inertial frame,
     less the loads from outside: gravity, air, pressure, friction.
@@ -58,7 +59,27 @@ class HubLoad:
     torque : (3,) float
         About the origin, along the same axes; the third is about the hub's axis [N m].
     contact : float
-        Sum of the magnitudes of the forces between the spool and the nodes [N].
+        Sum of the magnitudes of the forces of spool and bodies on the nodes [N].
+    """
+
+    force: Floats
+    torque: Floats
+    contact: float
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLoad:
+    """What film and cords exert on a body, all its copies together, friction and damping included.
+
+    Attributes
+    ----------
+    force : (3,) float
+        Components along the axes of the turning frame [N].
+    torque : (3,) float
+        About the origin, along the same axes; the third is what a motor that turns the body about the hub's axis has
+        to hold against [N m].
+    contact : float
+        Sum of the magnitudes of the forces on the nodes [N].
     """
 
     force: Floats
@@ -170,10 +191,21 @@ class Readings:
         """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`."""
         return self.hub_load().torque
 
-    def contact_forces(self) -> Floats:
-        """(N, 3) forces of contact of the spool on each node now [N], in the turning frame; 0 without contact.
+    def body_loads(self) -> dict[str, BodyLoad]:
+        """Force and torque of film and cords on each body now, by its name."""
+        positions = self._core.positions()
+        loads = {}
+        for body in self.scene.bodies:
+            names = filter(None, (body.name, body.friction_name))
+            forces = np.sum([self._core.forces(name) for name in names], axis=0)
+            contact = float(np.linalg.norm(forces, axis=1).sum())
+            loads[body.name] = BodyLoad(-forces.sum(axis=0), -np.cross(positions, forces).sum(axis=0), contact)
+        return loads
 
-        The force on the spool is the negative sum over the nodes.
+    def contact_forces(self) -> Floats:
+        """(N, 3) forces of contact of spool and bodies on each node now [N], in the turning frame; 0 without contact.
+
+        The force on spool and bodies is the negative sum over the nodes.
         """
         return self._core.contact_forces()
 

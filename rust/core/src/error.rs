@@ -81,12 +81,16 @@ pub enum Error {
     #[error("{what} = {value:e} is not allowed: {range}")]
     OutOfRange { what: &'static str, value: f64, range: &'static str },
 
+    /// A name that cannot be kept.
+    #[error("the name {name:?} cannot be taken: {reason}")]
+    BadName { name: String, reason: &'static str },
+
     /// A knot of a schedule outside its range.
     #[error("{what}[{index}] = {value:e} of a schedule is not allowed: {range}")]
     Knot { what: &'static str, index: usize, value: f64, range: &'static str },
 
     /// A second law of one kind.
-    #[error("law {law} is there twice; a scene holds one of each kind: leave one out")]
+    #[error("law {law} is there twice; a scene holds one of each kind, and bodies of different names: leave one out")]
     LawTwice { law: &'static str },
 
     /// Two laws for the in-plane elasticity of the film.

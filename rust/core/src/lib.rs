@@ -3,11 +3,12 @@
 //! Plain Rust: no Python, no files, no printing, one thread, every number an `f64` in SI units. Imports have one
 //! direction, from right to left:
 //!
-//!     simd, error <- arrays <- model, layout, linear <- contact, assembly, integrators <- elements <- laws
+//!     simd, error <- arrays <- model, layout, linear <- contact, assembly, integrators, bodies <- elements <- laws
 //!         <- evaluation, stability <- simulation
 
 pub mod arrays;
 pub mod assembly;
+pub mod bodies;
 pub mod contact;
 pub mod elements;
 pub mod error;

@@ -124,6 +124,10 @@ laws! {
     "pressure" Pressure(pressure::PressureParameters),
     /// Contact of nodes with the spool.
     "spool_contact" SpoolContact(spool_contact::SpoolContactParameters),
+    /// Contact with a body of prescribed motion.
+    "body" Body(body::BodyParameters),
+    /// Damping of approach and friction at the contacts with a body.
+    "body_friction" BodyFriction(body_friction::BodyFrictionParameters),
     /// Damping of all motion relative to the turning frame.
     "mass_damping" MassDamping(mass_damping::MassDampingParameters),
 }

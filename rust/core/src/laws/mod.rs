@@ -4,6 +4,8 @@
 //! along links, which may share a pass), `Linearisation`, `Inspection`, `HistoryDependent`.
 
 mod air_drag;
+mod body;
+mod body_friction;
 mod bridges;
 mod buckling;
 mod creases;
@@ -29,6 +31,7 @@ use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
 
 pub use air_drag::AirMotion;
+pub use body::{BodyShape, FeltBy};
 pub use history_dependent::HistoryDependent;
 pub use inspection::{Excess, FilmStates, Inspection, LinkReadings};
 pub use instant::Instant;

@@ -4,5 +4,6 @@ pub mod checks;
 pub mod frame;
 pub mod input;
 pub mod mesh;
+pub mod names;
 pub mod schedule;
 mod spring_constants;

@@ -1,0 +1,165 @@
+"""Bodies of prescribed motion, which push what touches them: cylinders and planes.
+
+A body has no mass: its motion is given by schedules, in the frame that turns with the hub. Film and cords feel it by a
+penalty, whose work is listed under the body's name; damping and friction have a row of their own, "<name>_friction".
+Units are SI; angles are in radians.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, field, fields, replace
+from typing import Annotated, Any, ClassVar, Literal
+
+from annotated_types import Le
+from typing_extensions import Self
+
+from membrane_rs._validation import Count, Flag, NonNegative, Positive, Unit, Vector, show, validated
+from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.scene.schedule import Schedule
+
+__all__ = ["BODIES", "CORE_KINDS", "Body", "Cylinder", "Plane"]
+
+CORE_KINDS = ("body", "body_friction")
+"""The laws of the core that bodies become."""
+LONGEST_NAME = 40
+"""Letters of the longest name of a body."""
+MOST_COPIES = 1000
+
+
+@validated
+class Body:
+    """A rigid body without mass, of prescribed motion, as checked values.
+
+    In the frame of the hub it is first tilted about the horizontal line through its centre and across the azimuth of
+    the centre (a positive angle leans the z axis outward); then it travels; then all is turned about the hub's axis,
+    its copies evenly round it. Without a schedule it stays at its place.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores, a letter first, at most 40: of its forces, energies and work. No other body and
+        no law has it.
+    centre : tuple of float
+        A point of the axis, the middle of a cylinder with ends, or a point of the plane (x, y, z) [m].
+    direction : tuple of float
+        Of a cylinder's axis, or of a plane's normal (x, y, z), of any length above 0.
+    copies : int
+        Equal bodies, turned evenly about the hub's axis, 1 to 1000.
+    turn : Schedule or None
+        About the hub's axis, z [rad].
+    travel_x, travel_y, travel_z : Schedule or None
+        Along the axes, before the turn [m].
+    travel_radial : Schedule or None
+        Away from the hub's axis, before the turn; along x for a centre on the axis [m].
+    tilt : Schedule or None
+        Of its direction [rad].
+    spin : Schedule or None
+        About its own direction; it only matters with friction [rad].
+    stiffness : float
+        Of the penalty, for each element that touches it [N/m], above 0. A force F causes a depth of F/stiffness.
+    damping : float
+        Ratio of the damping of an approach to critical damping, 0 or above. A contact never pulls.
+    friction : float
+        Coulomb's coefficient, 0 or above.
+    friction_speed : float
+        Speed of sliding below which friction is viscous [m/s], above 0: what is held creeps more slowly than this.
+    membrane, cords : bool
+        Whether the membrane and the cords feel it.
+    """
+
+    kind: ClassVar[str]
+    """Its name in scene files."""
+    name: str
+    centre: Annotated[Vector, Unit("m")] = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    direction: Vector = field(default=(0.0, 0.0, 1.0), kw_only=True)
+    copies: Annotated[Count, Le(MOST_COPIES)] = field(default=1, kw_only=True)
+    turn: Annotated[Schedule | None, Unit("rad")] = field(default=None, kw_only=True)
+    travel_x: Annotated[Schedule | None, Unit("m")] = field(default=None, kw_only=True)
+    travel_y: Annotated[Schedule | None, Unit("m")] = field(default=None, kw_only=True)
+    travel_z: Annotated[Schedule | None, Unit("m")] = field(default=None, kw_only=True)
+    travel_radial: Annotated[Schedule | None, Unit("m")] = field(default=None, kw_only=True)
+    tilt: Annotated[Schedule | None, Unit("rad")] = field(default=None, kw_only=True)
+    spin: Annotated[Schedule | None, Unit("rad")] = field(default=None, kw_only=True)
+    stiffness: Annotated[Positive, Unit("N/m")] = field(default=200.0, kw_only=True)
+    damping: NonNegative = field(default=0.0, kw_only=True)
+    friction: NonNegative = field(default=0.0, kw_only=True)
+    friction_speed: Annotated[Positive, Unit("m/s")] = field(default=1e-3, kw_only=True)
+    membrane: Flag = field(default=True, kw_only=True)
+    cords: Flag = field(default=True, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check name, direction, and what feels the body."""
+        own = type(self).__name__
+        if not isinstance(self.name, str):
+            raise InputTypeError(f"{own}.name = {show(self.name)}: must be a text")
+        if len(self.name) > LONGEST_NAME or not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", self.name, re.ASCII):
+            what = f"must be letters, digits and underscores, a letter first, {LONGEST_NAME} at most"
+            raise InputError(f"{own}.name = {show(self.name)}: {what}")
+        if not any(self.direction):
+            raise InputError(f"{own}.direction = {self.direction}: must not be 0; (0, 0, 1) is the hub's axis")
+        if not (self.membrane or self.cords):
+            raise InputError(f"{own}.membrane = False: with cords = False nothing feels the body; set one of them")
+
+    @property
+    def friction_name(self) -> str | None:
+        """Name of the law of its damping and friction; None without these."""
+        return f"{self.name}_friction" if self.damping > 0.0 or self.friction > 0.0 else None
+
+    def delayed(self, by: float) -> Self:
+        """The same body with all its schedules later by a time [s]."""
+        given = {item.name: getattr(self, item.name) for item in fields(self)}
+        later: dict[str, Any] = {key: value.delayed(by) for key, value in given.items() if isinstance(value, Schedule)}
+        return replace(self, **later)
+
+    def core_laws(self) -> list[tuple[str, dict[str, Any]]]:
+        """Kind and parameters of the laws that the core is given."""
+        parameters = {**asdict(self), "shape": self.kind, **self.shape_parameters()}
+        contact, friction = CORE_KINDS
+        return [(contact, parameters)] + ([(friction, parameters)] if self.friction_name else [])
+
+    def shape_parameters(self) -> dict[str, Any]:
+        """Parameters of the core that a shape does not give as fields of its own."""
+        return {}
+
+
+@validated
+class Cylinder(Body):
+    """A cylinder, such as a guide bar or a spool. Its other parameters are those of `Body`.
+
+    A run stops where something goes deeper than half of the radius into it, or passes a twentieth of the radius within
+    one step, since it might come out on the other side.
+
+    Parameters
+    ----------
+    radius : float
+        [m], above 0.
+    half_length : float or None
+        From the centre to each end, where a cap of the same radius rounds it off [m]. None: endless.
+    felt_by : {"edges", "nodes", "triangles"}
+        What feels it. Edges of the film and segments of cords: each is one contact, at its nearest point. Nodes alone
+        pass between them what is thinner than an edge is long. Triangles also feel the ends of a cylinder.
+    """
+
+    kind: ClassVar[str] = "cylinder"
+    radius: Annotated[Positive, Unit("m")]
+    half_length: Annotated[Positive | None, Unit("m")] = field(default=None, kw_only=True)
+    felt_by: Literal["edges", "nodes", "triangles"] = field(default="edges", kw_only=True)
+
+
+@validated
+class Plane(Body):
+    """The half-space below a plane, whose normal is `direction`: a floor by default.
+
+    Nodes feel it, which is exact for the edges and triangles between them. Its parameters are those of `Body`.
+    """
+
+    kind: ClassVar[str] = "plane"
+
+    def shape_parameters(self) -> dict[str, Any]:
+        """No radius, no length; nodes feel it."""
+        return {"radius": None, "half_length": None, "felt_by": "nodes"}
+
+
+BODIES: dict[str, type[Body]] = {body.kind: body for body in (Cylinder, Plane)}
+"""The one list of bodies: its `kind` in a scene file, and its class."""

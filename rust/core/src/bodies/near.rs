@@ -1,0 +1,160 @@
+//! The elements near a body: those that may touch it until a node, or the body, has moved by a given distance.
+//!
+//! Elements that are not near contribute exactly nothing, and those that are near come in the order of their numbers.
+//! So results do not depend on when the list was made.
+
+use std::ops::Range;
+
+use crate::arrays::blocks::rows_of;
+use crate::arrays::state::{NodeVectors, columns};
+use crate::bodies::rigid_body::Pose;
+use crate::bodies::shape::Shape;
+use crate::model::mesh::{dot, sub};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, each};
+
+/// Elements of K nodes, in ascending order, and those near a copy of a body.
+#[derive(Debug, Clone, Default)]
+pub struct Elements<const K: usize> {
+    /// The nodes of each, internal numbers, ascending.
+    pub nodes: Vec<[u32; K]>,
+    /// Element and copy, ascending.
+    near: Vec<(u32, u32)>,
+}
+
+/// All elements that may touch a body.
+#[derive(Debug, Clone, Default)]
+pub struct Candidates {
+    /// Single nodes.
+    pub points: Elements<1>,
+    /// Edges.
+    pub edges: Elements<2>,
+    /// Triangles.
+    pub triangles: Elements<3>,
+}
+
+/// The candidates near a body, while nothing has moved by more than a distance.
+#[derive(Debug, Clone, Default)]
+pub struct Near {
+    /// All elements.
+    pub candidates: Candidates,
+    /// The distance \[m\].
+    skin: f64,
+    /// Positions and poses for which the list was made, and the reach of the nodes.
+    positions: Option<NodeVectors>,
+    poses: Vec<Pose>,
+    reach: f64,
+}
+
+impl<const K: usize> Elements<K> {
+    /// The elements of these nodes, internal numbers.
+    pub fn new(nodes: impl IntoIterator<Item = [u32; K]>) -> Self {
+        let mut nodes: Vec<[u32; K]> = nodes.into_iter().collect();
+        nodes.iter_mut().for_each(|nodes| nodes.sort_unstable());
+        nodes.sort_unstable();
+        nodes.dedup();
+        Self { nodes, near: Vec::new() }
+    }
+
+    /// Element and copy of those near the body, with their lowest node in a tile.
+    pub fn near(&self, tile: usize, count: usize) -> impl Iterator<Item = ([u32; K], usize)> {
+        let Range { start, end } = rows_of(tile, count);
+        let lowest = |&(element, _): &(u32, u32)| self.nodes[element as usize][0] as usize;
+        let [start, end] = [start, end].map(|row| self.near.partition_point(|pair| lowest(pair) < row));
+        self.near[start..end].iter().map(|&(element, copy)| (self.nodes[element as usize], copy as usize))
+    }
+
+    /// Finds the elements within `skin` of the body, by the distances of all nodes from the surface of each copy.
+    fn find(&mut self, shape: &Shape, x: [&[f64]; 3], poses: &[Pose], gaps: &[Vec<f64>], skin: f64) {
+        self.near.clear();
+        for (element, nodes) in self.nodes.iter().enumerate() {
+            let corners = nodes.map(|node| point(x, node));
+            let longest = (1..K).map(|k| distance(corners[k], corners[k - 1])).fold(0.0, f64::max).max(if K > 2 {
+                distance(corners[0], corners[K - 1])
+            } else {
+                0.0
+            });
+            for (copy, gaps) in gaps.iter().enumerate() {
+                // The distance from a surface changes by no more than the way.
+                let furthest = nodes.iter().map(|&node| gaps[node as usize]).fold(f64::MIN, f64::max);
+                let is_far = furthest > longest + skin || -shape.depth(&poses[copy], &corners) > skin;
+                if !is_far {
+                    self.near.push((element as u32, copy as u32));
+                }
+            }
+        }
+    }
+}
+
+/// Whether a point has moved by more than a distance: the sum of what its square has over that of the distance.
+struct Beyond {
+    square: f64,
+}
+
+impl Formula<6, 0> for Beyond {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, _: [V; 6], _: [V; 0]) -> [V; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn summand<V: SimdF64>(&self, [x, y, z, u, v, w]: [V; 6], _: [V; 0]) -> V {
+        let (x, y, z) = (x - u, y - v, z - w);
+        (x * x + y * y + z * z - V::all(self.square)).max(V::zero())
+    }
+}
+
+/// Whether any node has moved by more than a distance \[m\].
+pub fn has_moved(instructions: InstructionSet, from: &NodeVectors, to: &NodeVectors, by: f64) -> bool {
+    let ([x, y, z], [u, v, w]) = (columns(from), columns(to));
+    each(instructions, &Beyond { square: by * by }, [x, y, z, u, v, w], []) > 0.0
+}
+
+impl Near {
+    /// No element is near yet.
+    pub fn new(candidates: Candidates, skin: f64) -> Self {
+        Self { candidates, skin, ..Self::default() }
+    }
+
+    /// Makes the list anew where nodes or body have moved too far.
+    pub fn update(&mut self, shape: &Shape, positions: &NodeVectors, poses: &[Pose], instructions: InstructionSet) {
+        if self.is_valid(positions, poses, instructions) {
+            return;
+        }
+        match &mut self.positions {
+            Some(own) => own.copy_from(positions),
+            None => self.positions = Some(positions.clone()),
+        }
+        self.poses.clear();
+        self.poses.extend_from_slice(poses);
+        let x = columns(positions);
+        let count = positions.nrows() as u32;
+        let furthest = |pose: &Pose| (0..count).map(|node| distance(point(x, node), pose.centre)).fold(0.0, f64::max);
+        self.reach = poses.iter().map(furthest).fold(0.0, f64::max) + 2.0 * self.skin;
+        let gaps_of = |pose: &Pose| (0..count).map(|node| -shape.depth(pose, &[point(x, node)])).collect();
+        let gaps: Vec<Vec<f64>> = poses.iter().map(gaps_of).collect();
+        let Candidates { points, edges, triangles } = &mut self.candidates;
+        points.find(shape, x, poses, &gaps, self.skin);
+        edges.find(shape, x, poses, &gaps, self.skin);
+        triangles.find(shape, x, poses, &gaps, self.skin);
+    }
+
+    /// Whether the list holds at these positions and poses.
+    pub fn is_valid(&self, positions: &NodeVectors, poses: &[Pose], instructions: InstructionSet) -> bool {
+        let Some(own) = &self.positions else { return false };
+        let shifts = self.poses.iter().zip(poses).map(|(before, now)| before.shift(now, self.reach));
+        let left = self.skin - shifts.fold(0.0, f64::max);
+        left > 0.0 && !has_moved(instructions, own, positions, left)
+    }
+}
+
+/// The position of a node.
+#[inline(always)]
+pub fn point(x: [&[f64]; 3], node: u32) -> [f64; 3] {
+    x.map(|column| column[node as usize])
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    dot(sub(a, b), sub(a, b)).sqrt()
+}
