@@ -124,7 +124,10 @@ def test_what_a_run_leaves_out_is_said() -> None:
     scene = doubled()
     left_out = audit(scene, costly=False).find("left_out")
     assert left_out is not None
-    assert "growing modes of large meshes, net of springs, stowed energy, accuracy of step" in left_out.message
+    assert (
+        "growing modes of large meshes, crossings of large meshes, net of springs, stowed energy, accuracy of step"
+        in left_out.message
+    )
     assert audit(scene).find("left_out") is None
 
 

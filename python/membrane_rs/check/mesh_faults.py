@@ -7,19 +7,34 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from membrane_rs.mesh.audit import growing
+from membrane_rs.mesh.audit import crossing, growing
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
 
 FEW_NODES = 1000
 """Up to which growing modes cost about as much as the other checks of the mesh."""
+FEW_TRIANGLES = 5000
+"""Up to which crossings cost so; where all triangles lie at one place, 12 million pairs, they take some seconds."""
 
 
 def mesh_faults(scene: Scene) -> Iterator[Finding]:
-    """What `Mesh.audit` finds, growing modes left out."""
+    """What `Mesh.audit` finds, growing modes and crossings left out."""
     if scene.mesh is not None:
-        yield from scene.mesh.audit(scene.material, springs=_has_springs(scene), growth=False).findings
+        found = scene.mesh.audit(scene.material, springs=_has_springs(scene), growth=False, crossings=False)
+        yield from found.findings
+
+
+def crossings(scene: Scene) -> Iterator[Finding]:
+    """Triangles that pass through each other at the start, in meshes of up to `FEW_TRIANGLES`."""
+    if scene.mesh is not None and len(scene.mesh.triangles) <= FEW_TRIANGLES:
+        yield from crossing(scene.mesh, scene.mesh.positions)
+
+
+def crossings_of_large_meshes(scene: Scene) -> Iterator[Finding]:
+    """The same in larger meshes."""
+    if scene.mesh is not None and len(scene.mesh.triangles) > FEW_TRIANGLES:
+        yield from crossing(scene.mesh, scene.mesh.positions)
 
 
 def fold_angles(scene: Scene) -> Iterator[Finding]:

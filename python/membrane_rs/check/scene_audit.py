@@ -12,6 +12,8 @@ from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
 from membrane_rs.check.mesh_faults import (
+    crossings,
+    crossings_of_large_meshes,
     fold_angles,
     growing_modes,
     growing_modes_of_large_meshes,
@@ -39,6 +41,7 @@ CHECKS: list[Check] = [
     mesh_faults,
     fold_angles,
     growing_modes,
+    crossings,
     film_law,
     supports,
     spool,
@@ -58,6 +61,7 @@ STEPPING_CHECKS: list[SteppingCheck] = [
 
 COSTLY_CHECKS: list[Check] = [
     growing_modes_of_large_meshes,
+    crossings_of_large_meshes,
     net_of_springs,
     stowed_energy,
     accuracy_of_step,

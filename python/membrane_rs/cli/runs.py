@@ -59,6 +59,10 @@ def run(
     despite_errors: Annotated[
         bool, typer.Option("--despite-errors", help="Run although the audit of the scene finds errors.")
     ] = False,
+    crossings: Annotated[
+        bool,
+        typer.Option("--crossings", help="Count triangles that pass through each other at each frame: crossings.csv."),
+    ] = False,
     checkpoint: Checkpoint = 10.0,
 ) -> None:
     """Run a scene and write its results into a folder."""
@@ -76,7 +80,7 @@ def run(
         sim = simulation_of(chosen)
         if unaccepted_errors(chosen) and not despite_errors:
             _refuse(sim, folder, overwrite)
-        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, checkpoint=checkpoint)
+        _run(sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, checkpoint=checkpoint)
 
 
 @app.command()
@@ -202,6 +206,7 @@ def _run(
     overwrite: bool,
     *,
     pictures: bool,
+    crossings: bool = False,
     until: float | None = None,
     frames: int | None = None,
     checkpoint: float = 10.0,
@@ -212,7 +217,7 @@ def _run(
     console = terminal()
     settings = sim.scene.run
     with progress_bar(console, sim.time, sim.planned_end if until is None else until) as show, _stopped(show, folder):
-        results = RunFolder(folder, overwrite, pictures=pictures, progress=show.pictures)
+        results = RunFolder(folder, overwrite, pictures=pictures, crossings=crossings, progress=show.pictures)
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
         sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)

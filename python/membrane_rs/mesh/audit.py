@@ -10,6 +10,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs._validation import show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
+from membrane_rs.mesh.crossings import crossings
 from membrane_rs.mesh.findings import Audit, Finding, Severity, first_few
 from membrane_rs.mesh.gaps import gaps, groups
 from membrane_rs.mesh.growing_modes import growing_modes
@@ -28,8 +29,17 @@ GROWTH_LIMIT = 50_000
 """Most nodes for which growing modes are computed; it takes some seconds there."""
 
 
-def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, springs: bool, growth: bool) -> Audit:
-    """Audit a mesh, with the `strain` of its edges, (e,). See `Mesh.audit`."""
+def audit(
+    mesh: Triangulation,
+    material: Material | None,
+    positions: Floats,
+    strain: Floats,
+    *,
+    springs: bool,
+    growth: bool,
+    crossings: bool,
+) -> Audit:
+    """Audit a mesh at `positions` (n, 3) [m], with the `strain` of its edges there, (e,). See `Mesh.audit`."""
     if material is not None and not isinstance(material, Material):
         raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
     film = material or POLYIMIDE
@@ -43,6 +53,7 @@ def audit(mesh: Triangulation, material: Material | None, strain: Floats, *, spr
         *(_thick(mesh, material) if material is not None else ()),
         *(_springs(mesh, film) if springs else ()),
         *(growing(mesh, film) if springs and growth else ()),
+        *(crossing(mesh, positions) if crossings else ()),
         *_strain(mesh, strain),
     ]
     return Audit.of(findings)
@@ -239,6 +250,25 @@ def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
             count,
             f"{count} {modes} without a load, the fastest by a factor of e in {1e3 / rate:.3g} ms",
             "no step is small enough for that: remove the negative springs",
+        )
+
+
+def crossing(mesh: Triangulation, positions: Floats) -> Iterator[Finding]:
+    """Triangles that pass through each other at `positions` (n, 3) [m]; some 0.1 s per million pairs of near ones."""
+    found = crossings(mesh.triangles, positions, 10)
+    if found.count:
+        first, second = found.pairs[0]
+        x, y, z = positions[mesh.triangles[first, 0]]
+        yield Finding(
+            "warning",
+            "crossings",
+            found.count,
+            f"{found.count} pairs of triangles pass through each other at the start, first triangles {first} and "
+            f"{second} (nodes {mesh.triangles[first].tolist()} and {mesh.triangles[second].tolist()}) near "
+            f"({x:.4g}, {y:.4g}, {z:.4g}) m",
+            "layers do not feel each other, so that it runs all the same, from a shape that no real film can have: "
+            "move layers apart, or take another layout",
+            first_few(found.pairs[:, 0]),
         )
 
 

@@ -124,6 +124,7 @@ class Mesh(Triangulation):
         *,
         springs: bool = True,
         growth: bool = True,
+        crossings: bool = True,
     ) -> Audit:
         """Faults and risks of the mesh, in words and numbers.
 
@@ -133,13 +134,16 @@ class Mesh(Triangulation):
             Default: the polyimide film of the deployment experiments. The signs depend on Poisson's ratio
             only.
         positions : (n, 3) float64, optional
-            Where the strain is measured. Default: the stowed positions.
+            Where the strain is measured and crossings are counted. Default: the stowed positions.
         springs : bool
             Whether edges are to be springs; False for a film of `Triangles`, which may have obtuse angles.
         growth : bool
             Whether modes that grow by negative springs are computed, which takes some seconds for 50,000 nodes.
+        crossings : bool
+            Whether triangles that pass through each other are counted, as `Mesh.crossings` does.
         """
-        return audit(self, material, self.strain(positions), springs=springs, growth=growth)
+        points = self.positions if positions is None else self.checked_positions(positions)
+        return audit(self, material, points, self.strain(points), springs=springs, growth=growth, crossings=crossings)
 
     def crossings(self, positions: ArrayLike | None = None, *, limit: int = LISTED) -> Crossings:
         """Pairs of triangles that pass through each other, counted exactly.

@@ -8,8 +8,8 @@ scene                 name of the scene
 outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ...". `read_summary`
                       gives "killed" in place of "running" where no process goes on with the run
 process               by which the run goes on, or went on last: pid, host, and start, its time and date
-request               what the run was asked for: until [s]; frames and samples, their numbers or times [s]; pictures;
-                      checkpoint, the seconds of wall time between two checkpoints
+request               what the run was asked for: until [s]; frames and samples, their numbers or times [s]; pictures,
+                      crossings, whether they are wanted; checkpoint, the seconds of wall time between two checkpoints
 resumed               how often the run was resumed in this folder; not there where it was not
 counts                size of the scene, as `Scene.counts` gives it
 integrator            name of the method
@@ -39,6 +39,8 @@ energy_balance        reference_energy [J]; error at the end, lowest_error (loss
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
+crossings             where they were counted: pairs that cross at the first and at the last frame, the most, and
+                      time_of_most [s]
 stages                of a scene with stages, one entry for each that was reached: what `StageRecord` holds, with
                       wall_time [s] and the curves of its samples
 pictures              what drew them: "pyvista", "matplotlib" or "none"
@@ -108,7 +110,7 @@ class Summary(Writer):
         before = read_summary(record.path)
         self._begin(record, before.get("wall_time") or 0.0)
         self._stage_starts = dict(enumerate(before.get("stage_starts") or ()))
-        at_end = ("signal", "frames", "samples", "energy_balance", "curves", "pictures")
+        at_end = ("signal", "frames", "samples", "energy_balance", "curves", "crossings", "pictures")
         record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
             "outcome": "running",
             "process": this_process(),

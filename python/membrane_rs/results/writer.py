@@ -19,6 +19,8 @@ class Writer:
     """Glob patterns, relative to the run's folder, of all that it may write, and so of what `overwrite` may remove."""
     draws: ClassVar[bool] = False
     """Whether it is left out where no pictures are wanted."""
+    option: ClassVar[str | None] = None
+    """The field of the run's `Request` that asks for it; None where it needs none."""
     is_vital: ClassVar[bool] = False
     """Whether its failure is raised even where the run had ended by an interruption or another error."""
 

@@ -29,6 +29,7 @@ class Request:
     frames: Instants
     samples: Instants
     pictures: bool = True
+    crossings: bool = False
     checkpoint: float = CHECKPOINT
 
     def __post_init__(self) -> None:

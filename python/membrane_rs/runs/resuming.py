@@ -67,7 +67,7 @@ def resume(
     end = request.until if until is None else number_of("until", until)
     request = replace(request, pictures=request.pictures if pictures is None else pictures)
     with signals.interruptible():
-        results = RunFolder(path, True, pictures=request.pictures, progress=drawing)
+        results = RunFolder(path, True, pictures=request.pictures, crossings=request.crossings, progress=drawing)
         with results.reopened():
             sim = Simulation.restore(path / STATE)
             if end < sim.time:

@@ -6,6 +6,7 @@ summary.json    before all other outputs ("running"), at each checkpoint, and at
 scene.toml      at the start, all values resolved (mesh.npz beside it where the mesh has no pattern)
 history.csv     a line per sample
 frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
+crossings.csv   a line per frame, where it is asked for; by that thread too
 shapes/*.npz    at the times of the snapshots, for a run that is resumed
 deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
 """
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path, PurePath
 from time import monotonic
 
@@ -25,6 +27,7 @@ from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
 from membrane_rs.plotting.snapshots import Snapshots
 from membrane_rs.results.background import Background
+from membrane_rs.results.crossing_counts import CrossingsFile
 from membrane_rs.results.frames import Frames
 from membrane_rs.results.history import HISTORY, History
 from membrane_rs.results.pvd import PVD
@@ -38,7 +41,17 @@ from membrane_rs.runs.place import Place
 from membrane_rs.runs.request import Request
 from membrane_rs.simulation.stepper import Stepper
 
-WRITERS: list[type[Writer]] = [SceneFile, Frames, History, Summary, State, DeploymentPicture, Snapshots, Animation]
+WRITERS: list[type[Writer]] = [
+    SceneFile,
+    Frames,
+    History,
+    CrossingsFile,
+    Summary,
+    State,
+    DeploymentPicture,
+    Snapshots,
+    Animation,
+]
 """The one list of outputs, in the order in which they start and finish; but the summary starts before all others."""
 
 
@@ -74,6 +87,8 @@ class RunFolder(KnownAttributes):
         Remove the files of an earlier run in this folder, which its summary.json shows to be one. Other files stay.
     pictures :
         Draw deployment.png, snapshots and animation when the run ends.
+    crossings :
+        Count the triangles that pass through each other at each frame, into crossings.csv.
     progress :
         Called with (what is drawn, pictures done, pictures in all) while the pictures are drawn.
 
@@ -84,7 +99,7 @@ class RunFolder(KnownAttributes):
         another run goes on there, or it cannot be written.
     """
 
-    ONCE = ("path", "pictures")
+    ONCE = ("path", "pictures", "crossings")
 
     def __init__(
         self,
@@ -92,21 +107,30 @@ class RunFolder(KnownAttributes):
         overwrite: bool = False,
         *,
         pictures: bool = True,
+        crossings: bool = False,
         progress: Progress | None = None,
     ) -> None:
         self.path = path_of(path, "out")
-        self.pictures = pictures
+        self.pictures, self.crossings = pictures, crossings
         self._place = Place(self.path, own_files(), overwrite=overwrite)
         self._record = Record(self.path, progress, Background(self._place.check_held))
         self._summary, self._state = Summary(), State()
         own: dict[type[Writer], Writer] = {Summary: self._summary, State: self._state}
-        self._writers = [own.get(kind) or kind() for kind in WRITERS if pictures or not kind.draws]
+        kinds = [kind for kind in WRITERS if (pictures or not kind.draws) and self._is_asked_for(kind)]
+        self._writers = [own.get(kind) or kind() for kind in kinds]
         self._is_prepared = self._is_started = self._is_ended = self._is_resumed = False
         self._interval, self._last_checkpoint = float("inf"), 0.0
         self._shown: dict[float, bool] = {}
         self._first_shown: tuple[bool, bool] | None = None
         self._is_frame_due = True
         self._place.check()
+
+    def asked(self, request: Request) -> Request:
+        """A request with what this folder is to hold."""
+        return replace(request, pictures=self.pictures, crossings=self.crossings)
+
+    def _is_asked_for(self, kind: type[Writer]) -> bool:
+        return kind.option is None or bool(getattr(self, kind.option))
 
     @property
     def is_resumed(self) -> bool:

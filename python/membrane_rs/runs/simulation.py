@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +124,7 @@ class Simulation(Stepper):
         progress: Callable[[Simulation], None] | None = None,
         overwrite: bool = False,
         pictures: bool = True,
+        crossings: bool = False,
         checkpoint: float = CHECKPOINT,
     ) -> RunFolder | None:
         """Step to `until`, and call the observers at frames and samples.
@@ -147,6 +147,9 @@ class Simulation(Stepper):
             Called with this simulation at each output, and about every 0.1 s of wall time.
         overwrite, pictures : bool
             For the folder: replace an earlier run; draw pictures at the end.
+        crossings : bool
+            For the folder: count the triangles that pass through each other at each frame, into crossings.csv. Without
+            a folder, `membrane_rs.results.CrossingCounts` is an observer that does so.
         checkpoint : float, optional
             For the folder: seconds of wall time between two checkpoints (state.npz), from which
             `membrane_rs.runs.resume` goes on should the process be killed. Default: 10.
@@ -185,10 +188,12 @@ class Simulation(Stepper):
         for name, is_given, is_used in (
             ("overwrite", overwrite, out is not None),
             ("pictures", not pictures, has_folder),
+            ("crossings", crossings, out is not None),
             ("checkpoint", checkpoint != CHECKPOINT, has_folder),
         ):
             if is_given and not is_used:
-                value = {"overwrite": overwrite, "pictures": pictures, "checkpoint": checkpoint}[name]
+                given = {"overwrite": overwrite, "pictures": pictures, "crossings": crossings, "checkpoint": checkpoint}
+                value = given[name]
                 raise InputError(
                     f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
                 )
@@ -199,7 +204,7 @@ class Simulation(Stepper):
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, RunFolder)):
             request.warn_of_unshown(self.time, stacklevel=2)
-        folder = None if out is None else RunFolder(out, overwrite, pictures=pictures)
+        folder = None if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         folders = [observer for observer in all_observers if isinstance(observer, RunFolder)]
 
@@ -212,7 +217,7 @@ class Simulation(Stepper):
         with signals.interruptible():
             try:
                 for each in folders:
-                    each.prepare(self, replace(request, pictures=each.pictures))
+                    each.prepare(self, each.asked(request))
                 if settings.relax > 0 and not self.is_relaxed and self.time == 0.0:
                     self.relax()
                 with signals.held():
