@@ -1,6 +1,7 @@
 """The end of a stage by a measure.
 
-The measure is evaluated every `CHECK_STEPS` steps of the stage. Before anything is shown at a time, the run has looked
+The measure is evaluated after each step of the stage, or every so many steps where these are far shorter than what it
+shows, see `steps_between`; a value that it has in between alone is not seen. Before anything is shown at a time, the run has looked
 ahead to the first check after it; where the measure has passed its value there, the time at which it does is found
 between the two checks by Brent's method, each trial being stepped from the state at the earlier one. So neither that
 time nor the motion depends on outputs, and a saved state is that at the last check.
@@ -19,10 +20,20 @@ import numpy as np
 from membrane_rs import _core
 from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation.measures import Follower
+from membrane_rs.simulation.methods import integrators
 from membrane_rs.simulation.motion import Motion
 
 CHECK_STEPS = 20
-"""Steps between two evaluations of the measure that ends a stage; one where the method chooses its steps."""
+"""Steps of an explicit method between two evaluations in a scene of more than ..."""
+FEW_NODES = 100
+"""... so many nodes: there the shortest vibrations set the step. In a small one the whole motion may."""
+
+
+def steps_between(sim: Motion) -> int:
+    """Steps between two evaluations of the measure that ends a stage."""
+    facts = integrators()[sim.integrator]
+    is_fine = not sim.is_adaptive and math.isfinite(facts.imaginary_limit) and sim.node_count > FEW_NODES
+    return max(1, CHECK_STEPS // sim.stage_scene.run.substeps) if is_fine else 1
 
 
 class StageEnd:
@@ -38,15 +49,14 @@ class StageEnd:
         Time at which the stage ends at the latest [s].
     follower : Follower
         Of its measure.
-    is_armed : bool, optional
-        Whether the measure has been on this side of its value in this stage. Default: whether it is.
+    is_armed : bool
+        Whether the measure has been on this side of its value in this stage.
     """
 
-    def __init__(
-        self, sim: Motion, stage: Stage, end: float, follower: Follower, *, is_armed: bool | None = None
-    ) -> None:
+    def __init__(self, sim: Motion, stage: Stage, end: float, follower: Follower, *, is_armed: bool = False) -> None:
         self._sim, self._stage, self._end, self.follower = sim, stage, end, follower
-        self.is_armed = not self._is_past() if is_armed is None else is_armed
+        self._steps = steps_between(sim)
+        self.is_armed = is_armed
         self.event: float | None = None
         """Time at which the measure passes its value [s]; None: not before the next evaluation, as far as known."""
         self._keep()
@@ -55,6 +65,10 @@ class StageEnd:
     def is_measuring(self) -> bool:
         """Whether the measure is being evaluated."""
         return self.follower.is_measuring
+
+    def open(self) -> None:
+        """Evaluate the measure at the start of the stage."""
+        self.is_armed = self._next_armed = not self._is_past()
 
     def _keep(self) -> None:
         """Keep the state now as that of the last evaluation."""
@@ -95,7 +109,7 @@ class StageEnd:
         core = self._sim._core
         if core.is_adaptive:
             return next_adaptive(core, self._end)
-        number = (core.step_count // CHECK_STEPS + 1) * CHECK_STEPS
+        number = (core.step_count // self._steps + 1) * self._steps
         time: float = self.state["origin"] + number * core.dt
         return min(self._end, time)
 

@@ -283,6 +283,7 @@ class StagedMotion(Motion):
         if line is not None and line.stage.measure is not None and line.ended_by is None:
             follower = Follower(line.stage, f"stages[{line.index}]", self).at_check(self)
             self._stage_end = StageEnd(self, line.stage, line.end, follower)
+            self._stage_end.open()
 
     def state(self) -> dict[str, Any]:
         """As `Motion.state`; with stages also how far the run has come in them ("stage_index", ...). In a stage that a
