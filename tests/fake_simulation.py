@@ -72,6 +72,7 @@ class FakeSimulation:
     stage = 0
     stage_name = ""
     boundaries = ()
+    stages = ()
 
     @property
     def potential_names(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -143,8 +144,8 @@ def test_stages_that_are_no_list_of_stages() -> None:
 def test_names_of_parts() -> None:
     parts = list(BASE.parts)
     for name, words in (
-        ("gravity", "is that of a law or of another part"),
-        ("spring", "is that of a law or of another part"),
+        ("gravity", "is that of a law, of a body or of another part"),
+        ("spring", "is that of a law, of a body or of another part"),
         ("", "must be 1 to 100 characters"),
         ("a/b", "must be 1 to 100 characters"),
     ):
@@ -245,7 +246,7 @@ def test_each_stage_holds_what_it_says() -> None:
 
 def test_a_file_holds_stages_and_reads_back(tmp_path: Path) -> None:
     scene = with_stages(
-        Stage("a", 0.25, without=["mass_damping"], set={"laws.gravity.acceleration": [1, 2.5, np.float64(3.0)]}),
+        Stage("a", 0.25, without=("mass_damping",), set={"laws.gravity.acceleration": [1, 2.5, np.float64(3.0)]}),
         Stage('"quoted" name', 1.0, "kinetic_energy", below=1e-3, scale={"parts.spring.axial_stiffness": 0.1}),
     )
     scene.save(tmp_path)
@@ -344,3 +345,18 @@ def test_a_scene_of_springs_and_stages_keeps_its_digest_apart() -> None:
     one, two = with_stages(Stage("a", 1.0)), with_stages(Stage("a", 2.0))
     state = Simulation(one).state()
     refused(lambda: Simulation(two).set_state(state), InputError, "scene_digest is that of another scene")
+
+
+def test_the_stages_of_readme_run(tmp_path: Path) -> None:
+    readme = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+    sail, stages = (block for block in re.findall(r"```toml\n(.*?)```", readme, re.DOTALL) if "[[" in block)
+    file = tmp_path / "scene.toml"
+    file.write_text(sail.replace("until = 0.6", "watch = 50") + stages)
+    scene = Scene.from_toml(file)
+    assert scene.staged(0).law("mass_damping") is not None
+    assert scene.staged(1).law("mass_damping") is None
+    short = [replace(stage, duration=2e-4) for stage in scene.stages]
+    sim = Simulation(replace(scene, stages=short))
+    sim.run(frames=2, samples=3)
+    assert sim.is_over
+    assert "deploy: creases" in sim.ledger()["changes"]

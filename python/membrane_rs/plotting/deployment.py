@@ -1,6 +1,6 @@
 """Curves against time: deployment rate and phase difference, as in Figs. 14 to 17 of Okuizumi et al. 2012.
 
-A dotted line marks the time at which the phase comes back through zero.
+A dotted line marks the time at which the phase comes back through zero, and a thin grey one the start of a stage.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ class DeploymentPicture(Drawing):
     def draw(self, sim: Stepper) -> None:
         """Draw it."""
         if len(self.record.table["time"]) > 1:
-            plot_deployment(self.record.table, self.record.path / "deployment.png", sim.scene.name)
+            names = [record.name for record in sim.stages]
+            _picture([("", self.record.table)], self.record.path / "deployment.png", sim.scene.name, None, names)
 
 
 def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = "", dpi: float | None = None) -> None:
@@ -112,8 +113,25 @@ def _scale(curves: Sequence[Floats], level: float) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title: str, dpi: float | None) -> None:
-    """Runs, as (label, table), in one or two panels above each other that share the time axis."""
+def _stage_starts(table: Mapping[str, Floats]) -> list[tuple[int, float]]:
+    """Index and start [s] of each stage after the first, where the table tells stages."""
+    stages = table.get("stage")
+    if stages is None or not len(stages):
+        return []
+    first = np.flatnonzero(np.diff(stages) > 0) + 1
+    return [(int(stages[row]), float(table["time"][row])) for row in first]
+
+
+def _picture(
+    runs: Sequence[tuple[str, Mapping[str, Floats]]],
+    path: Path,
+    title: str,
+    dpi: float | None,
+    stages: Sequence[str] = (),
+) -> None:
+    """Runs, as (label, table), in one or two panels above each other that share the time axis; the names of stages
+    stand at their starts.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -130,10 +148,21 @@ def _picture(runs: Sequence[tuple[str, Mapping[str, Floats]]], path: Path, title
             crossing = curve_features(table)["zero_crossing_time"]
             if crossing is not None and len(shown) > 1:
                 axes.axvline(crossing, color=f"C{k}", linewidth=0.8, linestyle=":")
+        starts = _stage_starts(runs[0][1]) if len(runs) == 1 else []
+        for _, time in starts:
+            axes.axvline(time, color="0.6", linewidth=0.6)
         axes.set_ylabel(label)
         axes.grid(color="0.9")
         axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
+    named = [(0, float(runs[0][1]["time"][0])), *starts] if stages and len(runs) == 1 else []
+    for index, time in named:
+        text = plain_text(stages[index]) if index < len(stages) else ""
+        place = (time, 1.0)
+        panels[0].annotate(
+            text, place, (3, -3), xycoords=panels[0].get_xaxis_transform(), textcoords="offset points", fontsize=7,
+            color="0.4", rotation=90, va="top",
+        )  # fmt: skip
     panels[-1].set_xlabel("Time [s]")
     panels[0].set_title(plain_text(title), wrap=True)
     if len(runs) > 1:

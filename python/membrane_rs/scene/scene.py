@@ -101,13 +101,13 @@ class Scene:
             raise SceneError("mesh: is missing, and no part of kind 'tether' replaces it; a scene needs nodes")
 
     def _check_part_names(self) -> None:
-        names = [law.kind for law in self.laws]
+        names = [*LAWS, *(body.name for body in self.bodies)]
         for k, part in enumerate(self.parts):
             if part.name is None:
                 continue
             _check_name(part.name, f"parts[{k}].name")
             if part.name in names:
-                what = "is that of a law or of another part; rename it"
+                what = "is that of a law, of a body or of another part; rename it"
                 raise SceneError(f"parts[{k}].name = {show(part.name)}: {what}")
             names.append(part.name)
 

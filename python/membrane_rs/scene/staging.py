@@ -13,6 +13,7 @@ from membrane_rs._validation import build, nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.material import Material
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.law import Law
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.run_settings import LONGEST, RunSettings
@@ -24,7 +25,7 @@ OF_A_STAGE = (
     "energy_loss",
 )  # fmt: skip
 """Run settings that a stage may set; the others are those of the whole run."""
-SECTIONS = ("material", "laws", "parts", "run")
+SECTIONS = ("material", "laws", "parts", "bodies", "run")
 """What dotted keys begin with."""
 
 
@@ -42,6 +43,10 @@ class Staged(Protocol):
     @property
     def parts(self) -> Sequence[Part]:
         """All parts."""
+
+    @property
+    def bodies(self) -> Sequence[Body]:
+        """All bodies."""
 
     @property
     def run(self) -> RunSettings:
@@ -127,6 +132,7 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
             material=next(iter(made["material"]), None),
             laws=made["laws"],
             parts=made["parts"],
+            bodies=made["bodies"],
             run=replace(run, until=until, relax=run.relax if index == 0 else 0.0),
             stages=(),
         )
@@ -143,6 +149,8 @@ def _places(scene: Staged) -> Iterator[Place]:
         yield Place("laws", k, law, law.kind)
     for k, part in enumerate(scene.parts):
         yield Place("parts", k, part, part.name or "")
+    for k, body in enumerate(scene.bodies):
+        yield Place("bodies", k, body, body.name)
     yield Place("run", 0, scene.run, "")
 
 

@@ -95,6 +95,11 @@ class Readings:
     assembly: Assembly
 
     @property
+    def stage_scene(self) -> Scene:
+        """The scene at work now."""
+        raise NotImplementedError
+
+    @property
     def positions(self) -> Floats:
         """(N, 3) positions now [m]."""
         raise NotImplementedError
@@ -195,7 +200,7 @@ class Readings:
         """Force and torque of film and cords on each body now, by its name."""
         positions = self._core.positions()
         loads = {}
-        for body in self.scene.bodies:
+        for body in self.stage_scene.bodies:
             names = filter(None, (body.name, body.friction_name))
             forces = np.sum([self._core.forces(name) for name in names], axis=0)
             contact = float(np.linalg.norm(forces, axis=1).sum())

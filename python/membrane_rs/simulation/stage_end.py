@@ -1,10 +1,10 @@
 """The end of a stage by a measure.
 
 The measure is evaluated after each step of the stage, or every so many steps where these are far shorter than what it
-shows, see `steps_between`; a value that it has in between alone is not seen. Before anything is shown at a time, the run has looked
-ahead to the first check after it; where the measure has passed its value there, the time at which it does is found
-between the two checks by Brent's method, each trial being stepped from the state at the earlier one. So neither that
-time nor the motion depends on outputs, and a saved state is that at the last check.
+shows, see `steps_between`; a value that it has in between alone is not seen. Before anything is shown at a time, the
+run has looked ahead to the first check after it; where the measure has passed its value there, the time at which it
+does is found between the two checks by Brent's method, each trial being stepped from the state at the earlier one. So
+neither that time nor the motion depends on outputs, and a saved state is that at the last check.
 
 R. P. Brent, Algorithms for Minimization without Derivatives (1973), chapter 4.
 """
