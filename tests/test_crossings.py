@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from exact_triangles import relations
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from membrane_rs import InputError, InputTypeError, Mesh, MeshError, Simulation, folding, scenes
 from membrane_rs._arrays import Floats
@@ -104,6 +104,7 @@ COORDINATES = {
 
 
 @pytest.mark.parametrize("kind", COORDINATES)
+@settings(deadline=None)
 @given(data=st.data())
 def test_as_in_rational_numbers(kind: str, data: st.DataObject) -> None:
     points = data.draw(st.lists(st.tuples(*[COORDINATES[kind]] * 3), min_size=4, max_size=9))
