@@ -73,6 +73,7 @@ class FakeSimulation:
     stage_name = ""
     boundaries = ()
     stages = ()
+    law_names = ()
 
     @property
     def potential_names(self) -> tuple[str, ...]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import Fixed, Gravity, Scene, Simulation, Stage, TipMasses, integrators
-from small_scenes import cord, rates
+from membrane_rs import Fixed, Gravity, Scene, Simulation, Spin, Stage, TipMasses, integrators
+from small_scenes import Floats, cord, rates
 from staged_scenes import AMPLITUDE, PULL, STIFFNESS, extension, free, oscillator, started
 
 SOFT = {"parts.spring.axial_stiffness": 0.5}
@@ -182,3 +183,31 @@ def test_a_stage_shorter_than_a_step() -> None:
     sim.step(5)
     assert [stage.steps for stage in sim.stages] == [0, 0, 5]
     assert sim.time == 1e-4 + 2.5e-4 + 5e-3
+
+
+@pytest.mark.parametrize("after", [{"laws.spin.frequency": 3.0}, {"laws.spin.frequency": -0.5}, None])
+def test_nodes_keep_their_velocity_in_space_where_the_rate_of_the_hub_jumps(after: dict[str, Any] | None) -> None:
+    part = cord(axial_stiffness=1e4, start=(0.2, 0.1, 0.0), end=(1.0, 0.3, 0.1), fixed=False, name="cord")
+    parts = [part, TipMasses(2.0, (0,))]
+    second = Stage("after", 0.05, without=("spin",)) if after is None else Stage("after", 0.05, set=after)
+    sim = Simulation(Scene(None, None, [Spin(1.0)], parts, stages=[Stage("before", 0.05), second]), dt=1e-4)
+
+    def in_space(sim: Simulation, rate: float) -> Floats:
+        x, v = sim.positions, sim.velocities
+        moving = v + 2.0 * np.pi * rate * np.stack([-x[:, 1], x[:, 0], 0.0 * x[:, 2]], axis=1)
+        cosine, sine = np.cos(sim.hub_angle), np.sin(sim.hub_angle)
+        found: Floats = moving @ np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        return found
+
+    first = in_space(sim, 1.0)
+    momentum = sim.masses @ first
+    sim.reach(0.05 - 1e-9)
+    before = in_space(sim, 1.0)
+    sim.reach(0.05)
+    rate = 0.0 if after is None else after["laws.spin.frequency"]
+    assert in_space(sim, rate) == pytest.approx(before, abs=1e-4)
+    assert sim.masses @ in_space(sim, rate) == pytest.approx(momentum, abs=1e-9)
+    assert {"after: kinetic", "after: spin"} <= sim.ledger()["changes"].keys()
+    sim.reach(0.1)
+    assert sim.masses @ in_space(sim, rate) == pytest.approx(momentum, abs=1e-8)
+    assert abs(sim.ledger()["error"]) < 1e-6

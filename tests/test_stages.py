@@ -113,6 +113,7 @@ def test_a_field_that_is_wrong(values: dict[str, Any], kind: type[Exception], wo
         (Stage("a", 1, set={"parts": 1}), "parts has no ''"),
         (Stage("a", 1, set={"parts.3.mass": 1}), "parts has no '3'"),
         (Stage("a", 1, set={"material.density": 1}), "does not begin with"),
+        (Stage("a", 1, set={"parts.hold.name": "b"}), "a stage renames nothing; leave it out"),
         (Stage("a", 1, set={"run.until": 1}), "'run.until': is no setting of a stage"),
         (Stage("a", 1, set={"run.frames": 1}), "is no setting of a stage"),
         (Stage("a", 1, set={"run.dt": 0}), r"run.dt = 0: must be greater than 0 \(s\)"),

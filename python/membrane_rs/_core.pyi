@@ -257,6 +257,10 @@ class Simulation:
         """The angle that the hub has turned since t = 0 [rad]."""
 
     @property
+    def hub_rate(self) -> float:
+        """Rate at which the hub turns now [rad/s]."""
+
+    @property
     def instructions(self) -> str:
         """The vector instructions that the kernels run with."""
 

@@ -205,6 +205,8 @@ def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:
             raise SceneError(f"{where}: {key!r}: is no setting of a stage; {nearest(rest, OF_A_STAGE)}")
         return next(place for place in places if place.section == section), rest
     name, _, field = rest.rpartition(".")
+    if field == "name":
+        raise SceneError(f"{where}: {key!r}: a stage renames nothing; leave it out")
     of_section = [place for place in places if place.section == section]
     known_names = {place.name: place for place in of_section if place.name}
     if section != "laws":

@@ -244,12 +244,16 @@ class StagedMotion(Motion):
         before = self.energies()
         line.ended_by = ended_by
         record, line.ended_by = self._record(), None
-        motion = core.time, core.hub_angle, core.positions(), core.velocities()
+        time, angle, rate, positions = core.time, core.hub_angle, core.hub_rate, core.positions()
+        velocities = core.velocities()
         starts = [*line.starts, core.time]
         index = line.index + 1
         with _named(f"stages[{index}]"):
             self._simulate(self.scene.staged(index, starts), *self._method(index))
-        self._core.start_from(*motion)
+        self._core.start_from(time, angle, positions, velocities)
+        if (jump := self._core.hub_rate - rate) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
+            velocities[:, :2] += jump * positions[:, 1::-1] * (1.0, -1.0)
+            self._core.start_from(time, angle, positions, velocities)
         line.past.append(record)
         line.starts = starts
         after = self.energies()

@@ -195,6 +195,12 @@ impl Simulation {
         self.core(py).hub_angle()
     }
 
+    /// Rate at which the hub turns now [rad/s].
+    #[getter]
+    fn hub_rate(&self, py: Python<'_>) -> f64 {
+        self.core(py).hub_rate()
+    }
+
     /// The instruction set of the kernels.
     #[getter]
     fn instructions(&self, py: Python<'_>) -> &'static str {

@@ -20,6 +20,11 @@ pub struct HubLoad {
 }
 
 impl Simulation {
+    /// Omega of the hub at present \[rad/s\].
+    pub fn hub_rate(&self) -> f64 {
+        self.instant().frame.rate
+    }
+
     /// The laws that can be read, with their names.
     fn inspected(&self) -> impl Iterator<Item = (&'static str, &dyn Inspection)> {
         self.mechanics.laws.iter().filter_map(|law| Some((law.name(), law.inspection()?)))
