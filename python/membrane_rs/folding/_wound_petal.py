@@ -42,6 +42,7 @@ from functools import cached_property
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._validation import MOST
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal
 
@@ -57,6 +58,8 @@ STACK = 6.8e-4
 """Largest offset of a row over the spool's radius by default, for a strain of 0.25 %: 17 um on one of 25 mm."""
 STACK_OF_CELL = 0.01
 """The same over the shortest cell: rows come to the middle line in their last one."""
+NEAREST = 1e-9
+"""Distance of layers over the spool's radius, at least: below it, rounding of positions would let them cross."""
 THICKEST = 7.5e-6
 """Largest distance of layers by default [m]: that of the cross, in which layers touch."""
 
@@ -92,7 +95,7 @@ class WoundPath:
     def on_hub(self) -> int:
         """Columns from one hairpin to the next."""
         sides = math.pi / (4.0 * math.atan(self.cell / (2.0 * self.spool_radius)))
-        least = math.ceil(sides * (1.0 - 1e-12))
+        least = math.ceil(min(sides, MOST) * (1.0 - 1e-12))
         return least + (least + self.columns) % 2
 
     @property

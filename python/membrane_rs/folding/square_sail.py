@@ -21,7 +21,7 @@ from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, v
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
-from membrane_rs.folding._wound_petal import THICKEST, WoundPath, default_gap, wound_petal
+from membrane_rs.folding._wound_petal import NEAREST, THICKEST, WoundPath, default_gap, wound_petal
 from membrane_rs.folding.pattern import StowedPattern, multiplied
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
@@ -300,8 +300,11 @@ class SquareSail(StowedPattern):
                 f"SquareSail.fillet_radius = {self.fillet_radius:g}: a wound sail has no fillets; leave it out"
             )
         for name, value in (("layer_gap", self.layer_gap), ("diagonal_gap", self.diagonal_gap)):
-            if value == 0.0:
-                raise MeshError(f"SquareSail.{name} = 0: wound layers would lie in each other; make it larger (m)")
+            if value is not None and value < NEAREST * self.spool_radius * (1.0 - 1e-9):
+                raise MeshError(
+                    f"SquareSail.{name} = {value:g}: wound layers would lie in each other; make it "
+                    f"{NEAREST * self.spool_radius:.3g} or more (m)"
+                )
         self._wound_path().check()
 
     def _path(self) -> StowedPath:
