@@ -56,14 +56,15 @@ class Request:
         """The same as a table."""
         return asdict(self)
 
-    def output_times(self, start: float, scene: Scene, boundaries: Sequence[float] = ()) -> dict[float, bool]:
-        """The instants [s] that a run from `start` on shows, those of given boundaries of stages among them, and
-        whether each is a frame.
+    def output_times(self, start: float, scene: Scene, starts: Sequence[float] = ()) -> dict[float, bool]:
+        """The instants [s] that a run from `start` on shows, and whether each is a frame. `starts` are those of the
+        stages so far, all but the first of them boundaries, at which a frame is shown.
 
         Raises InputError and InputTypeError for instants that are none.
         """
-        times = output_times(start, self.until, self.frames, self.samples, scene.run.snapshots)
-        return with_boundaries(times, boundaries)
+        settings = (self.frames, self.samples, scene.run.snapshots)
+        times = output_times(start, self.until, *settings, stages=scene.stages, starts=starts)
+        return with_boundaries(times, [bound for bound in starts[1:] if bound >= start])
 
     def warn_of_unshown(self, now: float, stacklevel: int) -> None:
         """Warn of given times [s] that lie outside the run from `now` to its end, and so are not shown."""

@@ -163,7 +163,8 @@ class RunFolder(KnownAttributes):
             self._state.start(sim, self._record)
             if self._is_resumed:
                 self._summary.resume(sim, self._record)
-                self._shown = request.output_times(self._record.summary["start_time"], sim.scene, sim.boundaries)
+                starts = [stage.start for stage in sim.stages]
+                self._shown = request.output_times(self._record.summary["start_time"], sim.scene, starts)
                 self._first_shown = sim.time in self._shown, self._shown.get(sim.time, False)
             else:
                 # Before the summary: where that is, a run can be resumed.

@@ -7,16 +7,20 @@ Units are SI; angles are in radians.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import asdict, field, fields, replace
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from annotated_types import Le
 from typing_extensions import Self
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import Count, Flag, NonNegative, Positive, Unit, Vector, show, validated
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.schedule import Schedule
+from membrane_rs.scene.solid import Solid
 
 __all__ = ["BODIES", "CORE_KINDS", "Body", "Cylinder", "Plane"]
 
@@ -122,6 +126,20 @@ class Body:
         """Parameters of the core that a shape does not give as fields of its own."""
         return {}
 
+    def solids(self, time: float) -> list[Solid]:
+        """Each of its copies as it stands at a time [s], in the frame that turns with the hub."""
+        along = np.array(self.direction) / math.hypot(*self.direction)
+        centre, across = np.array(self.centre), math.hypot(*self.centre[:2])
+        radial = np.array([*centre[:2] / across, 0.0]) if across > 0.0 else np.array((1.0, 0.0, 0.0))
+        travel = [_at(schedule, time) for schedule in (self.travel_x, self.travel_y, self.travel_z)]
+        centre = centre + np.array(travel) + _at(self.travel_radial, time) * radial
+        tilted = _rotated(along, np.array((-radial[1], radial[0], 0.0)), _at(self.tilt, time))
+        given = self.shape_parameters()
+        sizes = [given.get(key, getattr(self, key, None)) for key in ("radius", "half_length")]
+        up = np.array((0.0, 0.0, 1.0))
+        angles = [_at(self.turn, time) + math.tau * copy / self.copies for copy in range(self.copies)]
+        return [Solid(_rotated(centre, up, angle), _rotated(tilted, up, angle), *sizes) for angle in angles]
+
 
 @validated
 class Cylinder(Body):
@@ -159,6 +177,17 @@ class Plane(Body):
     def shape_parameters(self) -> dict[str, Any]:
         """No radius, no length; nodes feel it."""
         return {"radius": None, "half_length": None, "felt_by": "nodes"}
+
+
+def _at(schedule: Schedule | None, time: float) -> float:
+    return 0.0 if schedule is None else schedule.at(time)
+
+
+def _rotated(vector: Floats, axis: Floats, angle: float) -> Floats:
+    """A vector about an axis of length 1 [rad]."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    turned: Floats = cosine * vector + sine * np.cross(axis, vector) + (1.0 - cosine) * (axis @ vector) * axis
+    return turned
 
 
 BODIES: dict[str, type[Body]] = {body.kind: body for body in (Cylinder, Plane)}

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from typing import Annotated, Any, ClassVar
 
+from annotated_types import Ge, Le
 from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
-from membrane_rs._validation import Finite, Positive, Unit, build, check_text, nearest, show, validated
+from membrane_rs._validation import Count, Finite, Positive, Unit, build, check_text, nearest, show, validated
 from membrane_rs.errors import InputError
-from membrane_rs.scene.run_settings import LONGEST, SHORTEST
+from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
 from membrane_rs.scene.schedule import Schedule
 
 MEASURES = (
@@ -93,6 +95,9 @@ class Stage:
         Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
         a schedule count from the start of this stage. What stands in place of a schedule holds in later stages too,
         until one sets another; all else holds in this stage alone.
+    frames, samples : int, optional
+        Shapes written, and rows of the history, evenly spaced over `duration`, both ends among them, in place of those
+        of the run in this stage; from 2 to 10^7. What lies after an earlier end falls away.
 
     Raises
     ------
@@ -111,6 +116,8 @@ class Stage:
     without: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
     scale: Annotated[dict[str, Positive], BeforeValidator(_table)] = ()  # type: ignore[assignment]
     set: Annotated[dict[str, Any], BeforeValidator(_table)] = ()  # type: ignore[assignment]
+    frames: Annotated[Count | None, Ge(2), Le(MOST_INSTANTS)] = field(default=None, kw_only=True)
+    samples: Annotated[Count | None, Ge(2), Le(MOST_INSTANTS)] = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check the fields against each other."""

@@ -16,7 +16,7 @@ from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.law import Law
 from membrane_rs.scene.part import Part
-from membrane_rs.scene.run_settings import LONGEST, RunSettings
+from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, RunSettings
 from membrane_rs.scene.stage import Stage
 
 MOST_STAGES = 100
@@ -87,6 +87,10 @@ def check_stages(scene: Staged) -> None:
         raise SceneError(f"stages[{twice}].name = {show(names[twice])}: is that of an earlier stage too; rename one")
     if planned_starts(stages)[-1] > LONGEST:
         raise SceneError(f"stages: last {planned_starts(stages)[-1]:g} s in all; must be at most {LONGEST:g} (s)")
+    for key in ("frames", "samples"):
+        count = sum(getattr(stage, key) or 0 for stage in stages)
+        if count > MOST_INSTANTS:
+            raise SceneError(f"stages: {count} {key} in all; must be at most {MOST_INSTANTS}")
 
 
 def check_same_nodes(first: Assembly, other: Assembly, where: str) -> None:

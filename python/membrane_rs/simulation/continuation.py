@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from numbers import Real
 from typing import Any
 
@@ -20,7 +21,8 @@ from membrane_rs.scene.toml import SceneContent, write_scene
 def scene_digest(scene: Scene) -> str:
     """A digest of all in a scene that its motion depends on: neither its name nor the settings of its run."""
     laws, parts = tuple(scene.laws), tuple(scene.parts)
-    stages, bodies = tuple(scene.stages), tuple(scene.bodies)
+    stages = tuple(replace(stage, frames=None, samples=None) for stage in scene.stages)
+    bodies = tuple(scene.bodies)
     content = SceneContent(scene.mesh, scene.material, laws, parts, "", RunSettings(), stages, bodies)
     found = hashlib.sha256(write_scene(content).encode())
     if scene.mesh is not None:

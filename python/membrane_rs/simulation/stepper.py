@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -105,7 +105,7 @@ class Stepper(StagedMotion):
             The motion became unstable; observers have seen the last state without a fault.
         """
         self._check_end(end)
-        times = output_times(self.time, end, frames, samples, self.scene.run.snapshots)
+        self._outputs(end, frames, samples)  # refused before an observer has started
         self.until = end
         watchers = [watcher for watcher in (progress, between) if watcher is not None]
         started: list[Observer[Self]] = []
@@ -114,7 +114,7 @@ class Stepper(StagedMotion):
             for observer in observers:
                 observer.start(self)
                 started.append(observer)
-            for time, is_frame in times:
+            for time, is_frame in self._outputs_by_stage(end, frames, samples):
                 if self._leads(time, end, watchers, progress, observers, is_frame=is_frame):
                     break
         except BaseException as caught:
@@ -128,6 +128,31 @@ class Stepper(StagedMotion):
                 for observer in reversed(started):
                     ending.callback(observer.finish, self, error)
 
+    def _outputs(
+        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float]
+    ) -> list[tuple[float, bool]]:
+        """Times [s] from now to `end`, and whether each is that of a frame, as far as they are known now."""
+        starts = [record.start for record in self.stages]
+        snapshots, stages = self.scene.run.snapshots, self.scene.stages
+        times = output_times(self.time, end, frames, samples, snapshots, stages=stages, starts=starts)
+        # Of times that are one, that of the boundary is shown, and was.
+        return [(time, flag) for time, flag in times if time == self.time or not is_same_time(time, self.time)]
+
+    def _outputs_by_stage(
+        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float]
+    ) -> Iterator[tuple[float, bool]]:
+        """The same one by one, with those of a stage once it has begun: when that is, a measure may say."""
+        times = self._outputs(end, frames, samples)
+        while times:
+            stage = self.stage
+            for time in times:
+                yield time
+                if self.stage != stage:
+                    break
+            else:
+                return
+            times = [time for time in self._outputs(end, frames, samples) if time[0] > self.time]
+
     def _leads(
         self,
         time: float,
@@ -138,19 +163,17 @@ class Stepper(StagedMotion):
         *,
         is_frame: bool,
     ) -> bool:
-        """Step to the next output, and show it, and each boundary of stages before it; whether all is shown."""
-        while True:
-            if is_same_time(time, self.stage_end):
-                time = self.stage_end
-            self._refuse_past(time)
-            is_boundary = self._advance(time, watchers)
-            is_end = self.time >= end or self.is_over
-            self._core.check(is_end)
-            self._show(observers, is_frame=is_frame or is_boundary)
-            for watcher in watchers if not is_end else watchers[: progress is not None]:
-                watcher(self)
-            if is_end or self.time >= time:
-                return is_end
+        """Step to the next output, or to a boundary of stages before it, and show that; whether it is the last."""
+        if is_same_time(time, self.stage_end):
+            time = self.stage_end
+        self._refuse_past(time)
+        is_boundary = self._advance(time, watchers)
+        is_end = self.time >= end or self.is_over
+        self._core.check(is_end)
+        self._show(observers, is_frame=is_frame or is_boundary)
+        for watcher in watchers if not is_end else watchers[: progress is not None]:
+            watcher(self)
+        return is_end
 
     def _show(self, observers: Sequence[Observer[Self]], *, is_frame: bool) -> None:
         for observer in observers:
