@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from example_of import example_of
-from membrane_rs import Cylinder, InputError, Plane, Scene, SceneError, Schedule, Simulation
+from membrane_rs import Cylinder, InputError, Plane, Scene, SceneError, Schedule, Simulation, Stage
+from membrane_rs.check import audit
 from membrane_rs.scene.bodies import BODIES
 from small_scenes import cord
 
@@ -50,15 +53,12 @@ def test_a_scene_file_holds_bodies_and_gives_them_back(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", BODIES)
-def test_each_body_is_written_and_read_and_shifted_in_time(kind: str, tmp_path: Path) -> None:
+def test_each_body_is_written_and_read(kind: str, tmp_path: Path) -> None:
     cls: Any = BODIES[kind]
     moves = {name: Schedule((0.0, 1.0), (0.0, 0.1)) for name in ("turn", "travel_z", "travel_radial", "tilt", "spin")}
     body = example_of(cls, damping=0.1, **moves)
     (tmp_path / "scene.toml").write_text(scene_of(body).to_toml())
     assert Scene.from_toml(tmp_path / "scene.toml").bodies == (body,)
-    later = body.delayed(2.0)
-    assert later.tilt == Schedule((2.0, 3.0), (0.0, 0.1))
-    assert later.travel_x is None
 
 
 @pytest.mark.parametrize(
@@ -133,3 +133,55 @@ def test_the_directions_of_a_body_are_of_any_length() -> None:
     assert np.abs(forces[0]).max() > 0.1
     assert forces[0] == pytest.approx(forces[1])
     assert forces[2] == pytest.approx(forces[1])
+
+
+def test_a_stage_moves_a_body_and_the_next_one_is_without_it() -> None:
+    still = Stage("wait", 0.1)
+    push = Stage("push", 0.2, set={"bodies.wall.travel_x": Schedule((0.0, 0.2), (0.0, -0.1), ease=0.5)})
+    gone = Stage("gone", 0.1, without=("wall",))
+    wall = Plane("wall", centre=(1.05, 0, 0), direction=(-1, 0, 0), stiffness=1e3)
+    scene = replace(scene_of(wall), stages=(still, push, gone))
+    (moved,) = scene.staged(1).bodies
+    assert moved.travel_x is not None
+    assert moved.travel_x.times == pytest.approx((0.1, 0.3))
+    assert replace(moved, travel_x=None) == wall
+    assert scene.staged(2).bodies == ()
+    sim = Simulation(scene, dt=1e-4)
+    sim.run(0.1)
+    assert sim.body_loads()["wall"].contact == 0.0
+    sim.run(0.29)
+    assert sim.positions[1, 0] < 0.95
+    sim.run(0.4)
+    assert sim.body_loads() == {}
+    assert sim.ledger()["work_by_law"]["wall"] > 0.1
+    assert abs(sim.ledger()["error"]) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("body", "kind", "severity", "words"),
+    [
+        (Cylinder("bar", 0.1, centre=(0.5, 0.02, 0.0)), "start_inside", "error", "deep into the body bar"),
+        (
+            Cylinder("bar", 0.1, centre=(0.5, 0.09, 0.0)),
+            "start_inside",
+            "warning",
+            "2 nodes .* bar.* 0.01 m at most",
+        ),
+        (Plane("wall", centre=(0.0, 0.0, 0.001)), "start_inside", "warning", "1 nodes .* wall"),
+        (Cylinder("bar", 3.0, centre=(9.0, 0.0, 0.0)), "implausible_value", "warning", "radius = 3 m"),
+        (
+            Cylinder("bar", 0.1, stiffness=1e9, centre=(0, 1, 0)),
+            "implausible_value",
+            "warning",
+            "stiffness = 1e.09",
+        ),
+    ],
+)
+def test_the_audit_finds(body: Any, kind: str, severity: str, words: str) -> None:
+    found = [one for one in audit(scene_of(body), costly=False).findings if one.kind == kind]
+    assert any(one.severity == severity and re.search(words, one.message) for one in found), found
+
+
+def test_the_audit_finds_nothing_wrong_with_a_bar_beside_a_cord() -> None:
+    found = audit(scene_of(Cylinder("bar", 0.1, centre=(0.5, 0.2, 0.0))), costly=False)
+    assert not found.without_facts().findings

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
+from membrane_rs.check.bodies import inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
@@ -47,6 +48,7 @@ CHECKS: list[Check] = [
     spool,
     chord_sag,
     start_inside,
+    inside_bodies,
     material_values,
     law_and_part_values,
     laws_without_effect,

@@ -24,6 +24,8 @@ def _doubts(scene: Scene) -> Iterator[Doubt]:
                 yield from _length(f"laws.{law.kind}.{field}", getattr(law, field), thickness, width)
     for k, part in enumerate(scene.parts):
         yield from part.implausible_values(scene, f"parts[{k}]")
+    for k, body in enumerate(scene.bodies):
+        yield from body.implausible_values(scene, f"bodies[{k}]")
 
 
 def _length(place: str, length: float | None, thickness: float, width: float) -> Iterator[Doubt]:

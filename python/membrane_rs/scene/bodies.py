@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import asdict, field, fields, replace
+from collections.abc import Iterator
+from dataclasses import asdict, field
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from annotated_types import Le
-from typing_extensions import Self
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import Count, Flag, NonNegative, Positive, Unit, Vector, show, validated
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.scene.law import Surroundings
+from membrane_rs.scene.plausible import FILM, Doubt, implausible
+from membrane_rs.scene.scales import stiffest, widest_spool
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.scene.solid import Solid
 
@@ -29,6 +32,10 @@ CORE_KINDS = ("body", "body_friction")
 LONGEST_NAME = 40
 """Letters of the longest name of a body."""
 MOST_COPIES = 1000
+THINNEST = 1e-4
+"""Radius of a cylinder over the reach of the flat scene."""
+STIFFEST = 1000.0
+"""Stiffness of the penalty over that of the stiffest spring: the step is then some thirty times as short."""
 
 
 @validated
@@ -110,12 +117,6 @@ class Body:
         """Name of the law of its damping and friction; None without these."""
         return f"{self.name}_friction" if self.damping > 0.0 or self.friction > 0.0 else None
 
-    def delayed(self, by: float) -> Self:
-        """The same body with all its schedules later by a time [s]."""
-        given = {item.name: getattr(self, item.name) for item in fields(self)}
-        later: dict[str, Any] = {key: value.delayed(by) for key, value in given.items() if isinstance(value, Schedule)}
-        return replace(self, **later)
-
     def core_laws(self) -> list[tuple[str, dict[str, Any]]]:
         """Kind and parameters of the laws that the core is given."""
         parameters = {**asdict(self), "shape": self.kind, **self.shape_parameters()}
@@ -140,6 +141,15 @@ class Body:
         angles = [_at(self.turn, time) + math.tau * copy / self.copies for copy in range(self.copies)]
         return [Solid(_rotated(centre, up, angle), _rotated(tilted, up, angle), *sizes) for angle in angles]
 
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """The penalty is not many times stiffer than all else, whose step it would make shorter."""
+        most = STIFFEST * stiffest(scene)
+        if most > 0.0:
+            place, units = f"{where}.stiffness", {"kN/m": 1e3, "mN/m": 1e-3}
+            reason = f"that is more than {STIFFEST:g} times the stiffest spring, {most / STIFFEST:.3g} N/m"
+            derived = (*FILM, "parts")
+            yield from implausible(place, self.stiffness, "N/m", reason, most=most, units=units, derived_from=derived)
+
 
 @validated
 class Cylinder(Body):
@@ -163,6 +173,14 @@ class Cylinder(Body):
     radius: Annotated[Positive, Unit("m")]
     half_length: Annotated[Positive | None, Unit("m")] = field(default=None, kw_only=True)
     felt_by: Literal["edges", "nodes", "triangles"] = field(default="edges", kw_only=True)
+
+    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
+        """Its radius lies between a ten-thousandth of the reach of the flat scene and that reach, too."""
+        yield from super().implausible_values(scene, where)
+        most = widest_spool(scene)
+        place, units, reason = f"{where}.radius", {"mm": 1e-3, "cm": 1e-2}, f"the flat scene reaches to {most:.4g} m"
+        bounds = {"least": THINNEST * most, "most": most}
+        yield from implausible(place, self.radius, "m", reason, **bounds, units=units, derived_from=("mesh", "parts"))
 
 
 @validated

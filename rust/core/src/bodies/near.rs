@@ -14,6 +14,9 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
+/// Where fewer than one node in so many belongs to an element, these are looked at one by one.
+const MANY: usize = 8;
+
 /// Elements of K nodes, in ascending order, and those near a copy of a body.
 #[derive(Debug, Clone, Default)]
 pub struct Elements<const K: usize> {
@@ -39,6 +42,8 @@ pub struct Candidates {
 pub struct Near {
     /// All elements.
     pub candidates: Candidates,
+    /// The nodes of all elements; empty where most nodes are among them, and all are looked at.
+    few: Vec<u32>,
     /// The distance \[m\].
     skin: f64,
     /// Positions and poses for which the list was made, and the reach of the nodes.
@@ -105,16 +110,29 @@ impl Formula<6, 0> for Beyond {
     }
 }
 
-/// Whether any node has moved by more than a distance \[m\].
-pub fn has_moved(instructions: InstructionSet, from: &NodeVectors, to: &NodeVectors, by: f64) -> bool {
-    let ([x, y, z], [u, v, w]) = (columns(from), columns(to));
-    each(instructions, &Beyond { square: by * by }, [x, y, z, u, v, w], []) > 0.0
-}
-
 impl Near {
-    /// No element is near yet.
-    pub fn new(candidates: Candidates, skin: f64) -> Self {
-        Self { candidates, skin, ..Self::default() }
+    /// No element is near yet; of so many nodes.
+    pub fn new(candidates: Candidates, skin: f64, count: usize) -> Self {
+        let Candidates { points, edges, triangles } = &candidates;
+        let of_edges = edges.nodes.as_flattened().iter().chain(triangles.nodes.as_flattened());
+        let mut few: Vec<u32> = points.nodes.as_flattened().iter().chain(of_edges).copied().collect();
+        few.sort_unstable();
+        few.dedup();
+        if few.len() > count / MANY {
+            few.clear();
+        }
+        Self { candidates, few, skin, ..Self::default() }
+    }
+
+    /// Whether any node that matters has moved by more than a distance \[m\].
+    pub fn has_moved(&self, instructions: InstructionSet, from: &NodeVectors, to: &NodeVectors, by: f64) -> bool {
+        let (old, new) = (columns(from), columns(to));
+        if !self.few.is_empty() {
+            let way = |node: u32| distance(point(old, node), point(new, node));
+            return self.few.iter().any(|&node| way(node) > by);
+        }
+        let ([x, y, z], [u, v, w]) = (old, new);
+        each(instructions, &Beyond { square: by * by }, [x, y, z, u, v, w], []) > 0.0
     }
 
     /// Makes the list anew where nodes or body have moved too far.
@@ -130,9 +148,14 @@ impl Near {
         self.poses.extend_from_slice(poses);
         let x = columns(positions);
         let count = positions.nrows() as u32;
-        let furthest = |pose: &Pose| (0..count).map(|node| distance(point(x, node), pose.centre)).fold(0.0, f64::max);
+        let all: Vec<u32> = if self.few.is_empty() { (0..count).collect() } else { self.few.clone() };
+        let furthest = |pose: &Pose| all.iter().map(|&node| distance(point(x, node), pose.centre)).fold(0.0, f64::max);
         self.reach = poses.iter().map(furthest).fold(0.0, f64::max) + 2.0 * self.skin;
-        let gaps_of = |pose: &Pose| (0..count).map(|node| -shape.depth(pose, &[point(x, node)])).collect();
+        let gaps_of = |pose: &Pose| {
+            let mut gaps = vec![0.0; count as usize];
+            all.iter().for_each(|&node| gaps[node as usize] = -shape.depth(pose, &[point(x, node)]));
+            gaps
+        };
         let gaps: Vec<Vec<f64>> = poses.iter().map(gaps_of).collect();
         let Candidates { points, edges, triangles } = &mut self.candidates;
         points.find(shape, x, poses, &gaps, self.skin);
@@ -142,10 +165,14 @@ impl Near {
 
     /// Whether the list holds at these positions and poses.
     pub fn is_valid(&self, positions: &NodeVectors, poses: &[Pose], instructions: InstructionSet) -> bool {
+        let Candidates { points, edges, triangles } = &self.candidates;
+        if points.nodes.is_empty() && edges.nodes.is_empty() && triangles.nodes.is_empty() {
+            return true;
+        }
         let Some(own) = &self.positions else { return false };
         let shifts = self.poses.iter().zip(poses).map(|(before, now)| before.shift(now, self.reach));
         let left = self.skin - shifts.fold(0.0, f64::max);
-        left > 0.0 && !has_moved(instructions, own, positions, left)
+        left > 0.0 && !self.has_moved(instructions, own, positions, left)
     }
 }
 

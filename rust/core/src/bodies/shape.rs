@@ -17,6 +17,9 @@
 //! A triangle has its nearest point on an edge, or inside, beside the end of an axis. A plane is the half-space below
 //! its normal, d = -n.(x - c) at each node, which is exact for edges and triangles too.
 
+use nalgebra::Vector3;
+
+use crate::arrays::jacobian::Block;
 use crate::bodies::real::{Real, Vector, constant, difference, product, scaled, sum};
 use crate::bodies::rigid_body::Pose;
 
@@ -102,16 +105,32 @@ impl Shape {
         }
     }
 
-    /// n (n . p) for a node in contact with the nearest copy, radially or, where there are ends, along the axis.
-    pub fn stiffest_product(&self, poses: &[Pose], x: [f64; 3], p: [f64; 3]) -> [f64; 3] {
+    /// k n (n . p) for a node in contact with the nearest copy, radially or, where ends are flat, along the axis too.
+    pub fn stiffest_product(&self, poses: &[Pose], x: [f64; 3], p: [f64; 3], stiffness: f64) -> [f64; 3] {
         let depth = |pose: &&Pose| self.depth(pose, &[x]);
         let Some(pose) = poses.iter().max_by(|a, b| depth(a).total_cmp(&depth(b))) else { return [0.0; 3] };
-        let along = |direction: [f64; 3]| scaled(product(direction, p), direction);
+        let along = |direction: [f64; 3]| scaled(stiffness * product(direction, p), direction);
         let Self::Cylinder { ends, .. } = *self else { return along(pose.direction) };
-        let (v, _) = self.from_axis(pose, x);
+        let (v, _) = self.off_axis(pose, x);
         let length = norm(v).max(f64::MIN_POSITIVE);
         let radial = along(v.map(|component| component / length));
         if matches!(ends, Ends::Flat(_)) { sum(radial, along(pose.direction)) } else { radial }
+    }
+
+    /// The derivative of the force of a node in contact by its position \[N/m\]: -k along the normal n; k d/r across it
+    /// on a side, since the normal rotates with the azimuth, and on a round cap.
+    pub fn derivative_at(&self, pose: &Pose, x: [f64; 3], stiffness: f64) -> Option<Block> {
+        let touch: Touch<f64, 1> = self.touch_of_point(pose, &[x], 0)?;
+        let (n, u) = (Vector3::from(touch.normal), Vector3::from(pose.direction));
+        let block = n * n.transpose() * -stiffness;
+        let Self::Cylinder { ends, .. } = *self else { return Some(block) };
+        let (v, height) = self.off_axis(pose, x);
+        let across = match ends {
+            Ends::Round(half) if height.abs() > half => Block::identity(),
+            Ends::Flat(_) if n.dot(&u) != 0.0 => return Some(block),
+            _ => Block::identity() - u * u.transpose(),
+        };
+        Some(block + (across - n * n.transpose()) * (stiffness * touch.depth / norm(v).max(f64::MIN_POSITIVE)))
     }
 
     /// A bound of n (n . p) for any place of contact: p across the axis, or all of it where the shape has ends.
@@ -143,13 +162,13 @@ impl Shape {
                 x.iter().map(|p| -product(pose.direction, difference(*p, pose.centre))).fold(f64::MIN, f64::max)
             }
             Self::Cylinder { radius, ends: Ends::Flat(half) } => {
-                let (v, height) = self.from_axis(pose, x[0]);
+                let (v, height) = self.off_axis(pose, x[0]);
                 (radius - norm(v)).min(half - height.abs())
             }
             Self::Cylinder { radius, .. } => {
                 let distance = match K {
-                    1 => norm(self.from_axis(pose, x[0]).0),
-                    2 => norm(self.from_axis_to_edge(pose, [x[0], x[1]]).0),
+                    1 => norm(self.off_axis(pose, x[0]).0),
+                    2 => norm(self.off_axis_at_edge(pose, [x[0], x[1]]).0),
                     _ => self.nearest_of_triangle(pose, [x[0], x[1], x[2]]).map_or(f64::INFINITY, |(v, _)| norm(v)),
                 };
                 radius - distance
@@ -159,7 +178,7 @@ impl Shape {
 
     /// The vector from the axis to a point, and its height along the axis.
     #[inline(always)]
-    fn from_axis<T: Real>(&self, pose: &Pose, p: Vector<T>) -> (Vector<T>, T) {
+    fn off_axis<T: Real>(&self, pose: &Pose, p: Vector<T>) -> (Vector<T>, T) {
         let (from_centre, direction) = (difference(p, constant(pose.centre)), constant(pose.direction));
         let height = product(direction, from_centre);
         let along = match self {
@@ -173,8 +192,7 @@ impl Shape {
     #[inline(always)]
     fn touch<T: Real, const K: usize>(radius: f64, v: Vector<T>, weights: [T; K]) -> Option<Touch<T, K>> {
         let square = product(v, v);
-        // NaN is no contact either: positions that are not finite are the monitor's.
-        if !(square.value() < radius * radius) {
+        if square.value() >= radius * radius {
             return None;
         }
         let distance = square.sqrt();
@@ -202,7 +220,7 @@ impl Shape {
                 (depth.value() > 0.0).then_some(Touch { share: T::of(1.0), weights, depth, normal })
             }
             Self::Cylinder { radius, ends } => {
-                let (v, height) = self.from_axis(pose, x[node]);
+                let (v, height) = self.off_axis(pose, x[node]);
                 let touch = Self::touch(radius, v, weights)?;
                 let Ends::Flat(half) = ends else { return Some(touch) };
                 let sign = 1.0_f64.copysign(height.value());
@@ -221,7 +239,7 @@ impl Shape {
 
     /// The vector from the axis to the nearest point of an edge, and its share t.
     #[inline(always)]
-    fn from_axis_to_edge<T: Real>(&self, pose: &Pose, [a, b]: [Vector<T>; 2]) -> (Vector<T>, T) {
+    fn off_axis_at_edge<T: Real>(&self, pose: &Pose, [a, b]: [Vector<T>; 2]) -> (Vector<T>, T) {
         let direction = constant(pose.direction);
         let (from_centre, e) = (difference(a, constant(pose.centre)), difference(b, a));
         let (height, rise) = (product(direction, from_centre), product(direction, e));
@@ -243,7 +261,7 @@ impl Shape {
     #[inline(always)]
     fn touches_of_edge<T: Real, const K: usize>(&self, pose: &Pose, x: &[Vector<T>; K]) -> Touches<T, K> {
         let Self::Cylinder { radius, .. } = *self else { return Touches::of(None) };
-        let (v, share) = self.from_axis_to_edge(pose, [x[0], x[1]]);
+        let (v, share) = self.off_axis_at_edge(pose, [x[0], x[1]]);
         let weights = std::array::from_fn(|k| if k == 0 { T::of(1.0) - share } else { share });
         let Some(nearest) = Self::touch(radius, v, weights) else { return Touches::of(None) };
         let (e, direction) = (difference(x[1], x[0]), constant(pose.direction));
@@ -275,7 +293,7 @@ impl Shape {
             }
         };
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-            let (v, share) = self.from_axis_to_edge(pose, [x[i], x[j]]);
+            let (v, share) = self.off_axis_at_edge(pose, [x[i], x[j]]);
             let mut weights = [T::of(0.0); 3];
             (weights[i], weights[j]) = (T::of(1.0) - share, share);
             consider((v, weights));

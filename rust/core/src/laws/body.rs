@@ -39,10 +39,14 @@ use crate::bodies::shape::Shape;
 use crate::error::Result;
 use crate::model::names;
 
+const REMEDY: &str =
+    "use a smaller dt, a stiffer body where the film sinks into it, or a softer one where it sets the step";
+
 impl LawParameters for BodyParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         let (name, contacts) = (names::kept(&self.name)?, self.contacts(context)?);
-        Ok(Box::new(BodyContact::new(name, format!("the body {name}"), contacts, self.stiffness)))
+        let label = names::kept(&format!("the body {name}"))?;
+        Ok(Box::new(BodyContact::new([name, label, REMEDY], contacts, self.stiffness)))
     }
 
     fn example() -> Self {
@@ -53,14 +57,16 @@ impl LawParameters for BodyParameters {
 /// The law.
 pub(super) struct BodyContact {
     name: &'static str,
+    remedy: &'static str,
     contacts: Contacts,
     stiffness: f64,
     path: Path,
 }
 
 impl BodyContact {
-    pub(super) fn new(name: &'static str, label: String, contacts: Contacts, stiffness: f64) -> Self {
-        Self { name, path: Path::new(label, &contacts.shape), contacts, stiffness }
+    /// Of a name, the words for the body in messages, and a remedy.
+    pub(super) fn new([name, label, remedy]: [&'static str; 3], contacts: Contacts, stiffness: f64) -> Self {
+        Self { name, remedy, path: Path::new(label, &contacts.shape), contacts, stiffness }
     }
 
     /// The forces on an element by one copy \[N\].
@@ -158,7 +164,11 @@ impl Visitor for Derive<'_> {
     fn visit<const K: usize>(&mut self, nodes: [u32; K], corners: &[[f64; 3]; K], copy: usize) {
         let pose = &self.poses[copy];
         match K {
-            1 => self.law.add_jacobian_of::<K, 3>(nodes, corners, pose, self.jacobian),
+            1 => {
+                if let Some(block) = self.law.contacts.shape.derivative_at(pose, corners[0], self.law.stiffness) {
+                    self.jacobian.by_position(nodes[0], nodes[0], &block);
+                }
+            }
             2 => self.law.add_jacobian_of::<K, 6>(nodes, corners, pose, self.jacobian),
             _ => self.law.add_jacobian_of::<K, 9>(nodes, corners, pose, self.jacobian),
         }
@@ -214,7 +224,7 @@ impl Law for BodyContact {
     }
 
     fn remedy(&self) -> &'static str {
-        "use a smaller dt, a stiffer body where the film sinks into it, or a softer one where it sets the step"
+        self.remedy
     }
 }
 
@@ -258,16 +268,16 @@ impl Linearisation for BodyContact {
         let shape = &self.contacts.shape;
         let mut add = |node: u32, value: [f64; 3]| {
             for (column, value) in out.iter_mut().zip(value) {
-                column[node as usize] += self.stiffness * value;
+                column[node as usize] += value;
             }
         };
         for &nodes @ [node] in &points.nodes {
             let ([from], [direction]) = (corners(x, nodes), corners(p, nodes));
-            add(node, shape.stiffest_product(&poses, from, direction));
+            add(node, shape.stiffest_product(&poses, from, direction, self.stiffness));
         }
         for &node in edges.nodes.as_flattened().iter().chain(triangles.nodes.as_flattened()) {
             let [direction] = corners(p, [node]);
-            add(node, shape.bound_of_product(&poses, direction));
+            add(node, scaled(self.stiffness, shape.bound_of_product(&poses, direction)));
         }
     }
 

@@ -39,7 +39,7 @@ impl Contacts {
         points.nodes.retain(|nodes| is_free(nodes));
         edges.nodes.retain(|nodes| is_free(nodes));
         triangles.nodes.retain(|nodes| is_free(nodes));
-        let near = Near::new(Candidates { points, edges, triangles }, skin);
+        let near = Near::new(Candidates { points, edges, triangles }, skin, assembly.masses.len());
         Self { shape, body, near, poses: Vec::new(), instructions: assembly.instructions }
     }
 
@@ -93,9 +93,9 @@ impl Contacts {
         self.near.is_valid(positions, poses, self.instructions)
     }
 
-    /// The instruction set of the kernels.
-    pub(in crate::laws) fn instructions(&self) -> InstructionSet {
-        self.instructions
+    /// Whether any node that matters has moved by more than a distance \[m\].
+    pub(in crate::laws) fn has_moved(&self, from: &NodeVectors, to: &NodeVectors, by: f64) -> bool {
+        self.near.has_moved(self.instructions, from, to, by)
     }
 }
 

@@ -10,7 +10,6 @@
 use super::contacts::{Contacts, Visitor, corners};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, columns};
-use crate::bodies::near::has_moved;
 use crate::bodies::rigid_body::Pose;
 use crate::bodies::shape::Shape;
 use crate::laws::{Excess, Instant};
@@ -31,7 +30,7 @@ struct Fault {
 
 /// The bounds of a body, and the state at the last check.
 pub(super) struct Path {
-    label: String,
+    label: &'static str,
     /// Both bounds; none in a half-space \[m\].
     bounds: Option<[f64; 2]>,
     last: Option<(NodeVectors, Vec<Pose>)>,
@@ -39,7 +38,7 @@ pub(super) struct Path {
 }
 
 impl Path {
-    pub(super) fn new(label: String, shape: &Shape) -> Self {
+    pub(super) fn new(label: &'static str, shape: &Shape) -> Self {
         let bounds = shape.size().map(|size| [DEPTH_BOUND * size, UNFELT_BOUND * size]);
         Self { label, bounds, last: None, passed: None }
     }
@@ -58,7 +57,7 @@ impl Path {
         let is_turned = old.iter().zip(&poses).any(|(old, new)| old.direction != new.direction);
         let reach = if is_turned { 2.0 * (at.positions.amax() + poses[0].distance()) } else { 0.0 };
         let way = old.iter().zip(&poses).map(|(old, new)| old.shift(new, reach)).fold(0.0, f64::max);
-        if way < unfelt && !has_moved(contacts.instructions(), from, at.positions, unfelt - way) {
+        if way < unfelt && !contacts.has_moved(from, at.positions, unfelt - way) {
             return;
         }
         contacts.update(at);
@@ -92,7 +91,7 @@ impl Path {
             2 => "an edge",
             _ => "a triangle",
         };
-        let label = &self.label;
+        let label = self.label;
         let what = format!(
             "{element} goes {depth:.4e} m deep into {label}, over its bound of {bound:.4e} m for one in contact and \
              {unfelt:.4e} m within a step, and may come out on another side"
