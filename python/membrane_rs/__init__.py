@@ -42,7 +42,7 @@ from membrane_rs.scene.laws import (
     Springs,
     Triangles,
 )
-from membrane_rs.scene.parts import Bridges, Fixed, Tether, Tethers, TipMasses
+from membrane_rs.scene.parts import Bridges, Fixed, Moved, Tether, Tethers, TipMasses
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.scene.stage import Stage
@@ -68,6 +68,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "MissingFileError",
+    "Moved",
     "OutputError",
     "Plane",
     "Pressure",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, Links
+from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, Links, Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Assembly(Component):
     tips: Ints
     """(t,) nodes that carry a mass of their own beside those of film and cords; a node may stand there twice."""
     fixed: Ints
-    """(k,) nodes held at rest, ascending."""
+    """(k,) nodes held at rest, or moved as prescribed, ascending."""
     cords: Cords
     """Segments of all cords."""
     bridges: Links
@@ -40,3 +40,5 @@ class Assembly(Component):
     """Nodes that the spool keeps outside."""
     node_sets: Mapping[str, Ints]
     """The mesh's node sets and the cords' own."""
+    motions: Sequence[Motion] = ()
+    """Of the nodes that move as prescribed."""

@@ -16,7 +16,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.components import ContactSet, Cords, Creases, Links
+from membrane_rs.scene.components import ContactSet, Cords, Creases, Links, Motion
 from membrane_rs.scene.cords import cord_along, cord_positions
 
 
@@ -66,6 +66,7 @@ class Builder:
         self._reference, self._positions = [self.reference], [self.positions]
         self._cords: list[tuple[Cord, Ints]] = []
         self._fixed: list[int] = []
+        self._motions: list[tuple[Motion, str]] = []
         self._masses: list[tuple[Ints, float]] = []
         self._contacts: list[Ints] = []
         self._bridge_stiffness = 0.0
@@ -145,6 +146,15 @@ class Builder:
         """Fix nodes in the turning frame."""
         self._fixed.extend(nodes.tolist())
 
+    def move(self, motion: Motion, where: str) -> None:
+        """Move nodes as prescribed, also those that are fixed. Raises SceneError where another part moves one of them."""
+        for other, place in self._motions:
+            both = np.intersect1d(motion.nodes, other.nodes)
+            if both.size:
+                raise SceneError(f"{where}.nodes: {place} moves node {both[0]} too; leave it out of one of them")
+        self._motions.append((motion, where))
+        self.fix(motion.nodes)
+
     def add_contacts(self, nodes: Ints) -> None:
         """Detect contact with the spool at these nodes, those that are fixed left out."""
         self._contacts.append(nodes)
@@ -193,6 +203,7 @@ class Builder:
             ),
             contacts=ContactSet(np.setdiff1d(touched, self._fixed)),
             node_sets=self.node_sets,
+            motions=tuple(motion for motion, _ in self._motions),
         )
         _check_masses(assembly, self.mesh_count)
         return assembly

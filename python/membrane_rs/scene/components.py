@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.scene.schedule import Schedule
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +41,7 @@ class Nodes(Component):
     extra_masses: Floats
     """(N,) masses beside the film's [kg]."""
     fixed: Ints
-    """(k,) nodes held at rest, ascending."""
+    """(k,) nodes held at rest, or moved as prescribed, ascending."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +129,22 @@ class ContactSet(Component):
 
 
 @dataclass(frozen=True, eq=False)
+class Motion(Component):
+    """How some nodes move in the turning frame; None: not at all along or about that axis."""
+
+    nodes: Ints
+    """(k,) those that follow it."""
+    x: Schedule | None
+    """Displacement [m]."""
+    y: Schedule | None
+    """[m]."""
+    z: Schedule | None
+    """[m]."""
+    turn: Schedule | None
+    """Turn about the axis of the hub [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
 class Model:
     """All components of a scene."""
 
@@ -138,3 +156,5 @@ class Model:
     cords: Cords
     bridges: Links
     contacts: ContactSet
+    motions: Sequence[Motion] = ()
+    """Of nodes that move as prescribed; no node follows two."""

@@ -79,7 +79,7 @@ class Law:
 
     @property
     def hub_frequency(self) -> float | None:
-        """Turns of the hub per second at the start [Hz]; None: the law does not turn it."""
+        """Turns of the hub per second [Hz], at the start or the most of a schedule; None: it does not turn the hub."""
         return None
 
     @property

@@ -1,4 +1,4 @@
-"""The parts that a scene may hold beside its membrane: tethers, tip masses, fixed nodes.
+"""The parts that a scene may hold beside its membrane: tethers, tip masses, nodes held or moved.
 
 Parts are plain checked values, which add nodes, masses and cords to a scene's arrays. Units are SI.
 """
@@ -16,13 +16,14 @@ from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, U
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.folding.pattern import cord_path
 from membrane_rs.scene.builder import Builder, Cord
+from membrane_rs.scene.held import Fixed, Moved
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
 from membrane_rs.scene.scales import film_mass, hub_frequency, outermost, pull_of_spin
 from membrane_rs.scene.spool import Spool
 
-__all__ = ["PARTS", "Bridges", "Fixed", "Part", "Tether", "Tethers", "TipMasses"]
+__all__ = ["PARTS", "Bridges", "Fixed", "Moved", "Part", "Tether", "Tethers", "TipMasses"]
 
 SHORTEST = 1e-12
 """Ends of a cord that are nearer to each other than this are one point [m]."""
@@ -266,24 +267,6 @@ class Tether(Part):
 
 
 @validated
-class Fixed(Part):
-    """Nodes held at rest in the turning frame.
-
-    Parameters
-    ----------
-    nodes : str or sequence of int
-        A node set, or node indices.
-    """
-
-    kind: ClassVar[str] = "fixed"
-    nodes: Nodes
-
-    def add_loads(self, builder: Builder, where: str) -> None:
-        """Hold the nodes. Raises SceneError for nodes that are not there."""
-        builder.fix(builder.nodes(self.nodes, where))
-
-
-@validated
 class Bridges(Part):
     """Stiff links of no length that join the node pairs `Mesh.bridges`.
 
@@ -365,5 +348,5 @@ def _coarser(part: Tether | Tethers, factor: int) -> tuple[str, Part] | None:
     return f"all but {segments} of {part.segments} segments", replace(part, segments=segments)
 
 
-PARTS: dict[str, type[Part]] = {part.kind: part for part in (TipMasses, Tethers, Tether, Fixed, Bridges)}
+PARTS: dict[str, type[Part]] = {part.kind: part for part in (TipMasses, Tethers, Tether, Fixed, Moved, Bridges)}
 """The one list of parts: its `kind` in a scene file, and its class."""

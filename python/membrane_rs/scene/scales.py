@@ -51,7 +51,7 @@ def first_frequency(scene: Surroundings) -> float:
 
 
 def hub_frequency(scene: Surroundings) -> float:
-    """Turns per second at the start [Hz]; 0 where nothing turns."""
+    """Turns per second [Hz], at the start or the most of a schedule; 0 where nothing turns."""
     return abs(next((law.hub_frequency for law in scene.laws if law.hub_frequency is not None), 0.0))
 
 

@@ -98,6 +98,7 @@ def model_of(scene: Scene, assembly: Assembly) -> Model:
         cords=assembly.cords,
         bridges=assembly.bridges,
         contacts=assembly.contacts,
+        motions=assembly.motions,
     )
 
 

@@ -52,7 +52,7 @@ impl Scene {
     }
 
     pub fn at(&self) -> Instant<'_> {
-        Instant::new(self.state.at(0.0), self.spin)
+        Instant::new(self.state.at(0.0), &self.spin)
     }
 }
 

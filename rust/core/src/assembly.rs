@@ -55,9 +55,7 @@ impl Assembly {
         let numbering = Renumbering::new(n, mesh.reference.len(), &mesh.edges, &links);
 
         let mut held = vec![false; n];
-        for &node in &model.fixed {
-            held[node as usize] = true;
-        }
+        model.held().for_each(|node| held[node] = true);
         for (node, (&mass, &held)) in masses.iter().zip(&held).enumerate() {
             if !(mass.is_finite() && (mass > 0.0 || (held && mass == 0.0))) {
                 return Err(Error::MasslessNode { node, mass });

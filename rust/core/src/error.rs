@@ -73,6 +73,10 @@ pub enum Error {
     )]
     MasslessNode { node: usize, mass: f64 },
 
+    /// A node that follows two motions.
+    #[error("node {node} is to follow two motions; leave it out of one of them")]
+    MovedTwice { node: usize },
+
     /// A number that is not finite.
     #[error("{what} of node {node} is {value}; every coordinate must be finite")]
     NotFinite { what: &'static str, node: usize, value: f64 },

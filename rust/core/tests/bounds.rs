@@ -20,7 +20,8 @@ fn excess(law: &LawSpec, gradient: [[f64; 2]; 2]) -> Option<String> {
     let positions = assembly.numbering.internal_vectors(&assembly.model.positions);
     let velocities = NodeVectors::zeros(positions.nrows());
     let laws = build(std::slice::from_ref(law), &assembly).unwrap();
-    let at = Instant::new(PhasePoint { time: 0.0, positions: &positions, velocities: &velocities }, spin_of(&[]));
+    let spin = spin_of(&[]);
+    let at = Instant::new(PhasePoint { time: 0.0, positions: &positions, velocities: &velocities }, &spin);
     laws[0].inspection().unwrap().first_excess(at).map(|excess| excess.what)
 }
 

@@ -25,7 +25,7 @@ fn evaluate(
     let positions = assembly.numbering.internal_vectors(&assembly.model.positions);
     let velocities = assembly.numbering.internal_vectors(&assembly.model.velocities);
     let state = State { positions, velocities };
-    let at = Instant::new(state.at(0.0), spin_of(&chosen));
+    let at = Instant::new(state.at(0.0), &spin_of(&chosen));
     let plan = Plan::new(&mut laws);
     let mut forces = NodeVectors::zeros(assembly.masses.len());
     let mut powers = vec![0.0; laws.len()];

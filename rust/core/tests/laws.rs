@@ -28,7 +28,7 @@ fn power_residual(bench: &mut Bench, row: usize) -> (f64, f64) {
     let step = 1e-8;
     let energy = |s: f64| {
         let state = State { positions: &start.positions + &start.velocities * s, velocities: start.velocities.clone() };
-        let at = membrane_core::laws::Instant::new(state.at(time + s), bench.spin);
+        let at = membrane_core::laws::Instant::new(state.at(time + s), &bench.spin);
         bench.laws[row].energy(at)
     };
     // Fourth-order central difference.

@@ -1,7 +1,8 @@
 //! The components of a model and the settings of a run, from Python objects with these attributes.
 
 use membrane_core::integrators::Tolerance;
-use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model, NegativeSprings};
+use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model, Motion, NegativeSprings};
+use membrane_core::model::schedule::Schedule;
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::Settings;
 use pyo3::prelude::*;
@@ -55,6 +56,7 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         velocities: nodes.array("velocities", rows)?,
         extra_masses: nodes.array("extra_masses", numbers)?,
         fixed: nodes.array("fixed", indices)?,
+        motions: motions_of(&model)?,
         reference: surface.array("reference", rows)?,
         triangles: surface.array("triangles", index_rows)?,
         film,
@@ -67,6 +69,28 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
         contacts: ContactSet { nodes: contacts.array("nodes", indices)? },
     })
+}
+
+/// The motions that nodes follow.
+fn motions_of(model: &Component<'_>) -> PyResult<Vec<Motion>> {
+    let motions: Vec<Bound<'_, PyAny>> = model.value("motions")?;
+    let motion_of = |(row, object)| {
+        let motion = Component::new(&format!("motions[{row}]"), object);
+        let [x, y, z, turn] = ["x", "y", "z", "turn"].map(|name| schedule_of(&motion, name));
+        Ok(Motion { nodes: motion.array("nodes", indices)?, displacement: [x?, y?, z?], turn: turn? })
+    };
+    motions.iter().enumerate().map(motion_of).collect()
+}
+
+/// A schedule, or `None`.
+fn schedule_of(motion: &Component<'_>, name: &str) -> PyResult<Option<Schedule>> {
+    let (name, object) = motion.attribute(name)?;
+    if object.is_none() {
+        return Ok(None);
+    }
+    let schedule = Component::new(&name, &object);
+    let (times, values, ease) = (schedule.value("times")?, schedule.value("values")?, schedule.value("ease")?);
+    Schedule::new(times, values, ease).map(Some).map_err(|error| wrong_value(format!("{name}: {error}")))
 }
 
 /// The film, or `None`.

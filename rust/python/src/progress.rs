@@ -25,7 +25,7 @@ fn save_history(saved: &Bound<'_, PyDict>, name: &str, (own, numbers): SavedHist
     if !own.is_empty() {
         saved.set_item(format!("{name}_vectors"), vectors(py, &own.concat())?)?;
     }
-    if !numbers.is_empty() {
+    if !(own.is_empty() && numbers.is_empty()) {
         saved.set_item(format!("{name}_numbers"), PyArray1::from_vec(py, numbers))?;
     }
     Ok(())

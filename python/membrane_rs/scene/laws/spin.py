@@ -7,14 +7,20 @@ from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Finite, Unit, validated
+from membrane_rs.errors import InputError
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
 from membrane_rs.scene.scales import outermost
+from membrane_rs.scene.schedule import Schedule
 
+FREQUENCY = 3.0
+"""Of the deployment experiments of Okuizumi et al. [Hz]."""
 FASTEST = 300.0
 """Speed of the rim [m/s]: about that at which rotors of strong plastics burst."""
 STRETCHED = 0.1
 """Strain by spinning at which films are torn; rho v^2/E is that of a ring of speed v."""
+PARTS_OF_RUN = 1000
+"""Intervals by which the turns of a schedule are summed up."""
 TURNS = (1e-4, 1000.0)
 """In a run: below, the frame hardly moves; a sail is deployed after some tens of turns."""
 
@@ -23,7 +29,7 @@ TURNS = (1e-4, 1000.0)
 class Spin(Law):
     """The hub turns about z, and the scene is computed in the frame that turns with it.
 
-    Omega(t) = 2 pi (frequency + acceleration t).
+    Omega(t) = 2 pi (frequency + acceleration t), or 2 pi schedule(t).
 
     Parameters
     ----------
@@ -31,26 +37,47 @@ class Spin(Law):
         Turns per second at the start [Hz]; the sign gives the sense.
     acceleration : float
         Its rate of change [Hz/s].
+    schedule : Schedule or None
+        Turns per second [Hz] as a function of time, for spin-up, hold and ramp, in place of the other two.
+
+    Raises
+    ------
+    InputError
+        A schedule beside another frequency than its own at t = 0, or beside an acceleration.
     """
 
     kind: ClassVar[str] = "spin"
     stiff_through: ClassVar[StiffThrough] = "law"
     turns_hub: ClassVar[bool] = True
-    frequency: Annotated[Finite, Unit("Hz")] = 3.0
+    frequency: Annotated[Finite, Unit("Hz")] = FREQUENCY
     acceleration: Annotated[Finite, Unit("Hz/s")] = 0.0
+    schedule: Annotated[Schedule | None, Unit("Hz")] = None
+
+    def __post_init__(self) -> None:
+        """Check that the motion of the hub is told once."""
+        if self.schedule is None:
+            return
+        if self.acceleration != 0.0:
+            raise InputError(f"Spin.acceleration = {self.acceleration!r}: is not used with a schedule; leave it out")
+        if self.frequency not in (FREQUENCY, self.schedule.at(0.0)):
+            raise InputError(f"Spin.frequency = {self.frequency!r}: is not used with a schedule; leave it out")
 
     @property
     def hub_frequency(self) -> float:
-        """That at the start."""
-        return self.frequency
+        """That at the start, or the largest of its schedule."""
+        return self.frequency if self.schedule is None else max(self.schedule.values, key=abs)
+
+    def _at(self, time: float) -> float:
+        """The frequency at a time [s]."""
+        return self.frequency + self.acceleration * time if self.schedule is None else self.schedule.at(time)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The rim of the flat shape moves more slowly than `FASTEST`, and a film is stretched by less than `STRETCHED`
         as a ring of this speed would be; a run has a number of turns within `TURNS`.
         """
         radius = outermost(scene, with_cords=False)
-        end = self.frequency + self.acceleration * scene.run.until
-        highest, fastest = max(abs(self.frequency), abs(end)), FASTEST
+        end = self._at(scene.run.until)
+        highest, fastest = max(abs(self.hub_frequency), 0.0 if self.schedule else abs(end)), FASTEST
         if scene.material is not None and scene.mesh is not None:
             tearing = math.sqrt(STRETCHED * scene.material.youngs_modulus / scene.material.density)
             fastest = min(FASTEST, tearing)
@@ -59,11 +86,14 @@ class Spin(Law):
             reason = f"the rim, {radius:.4g} m from the axis, would move at {speed:.4g} m/s; beyond {fastest:.4g} m/s "
             reason += "it is torn" if fastest < FASTEST else "rotors burst"
             most = fastest / (2.0 * math.pi * radius)
-            at_start = abs(self.frequency) >= highest
-            place, unit = (f"{where}.frequency", "Hz") if at_start else (f"{where}.acceleration (at the end)", "Hz")
+            field = "frequency" if abs(self.frequency) >= highest else "acceleration (at the end)"
+            place, unit = f"{where}.{'schedule (at most)' if self.schedule else field}", "Hz"
             derived = FILM if fastest < FASTEST else ("mesh", "parts")
             yield from implausible(place, highest, unit, reason, most=most, units=RATES, derived_from=derived)
-        turns = 0.5 * (abs(self.frequency) + abs(end)) * scene.run.until
+        between = (scene.run.until * share / PARTS_OF_RUN for share in range(1, PARTS_OF_RUN))
+        ends = 0.5 * (abs(self._at(0.0)) + abs(end))
+        mean = ends if self.schedule is None else (ends + sum(abs(self._at(time)) for time in between)) / PARTS_OF_RUN
+        turns = mean * scene.run.until
         if turns > 0.0:
             reason = f"the hub turns by {turns:.3g} turns in this run"
             least, most = (bound * scene.run.until / turns for bound in TURNS)
@@ -80,7 +110,8 @@ class Spin(Law):
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A hub at rest."""
-        return "the hub does not turn" if self.frequency == 0 and self.acceleration == 0 else None
+        rests = self.acceleration == 0 if self.schedule is None else True
+        return "the hub does not turn" if self.hub_frequency == 0 and rests else None
 
     def step_advice(self, gain: float) -> str:
         """A slower frame or a shorter step."""

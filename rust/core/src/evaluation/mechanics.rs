@@ -29,16 +29,18 @@ pub struct Mechanics {
     /// For an implicit method.
     tangent: Option<Tangent>,
     /// The forces between nodes \[N\]; zero except between `accumulate_forces` and `accelerations`.
-    forces: NodeVectors,
+    pub(super) forces: NodeVectors,
     /// Of each law with deferred power.
     deferrals: Vec<Option<Deferral>>,
     /// Whether each law is slow, and whether the selected rate group has it.
     is_slow: Vec<bool>,
     is_selected: Vec<bool>,
-    rate_group: Option<RateGroup>,
+    pub(super) rate_group: Option<RateGroup>,
     instructions: InstructionSet,
     /// The laws with a history.
     history_dependent: Vec<usize>,
+    /// The law of the nodes that move as prescribed.
+    pub(super) moved: Option<usize>,
 }
 
 impl Mechanics {
@@ -58,6 +60,7 @@ impl Mechanics {
         let history_dependent = (0..laws.len()).filter(|&row| laws[row].history_dependent().is_some()).collect();
         Self {
             history_dependent,
+            moved: laws.iter().position(|law| law.moved().is_some()),
             pieces: FreePieces::new(&laws, &inverse_masses),
             plan: Plan::with(&mut laws, &is_separate),
             deferrals,
@@ -163,7 +166,7 @@ impl Mechanics {
 
     /// The instant of a point.
     pub(crate) fn instant<'a>(&self, point: PhasePoint<'a>) -> Instant<'a> {
-        Instant::new(point, self.spin)
+        Instant::new(point, &self.spin)
     }
 
     /// The terms of the energy balance.
@@ -241,13 +244,17 @@ impl System for Mechanics {
         &mut self,
         range: Range<usize>,
         point: PhasePoint<'_>,
-        accelerations: [&mut [f64]; 3],
+        mut accelerations: [&mut [f64]; 3],
         powers: &mut [f64],
     ) {
         let (at, nodes) = (self.instant(point), self.masses.len());
         let Self { laws, deferrals, forces, is_selected, instructions, .. } = self;
-        for (((law, deferral), power), _) in
-            laws.iter_mut().zip(deferrals).zip(powers).zip(is_selected).filter(|(_, is_selected)| **is_selected)
+        for (((law, deferral), power), _) in laws
+            .iter_mut()
+            .zip(deferrals)
+            .zip(powers.iter_mut())
+            .zip(is_selected)
+            .filter(|(_, is_selected)| **is_selected)
         {
             let forces = rows_mut(forces, range.clone());
             match (law.nodal(), deferral.as_mut().and_then(Deferral::forces)) {
@@ -262,9 +269,17 @@ impl System for Mechanics {
                 (None, None) => {}
             }
         }
+        let moves = self.moves_in(range.clone(), point.time);
+        if let Some(row) = self.moved {
+            powers[row] += moves.iter().map(|(node, prescribed)| self.power_of_move(*node, prescribed)).sum::<f64>();
+        }
         let inverse_masses = &self.inverse_masses[range.clone()];
-        let forces = rows_mut(&mut self.forces, range);
-        on_axes(self.instructions, &Divide, [[inverse_masses; 3]], [accelerations, forces]);
+        let forces = rows_mut(&mut self.forces, range.clone());
+        let divided = accelerations.each_mut().map(|column| &mut **column);
+        on_axes(self.instructions, &Divide, [[inverse_masses; 3]], [divided, forces]);
+        for (node, prescribed) in moves.iter().filter(|_| self.rate_group != Some(RateGroup::Slow)) {
+            (0..3).for_each(|axis| accelerations[axis][node - range.start] = prescribed.acceleration[axis]);
+        }
     }
 
     fn row_power_at(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {
@@ -309,6 +324,12 @@ impl System for Mechanics {
     fn solve(&mut self, accelerations: &mut NodeVectors) {
         if let Some(tangent) = &mut self.tangent {
             tangent.solve(&self.masses, accelerations);
+        }
+    }
+
+    fn prescribed_accelerations(&self, time: f64, accelerations: &mut NodeVectors) {
+        for (node, prescribed) in self.moves_in(0..self.masses.len(), time) {
+            accelerations.set_row(node, &prescribed.acceleration.transpose());
         }
     }
 

@@ -5,4 +5,5 @@ mod deferral;
 pub mod free_pieces;
 pub mod ledger;
 pub mod mechanics;
+mod moves;
 pub mod plan;

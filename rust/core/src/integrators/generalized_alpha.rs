@@ -163,17 +163,19 @@ impl GeneralizedAlpha {
         false
     }
 
-    /// The initial guess, constant velocity, as `next` and as `trial`.
-    fn guess(&mut self) {
+    /// The initial guess, constant velocity, as `next` and as `trial`; prescribed motion at both ends of the step.
+    fn guess(&mut self, system: &dyn System, interval: &Interval<'_>) {
+        system.prescribed_accelerations(interval.time, &mut self.acceleration);
         self.next.copy_from(&self.acceleration);
         self.next *= (self.beta - 0.5) / self.beta;
+        system.prescribed_accelerations(interval.time + interval.h, &mut self.next);
         self.trial.copy_from(&self.next);
     }
 
     /// Finds a' by Newton's method; a failure gives the node with the largest last correction.
     fn newton(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> Result<(), usize> {
         let size = interval.from.positions.amax();
-        self.guess();
+        self.guess(system, interval);
         self.evaluate(system, interval);
         if !self.residual.sum().is_finite() || !self.factorise(system, interval) {
             return Err(largest(&self.residual).0);

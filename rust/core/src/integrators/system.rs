@@ -55,6 +55,8 @@ pub trait System {
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;
     /// Replaces accelerations r by the solution u of A u = M r, with A factorised last; 0 for held nodes.
     fn solve(&mut self, accelerations: &mut NodeVectors);
+    /// Replaces the accelerations of moved nodes by those prescribed at `time`, for methods that solve for others.
+    fn prescribed_accelerations(&self, _time: f64, _accelerations: &mut NodeVectors) {}
     /// sum m a . b over the nodes, of two accelerations.
     fn mass_product(&self, a: &NodeVectors, b: &NodeVectors) -> f64;
     /// Positions and velocities as the error of a step is measured by: those of pieces that nothing holds relative to

@@ -19,7 +19,7 @@ pub struct Instant<'a> {
 impl<'a> Instant<'a> {
     /// The instant of a point, in the frame of a hub with this motion.
     #[inline]
-    pub fn new(point: PhasePoint<'a>, spin: Spin) -> Self {
+    pub fn new(point: PhasePoint<'a>, spin: &Spin) -> Self {
         let PhasePoint { time, positions, velocities } = point;
         Self { time: spin.time_of(time), frame: spin.at(time), positions, velocities }
     }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Law, bridges, springs};
+use super::{Law, bridges, moved, springs};
 use crate::assembly::Assembly;
 use crate::elements::link::SpringNetworks;
 use crate::error::{Error, Result};
@@ -137,7 +137,7 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
     specs.iter().filter_map(|spec| spec.parameters().spin()).next_back().unwrap_or_default()
 }
 
-/// Builds the laws of a scene, with those of the tethers and bridges of the model.
+/// Builds the laws of a scene, with those of the tethers, bridges and moved nodes of the model.
 ///
 /// # Errors
 /// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `LimitWithoutSprings`,
@@ -161,6 +161,9 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
     }
     if !assembly.model.bridges.nodes.is_empty() {
         laws.push(Box::new(bridges::Bridges::new(assembly)));
+    }
+    if !assembly.model.motions.is_empty() {
+        laws.push(Box::new(moved::Moved::new(assembly)));
     }
     Ok(laws)
 }

@@ -16,6 +16,7 @@ mod instant;
 mod linearisation;
 mod list;
 mod mass_damping;
+mod moved;
 mod nodal;
 mod pressure;
 mod rotating_frame;
@@ -37,6 +38,8 @@ pub use inspection::{Excess, FilmStates, Inspection, LinkReadings};
 pub use instant::Instant;
 pub use linearisation::Linearisation;
 pub use list::*;
+pub use moved::Moved;
+pub(crate) use moved::Prescribed;
 pub use nodal::NodalLaw;
 pub use spring_damping::{DashpotMass, Limited};
 
@@ -153,6 +156,16 @@ pub trait Law: Send + Sync {
 
     /// The law as one with a history, to be changed.
     fn history_dependent_mut(&mut self) -> Option<&mut dyn HistoryDependent> {
+        None
+    }
+
+    /// The law as that of nodes that move as prescribed.
+    fn moved(&self) -> Option<&Moved> {
+        None
+    }
+
+    /// The same, to anchor them.
+    fn moved_mut(&mut self) -> Option<&mut Moved> {
         None
     }
 

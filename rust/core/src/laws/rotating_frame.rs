@@ -9,6 +9,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
 use serde::Deserialize;
 
@@ -16,36 +17,50 @@ use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalL
 use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::{columns, rows};
 use crate::error::Result;
-use crate::model::checks::finite;
+use crate::model::checks::{finite, within};
 use crate::model::frame::{Frame, Spin};
+use crate::model::schedule::Schedule;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
-/// Motion of the hub: Omega(t) = 2 pi (frequency + acceleration t).
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+/// Motion of the hub: Omega(t) = 2 pi (frequency + acceleration t), or 2 pi schedule(t).
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpinParameters {
     /// Revolutions per second at t = 0 \[Hz\].
     pub frequency: f64,
     /// Its rate of change \[Hz/s\].
     pub acceleration: f64,
+    /// Revolutions per second as a function of time \[Hz\], in place of both.
+    pub schedule: Option<Schedule>,
 }
 
 impl LawParameters for SpinParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("rate of spin [rad/s]", TAU * self.frequency)?;
         finite("acceleration of spin [rad/s2]", TAU * self.acceleration)?;
+        if let Some(schedule) = &self.schedule {
+            finite("rate of spin by its schedule [rad/s]", TAU * schedule.largest())?;
+            finite("acceleration of spin by its schedule [rad/s2]", TAU * schedule.largest_rate())?;
+            within(
+                "acceleration of spin [Hz/s]",
+                self.acceleration,
+                self.acceleration == 0.0,
+                "a schedule is in place",
+            )?;
+        }
         let assembly = context.assembly;
         Ok(Box::new(RotatingFrame { masses: assembly.masses.clone(), instructions: assembly.instructions }))
     }
 
     fn example() -> Self {
-        Self { frequency: 3.0, acceleration: -0.3 }
+        Self { frequency: 3.0, acceleration: -0.3, schedule: None }
     }
 
     fn spin(&self) -> Option<Spin> {
-        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration, ..Spin::default() })
+        let schedule = self.schedule.clone().map(Arc::new);
+        Some(Spin { rate: TAU * self.frequency, acceleration: TAU * self.acceleration, schedule, ..Spin::default() })
     }
 }
 

@@ -1,12 +1,19 @@
 //! The frame that turns with the hub about z: its prescribed motion, and its state at an instant.
 
-/// Prescribed rotation of the hub: Omega(t) = rate + acceleration t.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::schedule::Schedule;
+
+/// Prescribed rotation of the hub: Omega(t) = rate + acceleration t, or 2 pi times a schedule of the frequency.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spin {
     /// Omega at t = 0 \[rad/s\].
     pub rate: f64,
     /// Omega' \[rad/s2\].
     pub acceleration: f64,
+    /// The frequency \[Hz\] as a function of time, in place of rate and acceleration.
+    pub schedule: Option<Arc<Schedule>>,
     /// The time at which everything that depends on time is frozen \[s\]; `None`: time passes.
     pub frozen_at: Option<f64>,
     /// Angle at t = 0 \[rad\]: not 0 where the hub has turned at another rate before.
@@ -44,6 +51,9 @@ impl Spin {
     /// The angle by which the hub turns from t = 0 to `time` \[rad\].
     #[inline]
     fn turned(&self, time: f64) -> f64 {
+        if let Some(schedule) = &self.schedule {
+            return TAU * (schedule.integral(time) - schedule.integral(0.0));
+        }
         (self.rate + 0.5 * self.acceleration * time) * time
     }
 
@@ -57,11 +67,24 @@ impl Spin {
     #[inline]
     pub fn at(&self, time: f64) -> Frame {
         let time = self.time_of(time);
+        let (rate, acceleration) = match &self.schedule {
+            Some(schedule) => (TAU * schedule.value(time), TAU * schedule.rate(time)),
+            None => (self.rate + self.acceleration * time, self.acceleration),
+        };
         Frame {
             angle: if self.phase == 0.0 { self.turned(time) } else { self.phase + self.turned(time) },
-            rate: self.rate + self.acceleration * time,
-            acceleration: self.acceleration,
+            rate,
+            acceleration,
             is_frozen: self.frozen_at.is_some(),
+        }
+    }
+
+    /// A frame with the largest rate that the hub has by its schedule, for bounds; without one, or frozen, the same.
+    #[must_use]
+    pub fn fastest(&self, frame: Frame) -> Frame {
+        match &self.schedule {
+            Some(schedule) if !frame.is_frozen => Frame { rate: TAU * schedule.largest(), ..frame },
+            _ => frame,
         }
     }
 }

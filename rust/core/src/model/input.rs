@@ -2,6 +2,7 @@
 
 use super::checks::{positive, within};
 use super::mesh::{check_finite, check_indices};
+use super::schedule::Schedule;
 use crate::error::{Error, Result};
 
 /// Material and thickness of the membrane.
@@ -69,6 +70,17 @@ pub struct ContactSet {
     pub nodes: Vec<u32>,
 }
 
+/// A motion in the turning frame that nodes follow, see `laws::moved`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// The nodes; none follows two motions.
+    pub nodes: Vec<u32>,
+    /// Displacement along x, y and z \[m\].
+    pub displacement: [Option<Schedule>; 3],
+    /// Turn about the axis of the hub \[rad\].
+    pub turn: Option<Schedule>,
+}
+
 /// The model at the start of a run, in external order: the nodes of the mesh first, then all others.
 #[derive(Debug, Clone, Default)]
 pub struct Model {
@@ -80,6 +92,8 @@ pub struct Model {
     pub extra_masses: Vec<f64>,
     /// Held nodes.
     pub fixed: Vec<u32>,
+    /// Motions of nodes that move as prescribed, which are held otherwise.
+    pub motions: Vec<Motion>,
     /// Stress-free positions of the mesh's nodes \[m\].
     pub reference: Vec<[f64; 3]>,
     /// Triangles of the mesh.
@@ -114,11 +128,32 @@ impl Model {
         check_finite("the position", &self.positions)?;
         check_finite("the velocity", &self.velocities)?;
         check_indices("fixed node", &each_alone(&self.fixed), n)?;
+        self.check_motions()?;
         self.creases.check()?;
         self.contacts.check(n)?;
         self.bridges.check(n)?;
         check_indices("cord", &self.cord_nodes(), n)?;
         self.cords.iter().try_for_each(Cord::check)
+    }
+
+    /// Refuses moved nodes that are not there, or that follow two motions.
+    fn check_motions(&self) -> Result<()> {
+        let mut is_moved = vec![false; self.positions.len()];
+        for motion in &self.motions {
+            check_indices("moved node", &each_alone(&motion.nodes), self.positions.len())?;
+            for &node in &motion.nodes {
+                if std::mem::replace(&mut is_moved[node as usize], true) {
+                    return Err(Error::MovedTwice { node: node as usize });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Held nodes, those that move as prescribed among them.
+    pub fn held(&self) -> impl Iterator<Item = usize> {
+        let moved = self.motions.iter().flat_map(|motion| &motion.nodes);
+        self.fixed.iter().chain(moved).map(|&node| node as usize)
     }
 
     /// The two nodes of each segment of a tether.

@@ -52,6 +52,7 @@ impl Simulation {
                 method.accept(&mut self.state, &mut self.ledger.work);
                 adaptive.step_end_time = time + dt;
                 self.step_count += 1;
+                self.set_moved();
                 return Ok(());
             }
         }

@@ -119,6 +119,7 @@ impl Simulation {
             return Err(Error::HistoryMisfit { owner });
         }
         self.resume_adaptive(progress.adaptive.as_ref())?;
+        self.start_moved();
         self.record_good(self.energy_terms());
         self.show_saved(progress.output_time)
     }

@@ -91,7 +91,7 @@ impl Simulation {
 
     /// Frequency of the frame and of the motion under external loads \[rad/s\].
     fn slow_frequency(&mut self) -> f64 {
-        let frame_rate = 2.0 * self.instant().frame.rate.abs();
+        let frame_rate = 2.0 * self.frame_rate();
         let external = self.accelerations_by(|all, row| !all.mechanics.laws[row].properties().is_internal);
         let (free, masses) = (&self.mechanics.inverse_masses, &self.mechanics.masses);
         let rows = external.row_iter().zip(free.iter().zip(masses)).filter(|(_, (inverse, _))| **inverse > 0.0);

@@ -27,7 +27,6 @@ use crate::linear::tangent::Tangent;
 use crate::model::checks::{finite, non_negative, positive, within};
 use crate::model::frame::Spin;
 use crate::model::input::Model;
-use crate::model::mesh::check_finite;
 use crate::simd::dispatch::InstructionSet;
 use crate::stability::Limit;
 
@@ -123,9 +122,12 @@ impl Simulation {
         let internal = |rows: &[[f64; 3]]| assembly.numbering.internal_vectors(rows);
         let mut state =
             State { positions: internal(&assembly.model.positions), velocities: internal(&assembly.model.velocities) };
-        hold(&assembly.inverse_masses, &mut state.velocities);
+        start::hold(&assembly.inverse_masses, &mut state.velocities);
         let Assembly { masses, inverse_masses, numbering, .. } = assembly;
-        let mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, integrator.as_ref(), instructions);
+        let (method_of, count) = (integrator.as_ref(), laws.len());
+        let mut mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method_of, instructions);
+        mechanics.start_moved(state.at(0.0));
+        mechanics.set_moved(0.0, &mut state, &mut vec![0.0; count]);
         let energy_terms = mechanics.energy_terms(0.0, &state);
         let ledger = Ledger::open(mechanics.scope(), energy_terms.clone());
         let good = GoodState {
@@ -202,7 +204,7 @@ impl Simulation {
     }
 
     fn energy_shift(&self, dt: f64) -> f64 {
-        self.integrator.energy_shift(&self.mechanics.masses, dt)
+        self.integrator.energy_shift(&self.mechanics.free_masses(), dt)
     }
 
     /// Number of steps since the time of step 0.
@@ -258,31 +260,6 @@ impl Simulation {
         self.numbering.external_vectors(&self.state.velocities)
     }
 
-    /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest.
-    ///
-    /// # Errors
-    /// `LengthMismatch`, `NotFinite`.
-    pub fn set_motion(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Result<()> {
-        for (what, rows) in [("positions", positions), ("velocities", velocities)] {
-            let expected = self.mechanics.masses.len();
-            if rows.len() != expected {
-                return Err(Error::LengthMismatch { what, found: rows.len(), expected, per: "node" });
-            }
-        }
-        check_finite("the position", positions)?;
-        check_finite("the velocity", velocities)?;
-        self.continue_from_output();
-        self.state = State {
-            positions: self.numbering.internal_vectors(positions),
-            velocities: self.numbering.internal_vectors(velocities),
-        };
-        hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
-        self.integrator.restore_history(History::default());
-        self.mechanics.restore_histories(&[]);
-        self.open_ledger();
-        Ok(())
-    }
-
     /// The ledger since the start.
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
@@ -308,7 +285,7 @@ impl Simulation {
         let rows: Vec<usize> =
             (0..laws.len()).filter(|&row| name.is_none_or(|name| laws[row].name() == name)).collect();
         let mut forces = NodeVectors::zeros(self.mechanics.masses.len());
-        let at = Instant::new(self.state.at(self.time()), self.mechanics.spin);
+        let at = Instant::new(self.state.at(self.time()), &self.mechanics.spin);
         for row in rows {
             self.mechanics.add_forces_of(row, at, &mut forces);
         }
@@ -362,6 +339,7 @@ impl Simulation {
         let time = self.time();
         self.integrator.step(&mut self.mechanics, time, self.dt, &mut self.state, &mut self.ledger.work);
         self.step_count += 1;
+        self.set_moved();
     }
 
     fn start_if_needed(&mut self) {
@@ -387,13 +365,4 @@ impl Simulation {
 fn options_of(settings: &Settings, nodes: usize, laws: usize) -> Options {
     let Settings { instructions, spectral_radius, substeps, .. } = *settings;
     Options { nodes, laws, instructions, spectral_radius, substeps }
-}
-
-/// Sets the velocities of held nodes to zero.
-fn hold(inverse_masses: &[f64], velocities: &mut NodeVectors) {
-    for (i, &inverse) in inverse_masses.iter().enumerate() {
-        if inverse == 0.0 {
-            velocities.row_mut(i).fill(0.0);
-        }
-    }
 }

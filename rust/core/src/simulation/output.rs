@@ -117,6 +117,7 @@ impl Simulation {
         let end = Endpoint { time: step_end, state: &self.state, work: &self.ledger.work };
         let (state, work) = Embedded::interpolate(method, end, time);
         let (state, work) = (std::mem::replace(&mut self.state, state), std::mem::replace(&mut self.ledger.work, work));
+        self.mechanics.set_moved(time, &mut self.state, &mut self.ledger.work);
         self.output = Some(Output { time, held: Some(Held { state, work, histories: None }) });
     }
 
@@ -128,6 +129,7 @@ impl Simulation {
         let (state, work, histories) = (self.state.clone(), self.ledger.work.clone(), self.mechanics.histories());
         side.step(&mut self.mechanics, step_end, dt, &mut self.state, &mut self.ledger.work);
         self.mechanics.evaluation_count = evaluation_count;
+        self.mechanics.set_moved(time, &mut self.state, &mut self.ledger.work);
         self.mechanics.accept(self.state.at(time));
         let stall = side.implicit().and_then(|method| method.stalled());
         self.side = Some(side);

@@ -29,10 +29,12 @@ impl Simulation {
         let least = RESERVE * self.limit()?.dt;
         let mut is_slow = Vec::new();
         for law in &self.mechanics.laws {
-            // The force of Coriolis belongs to the substeps, which take it exactly. Its rate is linear in time: zero at
-            // two instants, it is zero throughout.
-            let rate = |time| law.linearisation().map_or(0.0, |law| law.coriolis_rate(self.mechanics.spin.at(time)));
-            let has_coriolis = [0.0, 1.0].into_iter().any(|time| rate(time) != 0.0);
+            // The force of Coriolis belongs to the substeps, which take it exactly. Its rate is linear in time, zero
+            // throughout if zero at two instants, or that of a schedule.
+            let spin = &self.mechanics.spin;
+            let rate = |frame| law.linearisation().map_or(0.0, |law| law.coriolis_rate(frame));
+            let frames = [spin.at(0.0), spin.at(1.0), spin.fastest(spin.at(0.0))];
+            let has_coriolis = frames.into_iter().any(|frame| rate(frame) != 0.0);
             let own = stability::limit(method.as_ref(), &[law.as_ref()], at, inverse_masses)?;
             is_slow.push(!has_coriolis && own.dt >= least);
         }
@@ -46,8 +48,14 @@ impl Simulation {
         if has_groups { SHARE_OF_HALF_PERIOD * PI / limit.largest_frequency } else { f64::INFINITY }
     }
 
+    /// The largest rate of the frame from now on, where a schedule tells it, or else the present one \[rad/s\].
+    pub(super) fn frame_rate(&self) -> f64 {
+        self.mechanics.spin.fastest(self.instant().frame).rate.abs()
+    }
+
     /// The limit of the step at an instant: the smaller of the limits of fast and slow laws.
     pub(super) fn limit_at(&self, at: Instant<'_>) -> Result<Limit> {
+        let at = Instant { frame: self.mechanics.spin.fastest(at.frame), ..at };
         let inverse_masses = &self.mechanics.inverse_masses;
         let fast =
             stability::limit(self.integrator.as_ref(), &self.mechanics.laws_of(RateGroup::Fast), at, inverse_masses)?;

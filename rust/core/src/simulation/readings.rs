@@ -7,8 +7,9 @@ use crate::laws::{FilmStates, Inspection, Instant, LinkReadings};
 /// The load of the sail on the hub, in the turning frame.
 ///
 /// The sail is all nodes, held ones included; the hub holds these and touches others at the spool. The load is that of
-/// all forces on the held nodes, inertial forces of the turning frame included, less the forces of contact on all
-/// nodes: it balances the rate of change of the sail's momentum and angular momentum, less the loads from outside.
+/// all forces on the held nodes, inertial forces of the turning frame and of prescribed motion included, less the forces
+/// of contact on all nodes: it balances the rate of change of the sail's momentum and angular momentum, less the loads
+/// from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HubLoad {
     /// Force \[N\].
@@ -59,15 +60,16 @@ impl Simulation {
 
     /// Forces of contact that the hub exerts on the nodes, in external order \[N\].
     pub fn contact_forces(&mut self) -> Vec<[f64; 3]> {
-        let at = Instant::new(self.state.at(self.time()), self.mechanics.spin);
+        let at = Instant::new(self.state.at(self.time()), &self.mechanics.spin);
         let [_, contact] = self.mechanics.forces_with_contact(at);
         self.numbering.external_vectors(&contact)
     }
 
     /// The load of the sail on the hub.
     pub fn hub_load(&mut self) -> HubLoad {
-        let at = Instant::new(self.state.at(self.time()), self.mechanics.spin);
+        let at = Instant::new(self.state.at(self.time()), &self.mechanics.spin);
         let [all, by_contact] = self.mechanics.forces_with_contact(at);
+        let prescribed = self.mechanics.prescribed_inertia(at.time);
         let (mut force, mut torque, mut contact) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros(), 0.0);
         for (node, &inverse_mass) in self.mechanics.inverse_masses.iter().enumerate() {
             let of_node = |forces: &crate::arrays::state::NodeVectors| forces.row(node).transpose();
@@ -76,6 +78,10 @@ impl Simulation {
             force += own;
             torque += of_node(at.positions).cross(&own);
             contact += if is_held { 0.0 } else { of_node(&by_contact).norm() };
+        }
+        for (node, inertia) in prescribed {
+            force -= inertia;
+            torque -= at.positions.row(node).transpose().cross(&inertia);
         }
         HubLoad { force: force.into(), torque: torque.into(), contact }
     }

@@ -1,11 +1,41 @@
-//! A start from the motion of another simulation: of the same nodes, under other laws or parameters.
+//! A start from a given motion: one that is set, or that of another simulation of the same nodes, under other laws or
+//! parameters.
 
 use super::Simulation;
-use crate::error::Result;
+use crate::arrays::history::History;
+use crate::arrays::state::{NodeVectors, State};
+use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
 use crate::model::checks::finite;
+use crate::model::mesh::check_finite;
 
 impl Simulation {
+    /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest, and
+    /// those that move as prescribed go on from there.
+    ///
+    /// # Errors
+    /// `LengthMismatch`, `NotFinite`.
+    pub fn set_motion(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Result<()> {
+        for (what, rows) in [("positions", positions), ("velocities", velocities)] {
+            let expected = self.mechanics.masses.len();
+            if rows.len() != expected {
+                return Err(Error::LengthMismatch { what, found: rows.len(), expected, per: "node" });
+            }
+        }
+        check_finite("the position", positions)?;
+        check_finite("the velocity", velocities)?;
+        self.continue_from_output();
+        self.state = State {
+            positions: self.numbering.internal_vectors(positions),
+            velocities: self.numbering.internal_vectors(velocities),
+        };
+        hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
+        self.integrator.restore_history(History::default());
+        self.restart_moved();
+        self.open_ledger();
+        Ok(())
+    }
+
     /// Starts from positions \[m\] and velocities \[m/s\], in external order, at a time \[s\] and with a hub that has
     /// turned by `hub_angle` \[rad\], which goes on from there at the rate of this scene. Steps are counted from there,
     /// and the ledger is opened anew.
@@ -24,14 +54,43 @@ impl Simulation {
         self.set_motion(positions, velocities)?;
         (self.output, self.origin, self.step_count) = (None, time, 0);
         self.roll_back_adaptive(time);
-        self.mechanics.spin = self.mechanics.spin.through(time, hub_angle);
+        self.mechanics.spin = self.mechanics.spin.clone().through(time, hub_angle);
+        self.restart_moved();
         self.open_ledger();
         Ok(())
+    }
+
+    /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are.
+    fn restart_moved(&mut self) {
+        self.mechanics.restore_histories(&[]);
+        self.start_moved();
+    }
+
+    /// Sets the nodes that move as prescribed to their motion, which starts from where they are unless it was restored.
+    pub(super) fn start_moved(&mut self) {
+        let time = self.time();
+        self.mechanics.start_moved(self.state.at(time));
+        self.mechanics.set_moved(time, &mut self.state, &mut vec![0.0; self.mechanics.laws.len()]);
+    }
+
+    /// Sets the nodes that move as prescribed to their motion at the end of a step.
+    pub(super) fn set_moved(&mut self) {
+        let time = self.step_end_time();
+        self.mechanics.set_moved(time, &mut self.state, &mut self.ledger.work);
     }
 
     /// Opens the ledger anew, with the present motion as its start and as the last good state.
     pub(super) fn open_ledger(&mut self) {
         self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms());
         self.record_good(self.ledger.start.clone());
+    }
+}
+
+/// Sets the velocities of held nodes to zero.
+pub(super) fn hold(inverse_masses: &[f64], velocities: &mut NodeVectors) {
+    for (i, &inverse) in inverse_masses.iter().enumerate() {
+        if inverse == 0.0 {
+            velocities.row_mut(i).fill(0.0);
+        }
     }
 }

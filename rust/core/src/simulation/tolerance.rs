@@ -50,7 +50,7 @@ impl Simulation {
     /// those of the positions times the largest frequency: d v. That adds M d v^2/2 a step to nodes at rest, and as a
     /// random walk (M d v^2/2 E n)^1/2 to a motion of the energy E in n steps.
     pub(super) fn rounding(&self, now: &EnergyTerms) -> f64 {
-        let frame_rate = self.instant().frame.rate.abs();
+        let frame_rate = self.frame_rate();
         let (length, speed) = (self.state.positions.amax(), self.state.velocities.amax());
         let rate = self.start_limit.largest_frequency + frame_rate;
         let vibration = self.kinetic_at(ULPS * f64::EPSILON * (rate * length + speed));
@@ -109,7 +109,7 @@ impl Simulation {
         }
         let RigidMotion { translation, rotation, rate, carried } = self.rigid_motion();
         let own = tolerance * (kinetic - rotation).max(0.0);
-        let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.instant().frame.rate.abs());
+        let (dt, most, frame_rate) = (self.dt(), self.settings.loss_tolerance, self.frame_rate());
         // In a turning frame the circles are those of the motion against it, whose rate is at most Omega for a piece
         // that does not turn.
         let tangents = |rate: f64| (TANGENTS * (self.time() / dt) * (rate * dt).powi(4)).min(most);

@@ -127,7 +127,7 @@ pub fn creases(natural_angle: f64) -> LawSpec {
 /// A hub with an angular velocity `rate` \[rad/s\] and an angular acceleration \[rad/s2\].
 pub fn spin(rate: f64, acceleration: f64) -> LawSpec {
     use std::f64::consts::TAU;
-    SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU }.into()
+    SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU, schedule: None }.into()
 }
 
 pub fn gravity(acceleration: [f64; 3]) -> LawSpec {
@@ -189,14 +189,14 @@ impl Bench {
     /// Forces \[N\] and power \[W\] of one law in a state.
     pub fn evaluate(&mut self, row: usize, time: f64, state: &State) -> (NodeVectors, f64) {
         let (mut forces, mut powers) = (NodeVectors::zeros(state.positions.nrows()), vec![0.0; self.laws.len()]);
-        let at = Instant::new(state.at(time), self.spin);
+        let at = Instant::new(state.at(time), &self.spin);
         let plan = Plan::new(&mut self.laws);
         plan.add_selected(&mut self.laws, |other| other == row, at, &mut forces, &mut powers);
         (forces, powers[row])
     }
 
     pub fn instant(&self) -> Instant<'_> {
-        Instant::new(self.state.at(self.time), self.spin)
+        Instant::new(self.state.at(self.time), &self.spin)
     }
 
     /// Random vectors, one per node.

@@ -24,7 +24,7 @@ impl GeneralizedAlpha {
     /// Finds a' by descent; a failure gives the node with the largest last correction.
     pub(super) fn descend(&mut self, system: &mut dyn System, interval: &Interval<'_>) -> Result<(), usize> {
         let (size, scale) = (interval.from.positions.amax(), self.beta * interval.h * interval.h);
-        self.guess();
+        self.guess(system, interval);
         self.evaluate(system, interval);
         for _ in 0..CORRECTIONS {
             self.statistics.iterations += 1;
