@@ -1,4 +1,4 @@
-"""Nodes that move as prescribed: their place, exact motions of what hangs on them, order, work, restart, wrong input."""
+"""Nodes that move as prescribed: place, exact motions of what hangs on them, order, work, restart, wrong input."""
 
 from __future__ import annotations
 

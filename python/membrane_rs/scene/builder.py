@@ -147,7 +147,7 @@ class Builder:
         self._fixed.extend(nodes.tolist())
 
     def move(self, motion: Motion, where: str) -> None:
-        """Move nodes as prescribed, also those that are fixed. Raises SceneError where another part moves one of them."""
+        """Move nodes as prescribed, also fixed ones. Raises SceneError where another part moves one of them."""
         for other, place in self._motions:
             both = np.intersect1d(motion.nodes, other.nodes)
             if both.size:
