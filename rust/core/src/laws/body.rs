@@ -202,7 +202,8 @@ impl Law for BodyContact {
 
     fn energy(&self, at: Instant<'_>) -> f64 {
         let poses = self.contacts.poses_at(at);
-        let mut squares = Squares { shape: self.contacts.shape, poses: &poses, sum: 0.0 };
+        // From the zero of sums of numbers.
+        let mut squares = Squares { shape: self.contacts.shape, poses: &poses, sum: -0.0 };
         self.contacts.visit_all(at.positions, &poses, &mut squares);
         0.5 * self.stiffness * squares.sum
     }
