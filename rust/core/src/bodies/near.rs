@@ -1,5 +1,7 @@
-//! The elements near a body: those that may touch it until a node, or the body, has moved by a given distance.
+//! The elements near a body: those that may touch it while no node of another element has moved by its allowance.
 //!
+//! The distance of an element from the surface changes by no more than the ways of its nodes and of the body. So the
+//! allowance of a node is the least distance of the elements that have it and are not near, less the way of the body.
 //! Elements that are not near contribute exactly nothing, and those that are near come in the order of their numbers.
 //! So results do not depend on when the list was made.
 
@@ -37,19 +39,23 @@ pub struct Candidates {
     pub triangles: Elements<3>,
 }
 
-/// The candidates near a body, while nothing has moved by more than a distance.
+/// The candidates near a body, while no node has moved by more than its allowance.
 #[derive(Debug, Clone, Default)]
 pub struct Near {
     /// All elements.
     pub candidates: Candidates,
     /// The nodes of all elements; empty where most nodes are among them, and all are looked at.
     few: Vec<u32>,
-    /// The distance \[m\].
+    /// Distance from the surface up to which an element is near \[m\].
     skin: f64,
+    /// Of each node; infinite for one whose elements are all near \[m\].
+    allowances: Vec<f64>,
     /// Positions and poses for which the list was made, and the reach of the nodes.
     positions: Option<NodeVectors>,
     poses: Vec<Pose>,
     reach: f64,
+    /// The least allowance \[m\].
+    least: f64,
 }
 
 impl<const K: usize> Elements<K> {
@@ -70,8 +76,17 @@ impl<const K: usize> Elements<K> {
         self.near[start..end].iter().map(|&(element, copy)| (self.nodes[element as usize], copy as usize))
     }
 
-    /// Finds the elements within `skin` of the body, by the distances of all nodes from the surface of each copy.
-    fn find(&mut self, shape: &Shape, x: [&[f64]; 3], poses: &[Pose], gaps: &[Vec<f64>], skin: f64) {
+    /// Finds the elements within `skin` of the body, by the distances of all nodes from the surface of each copy, and
+    /// lowers the allowances of the nodes of all others.
+    fn find(
+        &mut self,
+        shape: &Shape,
+        x: [&[f64]; 3],
+        poses: &[Pose],
+        gaps: &[Vec<f64>],
+        skin: f64,
+        allowances: &mut [f64],
+    ) {
         self.near.clear();
         for (element, nodes) in self.nodes.iter().enumerate() {
             let corners = nodes.map(|node| point(x, node));
@@ -81,14 +96,40 @@ impl<const K: usize> Elements<K> {
                 0.0
             });
             for (copy, gaps) in gaps.iter().enumerate() {
-                // The distance from a surface changes by no more than the way.
                 let furthest = nodes.iter().map(|&node| gaps[node as usize]).fold(f64::MIN, f64::max);
-                let is_far = furthest > longest + skin || -shape.depth(&poses[copy], &corners) > skin;
-                if !is_far {
+                let mut gap = furthest - longest;
+                if gap <= skin {
+                    gap = -shape.depth(&poses[copy], &corners);
+                }
+                if gap <= skin {
                     self.near.push((element as u32, copy as u32));
+                    continue;
+                }
+                for &node in nodes {
+                    let allowance = &mut allowances[node as usize];
+                    *allowance = allowance.min(gap);
                 }
             }
         }
+    }
+}
+
+/// Whether a point has moved by more than an allowance, less the way of the body: the sum of what its square has over
+/// that of the allowance.
+struct BeyondAllowance {
+    way: f64,
+}
+
+impl Formula<7, 0> for BeyondAllowance {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, _: [V; 7], _: [V; 0]) -> [V; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn summand<V: SimdF64>(&self, [x, y, z, u, v, w, allowance]: [V; 7], _: [V; 0]) -> V {
+        let (x, y, z, left) = (x - u, y - v, z - w, allowance - V::all(self.way));
+        (x * x + y * y + z * z - left * left).max(V::zero())
     }
 }
 
@@ -150,7 +191,6 @@ impl Near {
         let count = positions.nrows() as u32;
         let all: Vec<u32> = if self.few.is_empty() { (0..count).collect() } else { self.few.clone() };
         let furthest = |pose: &Pose| all.iter().map(|&node| distance(point(x, node), pose.centre)).fold(0.0, f64::max);
-        self.reach = poses.iter().map(furthest).fold(0.0, f64::max) + 2.0 * self.skin;
         let gaps_of = |pose: &Pose| {
             let mut gaps = vec![0.0; count as usize];
             all.iter().for_each(|&node| gaps[node as usize] = -shape.depth(pose, &[point(x, node)]));
@@ -158,9 +198,15 @@ impl Near {
         };
         let gaps: Vec<Vec<f64>> = poses.iter().map(gaps_of).collect();
         let Candidates { points, edges, triangles } = &mut self.candidates;
-        points.find(shape, x, poses, &gaps, self.skin);
-        edges.find(shape, x, poses, &gaps, self.skin);
-        triangles.find(shape, x, poses, &gaps, self.skin);
+        let allowances = &mut self.allowances;
+        allowances.clear();
+        allowances.resize(count as usize, f64::INFINITY);
+        points.find(shape, x, poses, &gaps, self.skin, allowances);
+        edges.find(shape, x, poses, &gaps, self.skin, allowances);
+        triangles.find(shape, x, poses, &gaps, self.skin, allowances);
+        let finite = allowances.iter().copied().filter(|allowance| allowance.is_finite());
+        self.reach = poses.iter().map(furthest).fold(0.0, f64::max) + finite.clone().fold(self.skin, f64::max);
+        self.least = finite.fold(f64::INFINITY, f64::min);
     }
 
     /// Whether the list holds at these positions and poses.
@@ -171,8 +217,18 @@ impl Near {
         }
         let Some(own) = &self.positions else { return false };
         let shifts = self.poses.iter().zip(poses).map(|(before, now)| before.shift(now, self.reach));
-        let left = self.skin - shifts.fold(0.0, f64::max);
-        left > 0.0 && !self.has_moved(instructions, own, positions, left)
+        let way = shifts.fold(0.0, f64::max);
+        let (old, new) = (columns(own), columns(positions));
+        if way >= self.least {
+            return false;
+        }
+        if !self.few.is_empty() {
+            let is_within =
+                |&node: &u32| distance(point(old, node), point(new, node)) <= self.allowances[node as usize] - way;
+            return self.few.iter().all(is_within);
+        }
+        let ([x, y, z], [u, v, w]) = (old, new);
+        each(instructions, &BeyondAllowance { way }, [x, y, z, u, v, w, &self.allowances[..]], []) == 0.0
     }
 }
 

@@ -10,9 +10,9 @@ use crate::bodies::shape::Shape;
 use crate::laws::Instant;
 use crate::simd::dispatch::InstructionSet;
 
-/// How far nodes or body move before the list of near elements is made anew, as a share of the size of the body, and
-/// for a half-space, which has none \[m\].
-const SKIN: f64 = 0.3;
+/// Distance from the surface up to which an element is near, as a share of the size of the body, and for a half-space,
+/// which has none \[m\].
+const SKIN: f64 = 0.05;
 const SKIN_OF_PLANE: f64 = 1e-3;
 
 /// A body and the elements that may touch it.
