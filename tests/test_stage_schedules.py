@@ -7,7 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from membrane_rs import Plane, Scene, SceneError, Schedule, Stage
+from membrane_rs import (
+    Moved,
+    Plane,
+    RunSettings,
+    Scene,
+    SceneError,
+    Schedule,
+    Simulation,
+    Spin,
+    Stage,
+    Tether,
+    TipMasses,
+)
 from membrane_rs.results import read_history
 from membrane_rs.runs import resume
 from small_scenes import refused
@@ -98,3 +110,31 @@ def test_a_body_goes_on_where_a_measure_ends_its_stage_early(early: bool) -> Non
     assert sim.boundaries == [pytest.approx(start, abs=1e-15)]
     assert sim.stage_scene.bodies[0].travel_x == Schedule((0.0, 0.1), (0.0, -0.5)).delayed(sim.boundaries[0])
     assert sim.time == pytest.approx(start + 0.2, abs=1e-12)
+
+
+def test_a_moved_node_and_a_hub_that_spins_up_through_stages(tmp_path: Path) -> None:
+    drive = Schedule((0.0, 0.2), (0.0, 0.1), ease=0.5)
+    part = Tether((0.2, 0.0, 0.0), (1.0, 0.0, 0.0), 1, 1e3, 0.0, tip_mass=1.0, fixed=False, strain_limit=1e6)
+    parts = [part, TipMasses(1.0, (0,)), Moved((0,), z=drive, name="driver")]
+    stages = (
+        Stage("wait", 0.1, set={"parts.driver.z": Schedule((0.0,), (0.0,))}),
+        Stage("drive", 0.25, set={"parts.driver.z": drive, "run.dt": 5e-4}),
+        Stage("hold", 0.1, set={"run.integrator": "leapfrog"}),
+    )
+    speed = Schedule((0.0, 0.4), (0.5, 1.0), ease=0.5)
+    scene = Scene(None, None, [Spin(schedule=speed)], parts, stages=stages, run=RunSettings(dt=1e-3, snapshots=()))
+    sim = Simulation(scene)
+    sim.run(0.2, out=tmp_path / "part", frames=3, samples=5, pictures=False)
+    whole = Simulation(scene)
+    for time in np.linspace(0.01, 0.45, 45):
+        whole.reach(float(time))
+        rates = np.array([speed.at(float(t)) for t in np.linspace(0.0, time, 2001)])
+        turns = time / 2000 * (rates.sum() - 0.5 * (rates[0] + rates[-1]))
+        assert whole.hub_angle == pytest.approx(2.0 * np.pi * turns, rel=1e-6)
+        assert abs(whole.ledger()["error"]) < 1e-5
+    assert whole.positions[0, 2] == pytest.approx(0.1, abs=1e-12)
+    assert set(whole.ledger()["changes"]) <= {"drive: kinetic", "hold: kinetic"}
+    again = resume(tmp_path / "part", until=0.45)
+    assert (again.positions == whole.positions).all()
+    assert again.ledger() == whole.ledger()
+    assert read_history(tmp_path / "part")["work_moved"][-1] == whole.ledger()["work_by_law"]["moved"]

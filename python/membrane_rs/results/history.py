@@ -9,7 +9,8 @@ energy_error           (energy now - energy at the start - work done) / referenc
 hub_angle              [rad] turned by the hub so far
 reference_energy       [J] the largest change of a single term of the energy balance so far
 energy_<law>           [J] one per law with a potential: its potential energy
-work_<law>             [J] one per law and body of the scene: work done on the system, negative where it takes energy
+work_<law>             [J] one per law and body of the scene, and for moved nodes: work done on the system, negative
+                       where it takes energy
 hub_force              [N] magnitude of the force of the sail on the hub, see `HubLoad`; where nodes are held, or meet a
                        spool
 hub_torque             [N m] torque of the sail on the hub about its axis; likewise
@@ -96,7 +97,9 @@ class History(Writer):
         self._corners = Corners(sim.assembly)
         self._energies = list(sim.potential_names)
         bodies = [name for body in sim.scene.bodies for name in (body.name, f"{body.name}_friction")]
-        self._works = [*(law.kind for law in sim.scene.laws), *(name for name in bodies if name in sim.law_names)]
+        of_parts = dict.fromkeys(part.working_law for part in sim.scene.parts)
+        others = [name for name in (*of_parts, *bodies) if name in sim.law_names]
+        self._works = [*(law.kind for law in sim.scene.laws), *others]
         self._readings = _readings_of(sim)
         self._of_stages = OF_STAGES if sim.scene.stages else ()
         self.columns = [

@@ -64,6 +64,7 @@ class Moved(Part):
     """
 
     kind: ClassVar[str] = "moved"
+    working_law: ClassVar[str | None] = "moved"
     nodes: Nodes
     x: Annotated[Schedule | None, Unit("m")] = None
     y: Annotated[Schedule | None, Unit("m")] = None

@@ -25,6 +25,8 @@ class Part:
 
     kind: ClassVar[str]
     """Its name in scene files."""
+    working_law: ClassVar[str | None] = None
+    """The law of the core that comes with it and does work, so that history.csv has a column for it."""
     name: str | None = field(default=None, kw_only=True)
 
     def add_nodes(self, builder: Builder, where: str) -> None:

@@ -216,7 +216,8 @@ class Motion(KnownAttributes, Copies, Readings):
         InputError
             A law that the scene does not hold.
         """
-        name = law if law is None or isinstance(law, str) else getattr(law, "name", getattr(law, "kind", None))
+        kind = getattr(law, "kind", None)  # a body has a name of its own beside it
+        name = law if law is None or isinstance(law, str) else kind and getattr(law, "name", kind)
         if law is not None and name is None:
             raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
         return self._core.forces(name)
