@@ -17,7 +17,8 @@ RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml ru
 
 .PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy clean
 
-# Both sails of the paper for 0.8 s, at once on two cores: pictures, VTU frames, curves and a table, in out/.
+# A sail from the roll to the flat square, and both sails of the paper from the cross, on all cores: pictures, VTU frames,
+# curves and a table, in out/.
 demo: $(VENV)/built
 	$(BIN)/python examples/demo.py --out out
 

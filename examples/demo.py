@@ -1,9 +1,10 @@
-"""Deploy both sails of the paper, side by side: pictures, frames for ParaView, curves, a table of numbers.
+"""Deploy a sail from the roll to the flat square, and both sails of the paper from the cross, side by side.
 
 Leaves in the folder `out`:
 
-    okuizumi-model-1/, okuizumi-model-2/    a results folder each
-    comparison.png                          deployment rate and phase difference of both
+    okuizumi-whole/                         a results folder: pictures, frames for ParaView, curves
+    okuizumi-model-1/, okuizumi-model-2/    the same for the sails of the paper
+    comparison.png                          deployment rate and phase difference of these two
     summary.md                              the table that is printed at the end
 """
 
@@ -21,12 +22,14 @@ from typing import Any
 from membrane_rs import Simulation, scenes
 from membrane_rs.plotting import compare_runs
 
+WHOLE = "okuizumi-whole"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 
 
-def deploy(name: str, until: float, folder: Path, pictures: bool) -> Path:
-    """Run one built-in scene into `folder`, and report each tenth of its duration."""
+def deploy(name: str, until: float | None, folder: Path, pictures: bool) -> Path:
+    """Run one built-in scene into `folder`, and report each tenth of its duration; until None: to its own end."""
     sim = Simulation(scenes.load(name))
+    until = sim.planned_end if until is None else until
     began, reported = time.perf_counter(), 0
 
     def progress(sim: Simulation) -> None:
@@ -82,29 +85,26 @@ def table(summaries: list[dict[str, Any]]) -> str:
 
 
 def main() -> None:
-    """Run both models at once, each in a process of its own, and compare them."""
+    """Run the scenes at once, each in a process of its own, and compare both models."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--until", type=float, default=0.8, help="simulated time [s]")
+    parser.add_argument("--until", type=float, help="simulated time [s]; default: to the end of each scene")
     parser.add_argument("--out", type=Path, default=Path("out"), help="folder of the results")
     parser.add_argument("--no-pictures", action="store_true", help="curves and frames only")
     options = parser.parse_args()
 
-    folders = [options.out / name for name in MODELS]
+    folders = [options.out / name for name in (WHOLE, *MODELS)]
     began = time.perf_counter()
-    with ProcessPoolExecutor(min(len(MODELS), os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
-        runs = [
-            pool.submit(deploy, name, options.until, folder, not options.no_pictures)
-            for name, folder in zip(MODELS, folders, strict=True)
-        ]
+    with ProcessPoolExecutor(min(len(folders), os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
+        runs = [pool.submit(deploy, folder.name, options.until, folder, not options.no_pictures) for folder in folders]
         for run in runs:
             run.result()
     labels = ["model 1 (7 fold lines)", "model 2 (3 fold lines)"]
-    compare_runs(folders, options.out / "comparison.png", labels)
-    text = table([read_summary(folder) for folder in folders])
+    compare_runs(folders[1:], options.out / "comparison.png", labels)
+    text = table([read_summary(folder) for folder in folders[1:]])
     (options.out / "summary.md").write_text(text, encoding="utf-8")
-    print(f"\n{text}\nBoth runs and their pictures took {time.perf_counter() - began:.0f} s.")
+    print(f"\n{text}\nAll runs and their pictures took {time.perf_counter() - began:.0f} s.")
     for folder in folders:
-        print(f"{folder}: snapshots/turning.png, animation.gif, deployment.png, frames.pvd, history.csv")
+        print(f"{folder}: snapshots/, animation.gif, deployment.png, frames.pvd, history.csv")
     print(f"{options.out}: comparison.png, summary.md")
 
 
