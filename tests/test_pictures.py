@@ -18,7 +18,7 @@ from membrane_rs.plotting.camera import Camera, bar_length, direction_of
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
 from membrane_rs.plotting.picture import CREASE, Subject
-from membrane_rs.plotting.snapshots import contact_sheet
+from membrane_rs.plotting.sheets import contact_sheet
 from membrane_rs.results import read_history
 from membrane_rs.results.summary import curve_features
 from PIL import Image

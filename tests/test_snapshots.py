@@ -13,7 +13,8 @@ from membrane_rs.plotting.animation import MOST_FRAMES, chosen
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import Painter, ProcessPainter, forget_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
-from membrane_rs.plotting.snapshots import SnapshotTaker, caption, contact_sheet
+from membrane_rs.plotting.sheets import caption, contact_sheet
+from membrane_rs.plotting.snapshots import SnapshotTaker
 from membrane_rs.runs import RunFolder
 from membrane_rs.scene import Scene
 from membrane_rs.scene.parts import Tether, Tethers, TipMasses

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from membrane_rs._arrays import Floats
 from membrane_rs.errors import UnstableError
 from membrane_rs.plotting.painter import begin_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
@@ -46,9 +47,17 @@ class Drawing(Writer):
 
     def subject(self, sim: Stepper) -> Subject:
         """What all pictures of the run show, with one camera."""
-        frames = self.record.frames[:: max(1, len(self.record.frames) // SHAPES)]
-        shapes = [*self.record.shapes, *(read_frame(self.record.path / file) for _, file in frames)]
-        return Subject.of(sim, [*shapes, sim.positions])
+        return Subject.of(sim, [*self.record.shapes, *self.some_shapes(self.record.frames), sim.positions])
+
+    def some_shapes(self, frames: Sequence[tuple[float, str]]) -> list[Floats]:
+        """Those of about `SHAPES` of some frames, (N, 3) [m] each."""
+        some = frames[:: max(1, len(frames) // SHAPES)]
+        return [read_frame(self.record.path / file) for _, file in some]
+
+    def first_shape(self, sim: Stepper) -> Floats:
+        """(N, 3) positions of the first shape that is known [m]."""
+        frames = self.record.frames
+        return read_frame(self.record.path / frames[0][1]) if frames else sim.positions
 
 
 def decimals(times: Sequence[float], least: int) -> int:

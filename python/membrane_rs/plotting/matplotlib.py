@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.plotting.camera import with_scale_bar
+from membrane_rs.plotting.camera import Camera, with_scale_bar
 from membrane_rs.plotting.picture import (
+    BODY,
     CORD,
     CREASE,
     EDGE,
     EDGE_SHARE,
     MARK,
+    PLANE_OPACITY,
     SPOOL,
     TIP,
     Color,
@@ -21,11 +23,13 @@ from membrane_rs.plotting.picture import (
     Subject,
     turned,
 )
+from membrane_rs.plotting.surroundings import NONE, Surroundings, cylinder_ends, plane_corners, turned_solid
+from membrane_rs.scene.solid import Solid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_SIDES = 40
+_SIDES, _SIDES_OF_BODY = 40, 16
 _ABOVE = 1e-3
 """How much nearer lines count as than the faces they lie in, as a share of what the picture reaches."""
 
@@ -38,8 +42,8 @@ class MatplotlibPainter:
         self._size = size
         self._beside = _faces_beside(subject.creases, subject.triangles)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -48,31 +52,34 @@ class MatplotlibPainter:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         axes.set(xlim=(-1.0, 1.0), ylim=(-1.0, 1.0))
-        self._draw(axes, turned(positions, hub_angle), hub_angle)
+        camera = around.camera or self._subject.camera
+        pieces = _Pieces(camera)
+        for solid in around.solids:
+            _add_solid(pieces, solid, hub_angle)
+        self._draw(axes, turned(positions, hub_angle), hub_angle, pieces)
         canvas.draw()
         picture: Image = np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3]
-        return with_scale_bar(picture, self._subject.camera)
+        return with_scale_bar(picture, camera)
 
     def close(self) -> None:
         """Nothing is held."""
 
-    def _draw(self, axes: Axes, points: Floats, hub_angle: float) -> None:
-        """Faces, lines and the spool, the farthest first, then tip masses."""
+    def _draw(self, axes: Axes, points: Floats, hub_angle: float, pieces: _Pieces) -> None:
+        """Faces, lines, spool and what pieces there are, the farthest first, then tip masses."""
         from matplotlib.collections import PolyCollection
 
-        subject, lift = self._subject, _ABOVE * self._subject.reach
-        pieces = _Pieces()
+        subject, camera, lift = self._subject, pieces.camera, _ABOVE * pieces.camera.reach
         edge = (*EDGE, EDGE_SHARE)
         depth = np.zeros(0)
         if len(subject.triangles):
             depth = self._add_faces(pieces, points[subject.triangles], edge if subject.has_edges else None)
-        place, near = subject.camera.project(points)
+        place, near = camera.project(points)
         beside = depth[self._beside].max(axis=1) if len(subject.creases) else np.zeros(0)
         width = max(0.7, self._size / 450.0)
         pieces.add_lines(place, subject.creases, beside + lift, CREASE, width)
         pieces.add_lines(place, subject.cords, near[subject.cords].max(axis=1) + lift, CORD, 1.6 * width)
         if subject.spool is not None:
-            self._add_spool(pieces, *subject.spool, hub_angle)
+            _add_spool(pieces, *subject.spool, hub_angle)
         order = np.argsort(np.array(pieces.depths), kind="stable")
         chosen = [[pieces.polygons[k] for k in order], [pieces.faces[k] for k in order]]
         axes.add_collection(
@@ -90,7 +97,7 @@ class MatplotlibPainter:
 
     def _add_faces(self, pieces: _Pieces, corners: Floats, edge: tuple[float, ...] | None) -> Floats:
         """Triangles (m, 3, 3) shaded by their slope to the light; the nearness of each (m,) [m]."""
-        subject, camera = self._subject, self._subject.camera
+        subject, camera = self._subject, pieces.camera
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
         away = normals @ camera.view < 0.0
@@ -107,35 +114,43 @@ class MatplotlibPainter:
         pieces.widths += [0.4] * len(shade)
         return depth
 
-    def _add_spool(self, pieces: _Pieces, radius: float, low: float, high: float, hub_angle: float) -> None:
-        """A cylinder from `low` to `high` [m], and the mark on its top."""
-        camera = self._subject.camera
-        angle = np.linspace(0.0, 2.0 * np.pi, _SIDES + 1)
-        rim = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        lower, upper = (np.column_stack([rim, np.full(len(rim), z)]) for z in (low, high))
-        mark = turned(np.array([(radius * x, radius * y, high) for x, y in MARK]), hub_angle)
-        sides = [np.stack([lower[k], lower[k + 1], upper[k + 1], upper[k]]) for k in range(_SIDES)]
-        dark: Color = (0.7 * SPOOL[0], 0.7 * SPOOL[1], 0.7 * SPOOL[2])
-        top = max(0.0, 1e-6 * radius)
-        for k, (shape, color) in enumerate([*((side, dark) for side in sides), (upper, SPOOL), (mark, CORD)]):
-            place, near = camera.project(shape)
-            lifted = max(0, k - _SIDES + 1) * (top + 1e-3 * radius)
-            pieces.polygons.append(place)
-            pieces.depths.append(float(near.mean() if k < _SIDES else camera.project(upper)[1].max()) + lifted)
-            pieces.faces.append((*color, 1.0))
-            pieces.edges.append((*color, 1.0))
-            pieces.widths.append(0.4)
-
 
 class _Pieces:
     """Polygons of a picture, with what each is sorted by and looks like."""
 
-    def __init__(self) -> None:
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
         self.polygons: list[Floats] = []
         self.depths: list[float] = []
         self.faces: list[tuple[float, ...]] = []
         self.edges: list[tuple[float, ...]] = []
         self.widths: list[float] = []
+
+    def add(self, shape: Floats, color: Color, depth: float | None = None, opacity: float = 1.0) -> None:
+        """A plane polygon (n, 3) [m], as near as its middle or as it is said [m]."""
+        place, near = self.camera.project(shape)
+        self.polygons.append(place)
+        self.depths.append(float(near.mean()) if depth is None else depth)
+        self.faces.append((*color, opacity))
+        self.edges.append((*color, opacity))
+        self.widths.append(0.4)
+
+    def add_cylinder(self, ends: Floats, radius: float, color: Color, sides: int) -> tuple[Floats, float]:
+        """A cylinder from end to end (2, 3) [m]; the rim of that to the camera, and its nearness [m]."""
+        along = ends[1] - ends[0]
+        along /= np.linalg.norm(along)
+        across = np.cross((0.0, 1.0, 0.0) if abs(along[1]) < 0.9 else (0.0, 0.0, 1.0), along)
+        across /= np.linalg.norm(across)
+        angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)[:, None]
+        rim = radius * (np.cos(angle) * across + np.sin(angle) * np.cross(along, across))
+        lower, upper = ends[0] + rim, ends[1] + rim
+        dark: Color = (0.7 * color[0], 0.7 * color[1], 0.7 * color[2])
+        for k in range(sides):
+            self.add(np.stack([lower[k], lower[k + 1], upper[k + 1], upper[k]]), dark)
+        seen = upper if along @ self.camera.view > 0.0 else lower
+        nearness = float(self.camera.project(seen)[1].max()) + 1e-3 * radius
+        self.add(seen, color, nearness)
+        return seen, nearness
 
     def add_lines(self, place: Floats, pairs: Ints, depths: Floats, color: Color, width: float) -> None:
         """Straight lines between pairs of nodes."""
@@ -144,6 +159,21 @@ class _Pieces:
         self.faces += [(*color, 1.0)] * len(pairs)
         self.edges += [(*color, 1.0)] * len(pairs)
         self.widths += [width] * len(pairs)
+
+
+def _add_spool(pieces: _Pieces, radius: float, low: float, high: float, hub_angle: float) -> None:
+    """A cylinder from `low` to `high` [m], and the mark on its top."""
+    _, nearness = pieces.add_cylinder(np.array([(0.0, 0.0, low), (0.0, 0.0, high)]), radius, SPOOL, _SIDES)
+    mark = np.array([(radius * x, radius * y, high) for x, y in MARK])
+    pieces.add(turned(mark, hub_angle), CORD, nearness + 1e-3 * radius)
+
+
+def _add_solid(pieces: _Pieces, solid: Solid, hub_angle: float) -> None:
+    if solid.radius is None:
+        pieces.add(plane_corners(turned_solid(solid, hub_angle), pieces.camera), BODY, opacity=PLANE_OPACITY)
+        return
+    ends = turned(np.array(cylinder_ends(solid)), hub_angle)
+    pieces.add_cylinder(ends, solid.radius, BODY, _SIDES_OF_BODY)
 
 
 def _faces_beside(pairs: Ints, triangles: Ints) -> Ints:

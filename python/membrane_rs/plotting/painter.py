@@ -11,6 +11,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.picture import Image, Subject
 from membrane_rs.plotting.process import PaintingError, PaintingProcess
+from membrane_rs.plotting.surroundings import NONE, Surroundings
 
 PROBE_SECONDS = 120.0
 """Time for the first picture, the import of pyvista included."""
@@ -21,8 +22,8 @@ TRIES = 2
 class Painter(Protocol):
     """Draws one subject, the same camera each time."""
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         ...
 
     def close(self) -> None:
@@ -94,20 +95,20 @@ class ProcessPainter:
         self._subject, self._size = subject, size
         self._other: MatplotlibPainter | None = None
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         for _ in range(TRIES):
             process = None if self._other else _pyvista.process()
             if process is None:
                 break
             try:
-                return process.paint(self._subject, self._size, positions, hub_angle)
+                return process.paint(self._subject, self._size, (positions, hub_angle, around))
             except PaintingError:
                 _pyvista.fail(process)
         if self._other is None:
             _pyvista.give_up()
             self._other = MatplotlibPainter(self._subject, self._size)
-        return self._other.paint(positions, hub_angle)
+        return self._other.paint(positions, hub_angle, around)
 
     def close(self) -> None:
         """Nothing is held: the process serves the next painter, or ends by itself."""

@@ -12,6 +12,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh.queries import petal_of_triangles
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.scene import Scene
+from membrane_rs.scene.spool import Spool
 from membrane_rs.simulation.motion import Motion
 
 Image = NDArray[np.uint8]
@@ -25,6 +26,8 @@ BACK_SHARE = 0.6
 CREASE: Color = (0.25, 0.22, 0.20)
 CORD: Color = (0.10, 0.10, 0.10)
 SPOOL: Color = (0.55, 0.57, 0.60)
+BODY: Color = (0.30, 0.42, 0.52)
+PLANE_OPACITY = 0.25
 TIP: Color = (0.75, 0.10, 0.12)
 EDGE: Color = (0.30, 0.26, 0.20)
 EDGE_SHARE = 0.35
@@ -96,10 +99,15 @@ def turned(points: Floats, angle: float) -> Floats:
     return fixed
 
 
+def spool_of(scene: Scene) -> Spool | None:
+    """The spool that laws or parts describe; None for a scene without one."""
+    described = (*(law.spool for law in scene.laws), *(part.spool for part in scene.parts))
+    return next((spool for spool in described if spool is not None), None)
+
+
 def _spool(scene: Scene, stowed: Floats, reach: float) -> tuple[float, float, float] | None:
     """Radius, lowest and highest z of the spool [m]; None for a scene without one."""
-    described = (*(law.spool for law in scene.laws), *(part.spool for part in scene.parts))
-    spool = next((spool for spool in described if spool is not None), None)
+    spool = spool_of(scene)
     if spool is None:
         return None
     radius, half_height = spool

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.plotting.camera import ANGLE_DEG, with_scale_bar
+from membrane_rs.plotting.camera import ANGLE_DEG, Camera, with_scale_bar
 from membrane_rs.plotting.picture import (
+    BODY,
     CORD,
     CREASE,
     EDGE,
     EDGE_SHARE,
     MARK,
+    PLANE_OPACITY,
     SPOOL,
     TIP,
     Color,
@@ -21,6 +24,8 @@ from membrane_rs.plotting.picture import (
     Subject,
     turned,
 )
+from membrane_rs.plotting.surroundings import NONE, Surroundings, cylinder_ends, plane_corners, turned_solid
+from membrane_rs.scene.solid import Solid
 
 LIFT = 0.004
 """How far lines stand before the faces, as a share of what the picture reaches."""
@@ -41,8 +46,10 @@ class PyvistaPainter:
         self._moving: list[Any] = []
         if len(subject.triangles):
             self._add_membrane(subject)
-        self._add_lines(subject.creases, CREASE, max(1.5, size / 280.0), subject.reach)
-        self._add_lines(subject.cords, CORD, max(1.5, size / 300.0), subject.reach)
+        self._lines: list[Any] = []
+        self._solids: list[Any] = []
+        self._add_lines(subject.creases, CREASE, max(1.5, size / 280.0))
+        self._add_lines(subject.cords, CORD, max(1.5, size / 300.0))
         if len(subject.tips):
             tips = self._cloud(np.column_stack([np.ones(len(subject.tips), np.int64), subject.tips]), "verts")
             self._plotter.add_mesh(
@@ -71,18 +78,21 @@ class PyvistaPainter:
                 self._plotter.add_mesh(body, color=SPOOL, diffuse=0.7, ambient=0.35),
                 self._plotter.add_mesh(mark, color=CORD),
             ]
-        self._light_and_aim(subject)
+        self._light(subject.camera)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m], turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         points = turned(positions, hub_angle)
+        camera = around.camera or self._camera
+        self._aim(camera)
         for cloud in self._moving:
             cloud.points = points[: cloud.n_points]
         for actor in self._spool or ():
             actor.orientation = (0.0, 0.0, float(np.degrees(hub_angle)))
+        self._place(around.solids, hub_angle, camera)
         self._plotter.render()
         picture: Image = self._plotter.screenshot(return_img=True)[:, :, :3].copy()
-        return with_scale_bar(picture, self._camera)
+        return with_scale_bar(picture, camera)
 
     def close(self) -> None:
         """Free the plotter's window."""
@@ -120,19 +130,42 @@ class PyvistaPainter:
                 line_width=1.0,
             )
 
-    def _add_lines(self, pairs: Ints, color: Color, width: float, reach: float) -> None:
+    def _add_lines(self, pairs: Ints, color: Color, width: float) -> None:
         """Straight lines between pairs of nodes, lifted towards the camera from the faces they lie in."""
         if not len(pairs):
             return
         lines = self._cloud(np.column_stack([np.full(len(pairs), 2), pairs]), "lines")
-        actor = self._plotter.add_mesh(lines, color=color, line_width=width, lighting=False)
-        actor.position = tuple(LIFT * reach * self._camera.view)
+        self._lines.append(self._plotter.add_mesh(lines, color=color, line_width=width, lighting=False))
 
-    def _light_and_aim(self, subject: Subject) -> None:
-        """A bright light from the left, a weak one from the right, and the one camera."""
+    def _place(self, solids: Sequence[Solid], hub_angle: float, camera: Camera) -> None:
+        """Bodies as they stand, in place of those of the last picture."""
         import pyvista
 
-        camera, seen = self._plotter.camera, subject.camera
+        for actor in self._solids:
+            self._plotter.remove_actor(actor, render=False)
+        self._solids = []
+        for solid in (turned_solid(solid, hub_angle) for solid in solids):
+            if solid.radius is None:
+                mesh = pyvista.PolyData(plane_corners(solid, camera), faces=np.array([4, 0, 1, 2, 3]))
+            else:
+                low, high = cylinder_ends(solid)
+                mesh = pyvista.Cylinder(
+                    center=0.5 * (low + high),
+                    direction=solid.direction,
+                    radius=solid.radius,
+                    height=float(np.linalg.norm(high - low)),
+                    resolution=24,
+                )
+            opacity = PLANE_OPACITY if solid.radius is None else 1.0
+            actor = self._plotter.add_mesh(
+                mesh, color=BODY, diffuse=0.7, ambient=0.35, opacity=opacity, reset_camera=False, render=False
+            )
+            self._solids.append(actor)
+
+    def _light(self, seen: Camera) -> None:
+        """A bright light from the left, a weak one from the right."""
+        import pyvista
+
         reach, centre = seen.reach, seen.centre
         right = np.cross(seen.up, seen.view)
         for direction, intensity in (((-0.70, 0.70, 0.75), 0.85), ((0.45, -0.20, 0.90), 0.40)):
@@ -142,7 +175,12 @@ class PyvistaPainter:
             )
             light.focal_point = tuple(centre)
             self._plotter.add_light(light)
-        distance = seen.distance
+
+    def _aim(self, seen: Camera) -> None:
+        """Set the camera, and what depends on its reach."""
+        for actor in self._lines:
+            actor.position = tuple(LIFT * seen.reach * seen.view)
+        camera, centre, distance = self._plotter.camera, seen.centre, seen.distance
         camera.position, camera.focal_point = tuple(centre + distance * seen.view), tuple(centre)
         camera.up, camera.view_angle = tuple(seen.up), ANGLE_DEG
         camera.clipping_range = (0.4 * distance, 1.6 * distance)
