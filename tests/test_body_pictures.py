@@ -14,7 +14,7 @@ from membrane_rs import Cylinder, Plane, Schedule, Simulation, Stage
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
 from membrane_rs.plotting.picture import Subject, turned
-from membrane_rs.plotting.surroundings import BodiesInTime, Surroundings, cylinder_ends, reach_of, stage_at
+from membrane_rs.plotting.scenery import BodiesInTime, Scenery, cylinder_ends, reach_of, stage_at
 from membrane_rs.scene.solid import Solid
 
 PAINTERS = [MatplotlibPainter, *([ProcessPainter] if pyvista_works() else [])]
@@ -54,7 +54,8 @@ def test_a_body_stands_where_the_core_has_it() -> None:
     """A node just below the surface of a bar as it stands now is pushed by the bar, and one just above is not."""
     scene = small_sail()
     for time in (0.0, 0.6, 1.7):
-        bars = replace(BARS.delayed(-time), felt_by="nodes")
+        later = {key: getattr(BARS, key).delayed(-time) for key in ("turn", "travel_radial", "tilt")}
+        bars = replace(BARS, felt_by="nodes", **later)
         sim = Simulation(replace(scene, laws=scene.laws[:1], bodies=[bars]))
         for solid in BARS.solids(time):
             across = np.cross(solid.direction, (1.0, 0.0, 0.0))
@@ -115,11 +116,11 @@ def test_bodies_are_drawn_and_turn_with_the_hub(painter: type[Any]) -> None:
     flat = sim.assembly.reference
     bar = Solid(np.array((0.1, 0.0, 0.02)), np.array((0.6, 0.0, 0.8)), 0.01, 0.03)
     plane = Solid(np.array((0.0, 0.0, -0.01)), np.array((0.0, 0.0, 1.0)))
-    bare, barred, floored = (artist.paint(flat, 0.0, Surroundings(solids)) for solids in ((), (bar,), (plane,)))
+    bare, barred, floored = (artist.paint(flat, 0.0, Scenery(solids)) for solids in ((), (bar,), (plane,)))
     angle = 0.7
-    seen = artist.paint(flat, angle, Surroundings((bar,)))
+    seen = artist.paint(flat, angle, Scenery((bar,)))
     centre, direction = turned(np.stack([bar.centre, bar.direction]), angle)
-    expected = artist.paint(turned(flat, angle), 0.0, Surroundings((replace(bar, centre=centre, direction=direction),)))
+    expected = artist.paint(turned(flat, angle), 0.0, Scenery((replace(bar, centre=centre, direction=direction),)))
     again = artist.paint(flat)
     artist.close()
     assert 0.002 < different(bare, barred) < 0.1
@@ -138,8 +139,8 @@ def test_a_camera_of_a_picture_is_its_own(painter: type[Any]) -> None:
     artist = painter(subject, 200)
     flat = sim.assembly.reference
     usual = artist.paint(flat)
-    near = artist.paint(flat, 0.0, Surroundings(camera=replace(subject.camera, reach=0.5 * subject.reach)))
-    far = artist.paint(flat, 0.0, Surroundings(camera=replace(subject.camera, reach=2.0 * subject.reach)))
+    near = artist.paint(flat, 0.0, Scenery(camera=replace(subject.camera, reach=0.5 * subject.reach)))
+    far = artist.paint(flat, 0.0, Scenery(camera=replace(subject.camera, reach=2.0 * subject.reach)))
     again = artist.paint(flat)
     artist.close()
     assert np.array_equal(usual, again)

@@ -135,7 +135,7 @@ def test_a_short_run_has_snapshots_of_its_own(tmp_path: Path) -> None:
     times = [f"{time:.3f}" for time in (0.0, 0.004, 0.008, 0.012, 0.016, 0.02)]
     assert names == {f"{view}{end}.png" for view in ("turning", "fixed") for end in ("", *(f"-{t}s" for t in times))}
     with Image.open(tmp_path / "run" / "snapshots" / "turning.png") as sheet:
-        assert sheet.size[0] == 5 * 360
+        assert sheet.size[0] == 3 * 360
 
 
 def test_without_a_hub_there_is_one_view_and_no_phase(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import Drawing, decimals
 from membrane_rs.plotting.painter import Painter, painter
 from membrane_rs.plotting.picture import Image
-from membrane_rs.plotting.surroundings import NONE, BodiesInTime, Surroundings, reach_of, stage_at
+from membrane_rs.plotting.scenery import NONE, BodiesInTime, Scenery, reach_of, stage_at
 from membrane_rs.results.vtk import read_frame
 from membrane_rs.simulation.stepper import Stepper
 
@@ -55,7 +55,7 @@ class Animation(Drawing):
                 pairs = zip(frames, solids, strict=True)
                 reaches = smoothed([reach_of(read_frame(file), beside) for (_, file), beside in pairs])
                 cameras = [replace(subject.camera, reach=reach) for reach in reaches]
-            around = [Surroundings(*pair) for pair in zip(solids, cameras, strict=True)]
+            around = [Scenery(*pair) for pair in zip(solids, cameras, strict=True)]
             names = [sim.stages[stage_at(sim.stages, time)].name if sim.stages else "" for time, _ in frames]
             pictures = [Picture(*items) for items in zip(frames, around, names, strict=True)]
             with painter(subject, SIZE) as artist:
@@ -76,7 +76,7 @@ class Picture(NamedTuple):
 
     frame: tuple[float, Path]
     """Time [s] and VTU file."""
-    around: Surroundings = NONE
+    around: Scenery = NONE
     label: str = ""
     """What is said beside the time."""
 

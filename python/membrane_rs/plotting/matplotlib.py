@@ -23,7 +23,7 @@ from membrane_rs.plotting.picture import (
     Subject,
     turned,
 )
-from membrane_rs.plotting.surroundings import NONE, Surroundings, cylinder_ends, plane_corners, turned_solid
+from membrane_rs.plotting.scenery import NONE, Scenery, cylinder_ends, plane_corners, turned_solid
 from membrane_rs.scene.solid import Solid
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class MatplotlibPainter:
         self._size = size
         self._beside = _faces_beside(subject.creases, subject.triangles)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
         """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

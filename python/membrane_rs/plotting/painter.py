@@ -11,7 +11,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.picture import Image, Subject
 from membrane_rs.plotting.process import PaintingError, PaintingProcess
-from membrane_rs.plotting.surroundings import NONE, Surroundings
+from membrane_rs.plotting.scenery import NONE, Scenery
 
 PROBE_SECONDS = 120.0
 """Time for the first picture, the import of pyvista included."""
@@ -22,7 +22,7 @@ TRIES = 2
 class Painter(Protocol):
     """Draws one subject, the same camera each time."""
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
         """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         ...
 
@@ -95,7 +95,7 @@ class ProcessPainter:
         self._subject, self._size = subject, size
         self._other: MatplotlibPainter | None = None
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
         """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         for _ in range(TRIES):
             process = None if self._other else _pyvista.process()

@@ -21,7 +21,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.picture import Image, Subject
-from membrane_rs.plotting.surroundings import Surroundings
+from membrane_rs.plotting.scenery import Scenery
 
 IDLE_SECONDS = 60.0
 """The process ends when nothing was asked of it for so long."""
@@ -56,7 +56,7 @@ class PaintingProcess:
         """Wait until its first picture is drawn. Raises PaintingError where it fails."""
         self._answer(seconds)
 
-    def paint(self, subject: Subject, size: int, shown: tuple[Floats, float, Surroundings]) -> Image:
+    def paint(self, subject: Subject, size: int, shown: tuple[Floats, float, Scenery]) -> Image:
         """A picture of a subject, one at a time: of what `Painter.paint` takes. Raises PaintingError."""
         with self._lock:
             if self._shown is None or self._shown[0] is not subject or self._shown[1] != size:

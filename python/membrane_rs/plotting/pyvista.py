@@ -24,7 +24,7 @@ from membrane_rs.plotting.picture import (
     Subject,
     turned,
 )
-from membrane_rs.plotting.surroundings import NONE, Surroundings, cylinder_ends, plane_corners, turned_solid
+from membrane_rs.plotting.scenery import NONE, Scenery, cylinder_ends, plane_corners, turned_solid
 from membrane_rs.scene.solid import Solid
 
 LIFT = 0.004
@@ -80,7 +80,7 @@ class PyvistaPainter:
             ]
         self._light(subject.camera)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Surroundings = NONE) -> Image:
+    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
         """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
         points = turned(positions, hub_angle)
         camera = around.camera or self._camera

@@ -16,7 +16,7 @@ from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.painter import Painter
 from membrane_rs.plotting.picture import Image
-from membrane_rs.plotting.surroundings import Surroundings
+from membrane_rs.plotting.scenery import Scenery
 from membrane_rs.scene.solid import Solid
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class Sheets:
         for view in self._views if part.shots else ():
             images = []
             for shot, beside in zip(part.shots, solids, strict=True):
-                around = Surroundings(tuple(beside), camera)
+                around = Scenery(tuple(beside), camera)
                 image = self._artist.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0, around)
                 with replacing(self._folder / f"{part.prefix}{view}-{shot.time:.{digits}f}s.png") as file:
                     Pillow.fromarray(image).save(file, format="PNG")

@@ -16,9 +16,9 @@ from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.painter import painter
 from membrane_rs.plotting.picture import Subject
+from membrane_rs.plotting.scenery import BodiesInTime, reach_of
 from membrane_rs.plotting.shape_files import SHAPES, read_shapes, write_shape
 from membrane_rs.plotting.sheets import OF_STAGE, VIEWS, Part, Sheets, Snapshot, stage_prefix
-from membrane_rs.plotting.surroundings import BodiesInTime, reach_of
 from membrane_rs.results.record import Record
 from membrane_rs.results.vtk import read_frame
 from membrane_rs.scene.solid import Solid

@@ -27,14 +27,14 @@ FAR = 1.5
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Scenery:
     """Bodies as they stand, in the frame that turns with the hub, and the camera; None: that of the subject."""
 
     solids: tuple[Solid, ...] = ()
     camera: Camera | None = None
 
 
-NONE = Surroundings()
+NONE = Scenery()
 
 
 class BodiesInTime:
