@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -23,11 +24,13 @@ from membrane_rs import (
     Spin,
     SpringDamping,
     Springs,
+    Stage,
     Tether,
     UnstableError,
     integrators,
 )
 from membrane_rs.folding import Strip
+from membrane_rs.results.history import read_history
 
 METHODS = list(integrators())
 ORDER = {name: facts.order for name, facts in integrators().items()}
@@ -327,7 +330,6 @@ def test_scene_files_hold_the_motion(tmp_path: Path) -> None:
 
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
-    "no motion": ({}, r"Moved\.x: is missing, as are y, z and turn"),
     "no schedule": ({"x": 1.0}, r"Moved\.x = 1\.0: must be a Schedule, or a table"),
     "knots": ({"turn": {"times": [0, 0], "values": [0, 1]}}, r"Moved\.turn\.times\[1\] = 0\.0: must be above"),
     "value": ({"z": {"times": [0], "values": ["up"]}}, r"Moved\.z\.values\[0\] = 'up': must be a number"),
@@ -356,3 +358,22 @@ def test_motion_too_large_for_numbers_ends_in_an_error() -> None:
     sim = Simulation(hanging(Moved([0], x=wild)), "rk4", dt=1e-4)
     with pytest.raises(UnstableError, match="no longer finite"):
         sim.step(200)
+
+
+def test_stages_let_nodes_go_and_history_lists_the_work(tmp_path: Path) -> None:
+    """A winch that pulls in its own stage: nodes go on from where they are; its work has a column."""
+    winch = Moved("tether-0-start", z=Schedule((0.05, 0.1), (0.0, 2e-3), 0.5), name="winch")
+    again = {"parts.winch.z": Schedule((0.0, 0.05), (0.0, -1e-3), 0.5)}
+    stages = [Stage(name="hold", duration=0.05, without=("winch",)), Stage(name="pull", duration=0.1)]
+    stages += [Stage(name="back", duration=0.1, set=again)]
+    scene = hanging(winch)
+    scene = dataclasses.replace(scene, stages=stages, run=RunSettings(until=0.25, dt=1e-3, samples=26))
+    sim = Simulation(scene)
+    sim.run(out=tmp_path / "run", frames=2)
+    heights = sim.positions[0, 2]
+    assert heights == pytest.approx(2e-3 - 1e-3, abs=1e-15)
+    table = read_history(tmp_path / "run" / "history.csv")
+    assert "work_moved" in table
+    assert table["work_moved"][4] == 0.0
+    assert table["work_moved"][-1] != 0.0
+    assert np.abs(table["energy_error"]).max() < 1e-4

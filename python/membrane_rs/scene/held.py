@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Nodes, Unit, validated
-from membrane_rs.errors import InputError
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.components import Motion
 from membrane_rs.scene.law import Surroundings
@@ -45,8 +44,8 @@ class Moved(Part):
 
     The anchor a of each node makes this its position at the start: it is that position where all schedules begin with
     0. The scene pulls at these nodes as at fixed ones; the work that their motion does is that of "moved" in
-    `Simulation.ledger`. A tether is wound in by moving its end on the hub: a part that moves nodes has precedence over
-    those that fix them.
+    `Simulation.ledger`. Without a schedule they are held, until a stage sets one. A part that moves nodes has
+    precedence over those that fix them: a tether is wound in by moving its end on the hub.
 
     Parameters
     ----------
@@ -56,11 +55,6 @@ class Moved(Part):
         Displacement [m]; None: none.
     turn : Schedule or None
         Turn about the axis of the hub [rad], counter-clockwise seen from +z; None: none.
-
-    Raises
-    ------
-    InputError
-        No schedule at all.
     """
 
     kind: ClassVar[str] = "moved"
@@ -70,11 +64,6 @@ class Moved(Part):
     y: Annotated[Schedule | None, Unit("m")] = None
     z: Annotated[Schedule | None, Unit("m")] = None
     turn: Annotated[Schedule | None, Unit("rad")] = None
-
-    def __post_init__(self) -> None:
-        """Check that there is a motion."""
-        if self.x is None and self.y is None and self.z is None and self.turn is None:
-            raise InputError("Moved.x: is missing, as are y, z and turn; give one of them, or take a part 'fixed'")
 
     def add_loads(self, builder: Builder, where: str) -> None:
         """Move the nodes. Raises SceneError for nodes that are not there, or that another part moves."""

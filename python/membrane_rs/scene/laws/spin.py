@@ -54,7 +54,7 @@ class Spin(Law):
     schedule: Annotated[Schedule | None, Unit("Hz")] = None
 
     def __post_init__(self) -> None:
-        """Check that the motion of the hub is told once."""
+        """Check that the motion of the hub is given once."""
         if self.schedule is None:
             return
         if self.acceleration != 0.0:
