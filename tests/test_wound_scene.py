@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Simulation, scenes
+from membrane_rs.analysis.deployment import Corners
 from membrane_rs.check import audit, facts
 from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.errors import SceneError
@@ -20,6 +21,7 @@ from membrane_rs.mesh import Mesh
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import Springs
 from membrane_rs.scene.parts import Tethers, TipMasses
+from membrane_rs.simulation.measures import stowed_turn
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -178,3 +180,19 @@ def test_tethers_of_a_mesh_without_its_pattern_are_straight() -> None:
     assembly = replace(scene, mesh=bare, parts=[Tethers(length=0.02)]).assemble()
     ends = assembly.positions[assembly.node_sets["tether-0"]]
     np.testing.assert_allclose(ends, np.linspace(ends[0], ends[-1], 20), atol=1e-15)
+
+
+def test_the_phase_of_a_roll_counts_its_turns() -> None:
+    """From some 427 degrees at the start, so that it comes to 0 as the sail is flat; of a cross it is 0."""
+    scene = scenes.load("okuizumi-whole").staged(0)
+    sail = scene.mesh.source if scene.mesh else None
+    assert isinstance(sail, SquareSail)
+    sim = Simulation(scene)
+    assert stowed_turn(sim) == sail.corner_turn == 2.0 * math.pi * (sail.turns or 0.0)
+    corners = Corners(sim.assembly, stowed_turn(sim))
+    assert corners.phase_difference(sim.positions) == pytest.approx(math.degrees(sail.corner_turn), abs=1e-9)
+    flat = np.array(sim.positions)
+    flat[: len(scene.mesh.reference)] = scene.mesh.reference  # type: ignore[union-attr]
+    sim.positions = flat
+    assert stowed_turn(sim) == 0.0
+    assert replace(sail, stowage="cross").corner_turn == 0.0

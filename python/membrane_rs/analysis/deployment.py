@@ -56,12 +56,15 @@ class Corners:
 
     The phase difference is unwrapped: each corner's azimuth is followed from one call to the next, so
     calls must come often enough for a corner to turn by less than half a turn between two of them.
-    The first call takes the turn nearest to the reference.
+    The first call takes the turn nearest to `near`.
 
     Parameters
     ----------
     shape : Assembly or Mesh
         Names the corners, and holds the reference that radius and azimuth are measured against.
+    near : float
+        Angle by which the corners have turned from the reference at the first call, to half a turn [rad]: more than
+        that in a wound sail.
 
     Attributes
     ----------
@@ -71,12 +74,12 @@ class Corners:
         Mean distance of the corners from the spin axis in the reference [m].
     """
 
-    def __init__(self, shape: NamedShape) -> None:
+    def __init__(self, shape: NamedShape, near: float = 0.0) -> None:
         self.nodes = corner_nodes(shape)
         x, y = shape.reference[self.nodes, 0], shape.reference[self.nodes, 1]
         self.flat_radius = float(np.hypot(x, y).mean())
-        self._azimuth = np.arctan2(y, x)
-        self._turned = np.zeros(len(self.nodes))
+        self._flat = np.arctan2(y, x)
+        self._turned = np.full(len(self.nodes), near)
 
     def deployment_rate(self, positions: Floats) -> float:
         """Mean radius of the corners over that of the reference; NaN where the reference lies on the axis.
@@ -94,9 +97,8 @@ class Corners:
         turned: Floats = self._turned.copy()
         return turned
 
-    def resume(self, positions: Floats, turned: Floats) -> None:
-        """Follow on from positions (N, 3) [m] at which the corners have turned by `turned` (k,) [rad]."""
-        self._azimuth = np.arctan2(positions[self.nodes, 1], positions[self.nodes, 0])
+    def resume(self, turned: Floats) -> None:
+        """Follow on from where the corners have turned by `turned` (k,) [rad]."""
         self._turned = np.array(turned, dtype=np.float64)
 
     def phase_difference(self, positions: Floats) -> float:
@@ -107,8 +109,6 @@ class Corners:
         """
         if self.flat_radius == 0.0:
             return float("nan")
-        azimuth = np.arctan2(positions[self.nodes, 1], positions[self.nodes, 0])
-        step = azimuth - self._azimuth
-        self._turned += step - 2.0 * np.pi * np.round(step / (2.0 * np.pi))
-        self._azimuth = azimuth
+        angle = np.arctan2(positions[self.nodes, 1], positions[self.nodes, 0]) - self._flat
+        self._turned = angle + 2.0 * np.pi * np.round((self._turned - angle) / (2.0 * np.pi))
         return float(np.degrees(self._turned.mean())) + 0.0  # never -0

@@ -58,6 +58,10 @@ class StowedPattern(Pattern, Protocol):
         the flat mesh, that node the last of them; None: straight.
         """
 
+    @property
+    def corner_turn(self) -> float:
+        """Angle from the corners of the flat sail to those of the stowed one, with whole turns [rad]."""
+
 
 def facts_of(mesh: Mesh | None) -> dict[str, str]:
     """What the pattern of a mesh says of its stowed shape."""
@@ -71,6 +75,12 @@ def cord_path(mesh: Mesh | None, node: int) -> Floats | None:
     if mesh is None or not isinstance(pattern, StowedPattern):
         return None
     return pattern.cord_path(mesh.reference[node])
+
+
+def corner_turn(mesh: Mesh | None) -> float:
+    """`StowedPattern.corner_turn` of a mesh; 0 without such a pattern."""
+    pattern = pattern_of(mesh)
+    return pattern.corner_turn if isinstance(pattern, StowedPattern) else 0.0
 
 
 def pattern_of(mesh: Mesh | None) -> Pattern | None:

@@ -163,6 +163,11 @@ class SquareSail(StowedPattern):
         """Turns of each arm round the hub, from the hairpin to the outer corner; None in the cross."""
         return self._wound_path().turns if self.stowage == "wound" else None
 
+    @property
+    def corner_turn(self) -> float:
+        """Angle from the corners of the flat sail to those of the stowed one [rad]; 0 in the cross."""
+        return 2.0 * math.pi * (self.turns or 0.0)
+
     def facts(self) -> dict[str, str]:
         """Radii, turns and distance of layers of the wound sail; nothing of the cross."""
         if self.stowage == "cross":

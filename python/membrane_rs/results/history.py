@@ -40,6 +40,7 @@ from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
+from membrane_rs.simulation.measures import PHASE, stowed_turn
 from membrane_rs.simulation.stepper import Stepper
 
 HISTORY = "history.csv"
@@ -87,6 +88,9 @@ class History(Writer):
             raise OutputError(f"{self._path} holds other columns than this run writes; run the scene again")
         count = int(np.searchsorted(table["time"], sim.time, side="right"))
         self.rows = np.stack(list(table.values()), axis=1)[:count].tolist()
+        last = self.rows[-1][FIRST_COLUMNS.index(PHASE)] if self.rows else math.nan
+        if math.isfinite(last):
+            self._corners = Corners(sim.assembly, math.radians(last))
         record.table = self.table()
         write_text(self._path, "".join(lines[: count + 1]))
         self._open("a")
@@ -94,7 +98,7 @@ class History(Writer):
     def _begin(self, sim: Stepper, record: Record) -> None:
         """Name the columns."""
         self._record, self._path = record, record.path / HISTORY
-        self._corners = Corners(sim.assembly)
+        self._corners = Corners(sim.assembly, stowed_turn(sim))
         self._energies = list(sim.potential_names)
         bodies = [name for body in sim.scene.bodies for name in (body.name, f"{body.name}_friction")]
         of_parts = dict.fromkeys(part.working_law for part in sim.scene.parts)

@@ -11,13 +11,16 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of
-from membrane_rs.analysis.deployment import Corners
+from membrane_rs.analysis.deployment import Corners, corner_nodes
 from membrane_rs.errors import InputError
+from membrane_rs.folding.pattern import corner_turn
 from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation.motion import Motion
 
 PHASE = "phase_difference_deg"
 """The measure that is followed from one evaluation to the next, since it is an angle."""
+STOWED = 1e-3
+"""Distance of corners from their stowed places, over the size of the sail, up to which they are taken as stowed."""
 OF_MOTION: dict[str, Callable[[Motion], float]] = {
     "deployment_rate": lambda sim: Corners(sim.assembly).deployment_rate(sim.positions),
     "kinetic_energy": lambda sim: sim.energies()["kinetic"],
@@ -33,14 +36,22 @@ OF_MOTION: dict[str, Callable[[Motion], float]] = {
 """All of `membrane_rs.scene.stage.MEASURES` but `PHASE`."""
 
 
+def stowed_turn(sim: Motion) -> float:
+    """Angle by which the corners are wound up [rad], where they lie as the scene's own start has them; else 0."""
+    corners = corner_nodes(sim.assembly)
+    apart = sim.positions[corners] - sim.assembly.positions[corners]
+    is_stowed = np.abs(apart).max() < STOWED * np.abs(sim.assembly.reference[corners]).max()
+    return corner_turn(sim.scene.mesh) if is_stowed else 0.0
+
+
 class Follower:
     """Evaluates the measure of a stage. An angle is followed from the turn nearest to the flat shape at the start of
-    the stage, by less than half a turn from one call of `at_check` to the next.
+    the stage, of a wound sail from that of the roll, by less than half a turn from one call of `at_check` to the next.
     """
 
     def __init__(self, stage: Stage, where: str, sim: Motion) -> None:
         self._stage, self._where = stage, f"{where}.measure = {stage.measure_name!r}"
-        self._corners = Corners(sim.assembly) if stage.measure == PHASE else None
+        self._corners = Corners(sim.assembly, stowed_turn(sim)) if stage.measure == PHASE else None
         self.is_measuring = False
         """Whether the measure is being evaluated."""
 
@@ -68,7 +79,7 @@ class Follower:
         if self._corners is not None:
             if turned is None or turned.shape != self._corners.turned.shape:
                 raise InputError("saved state: stage_turned does not have one angle for each corner; it is damaged")
-            self._corners.resume(sim.positions, turned)
+            self._corners.resume(turned)
 
     def _value(self, sim: Motion, corners: Corners | None) -> float:
         measure: Any = self._stage.measure
