@@ -5,18 +5,31 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args, get_origin
 
+from membrane_rs import Schedule
+
 LENGTH, COUNT = 0.1, 4
 
 
 def example_of(cls: type[Any], **changes: Any) -> Any:
-    """An instance: fields without a default get a value of their type, each number and point another one."""
+    """An instance: fields without a default get a value of their type, each number and point another one.
+
+    Fields for a schedule get one too: a class may need one of several.
+    """
     return cls(**(needed(cls) | changes))
 
 
 def needed(cls: type[Any]) -> dict[str, Any]:
-    """Values for the fields that have no default."""
+    """Values for the fields that have no default, and for those of schedules."""
     known: Mapping[str, Any] = cls.__pydantic_fields__
-    return {name: _value(info.annotation, k) for k, (name, info) in enumerate(known.items()) if info.is_required()}
+    return {
+        name: _value(info.annotation, k)
+        for k, (name, info) in enumerate(known.items())
+        if info.is_required() or _is_schedule(info.annotation)
+    }
+
+
+def _is_schedule(kind: Any) -> bool:
+    return Schedule in get_args(kind)
 
 
 def _value(kind: Any, k: int) -> Any:
@@ -26,6 +39,8 @@ def _value(kind: Any, k: int) -> Any:
         return COUNT
     if kind is str:
         return "some_name"
+    if _is_schedule(kind):
+        return Schedule((0.0, 1.0), (0.0, LENGTH))
     if get_origin(kind) is tuple:
         return tuple(LENGTH * (k + i) for i, _ in enumerate(get_args(kind)))
     if any(get_origin(one) is Sequence for one in get_args(kind)):

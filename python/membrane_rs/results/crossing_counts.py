@@ -16,6 +16,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import check_writable, output_errors, path_of, read_text, reading_errors, sync, write_text
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.crossings import Crossings, crossings
 from membrane_rs.results.record import Record
@@ -27,7 +28,7 @@ CROSSINGS = "crossings.csv"
 COLUMNS = ("time", "crossing", "overlapping", "touching")
 
 
-class CrossingCounts:
+class CrossingCounts(KnownAttributes):
     """An observer that counts the triangles that pass through each other at each frame of a run.
 
     Layers do not feel each other, so crossings are a measure of the model, not a fault of the run. A count takes some
@@ -38,6 +39,8 @@ class CrossingCounts:
     samples : bool
         Count at each sample of the history, of which there are more, in place of the frames.
     """
+
+    ONCE = ("samples", "rows")
 
     def __init__(self, *, samples: bool = False) -> None:
         self.samples = bool(samples)

@@ -26,8 +26,8 @@ impl Mechanics {
         (inertia * prescribed.acceleration - self.forces.row(node).transpose()).dot(&prescribed.velocity)
     }
 
-    /// Sets the moved nodes to their motion at `time`, and adds what that changes of their kinetic energy to the work of
-    /// their law.
+    /// Sets the moved nodes to their motion at `time`, and adds what that changes of their kinetic energy to the work
+    /// of their law.
     pub(crate) fn set_moved(&self, time: f64, state: &mut State, work: &mut [f64]) {
         let Some(row) = self.moved else { return };
         for (node, prescribed) in self.moves_in(0..self.masses.len(), time) {

@@ -7,9 +7,9 @@ use crate::laws::{FilmStates, Inspection, Instant, LinkReadings};
 /// The load of the sail on the hub, in the turning frame.
 ///
 /// The sail is all nodes, held ones included; the hub holds these and touches others at the spool. The load is that of
-/// all forces on the held nodes, inertial forces of the turning frame and of prescribed motion included, less the forces
-/// of contact on all nodes: it balances the rate of change of the sail's momentum and angular momentum, less the loads
-/// from outside.
+/// all forces on the held nodes, inertial forces of the turning frame and of prescribed motion included, less the
+/// forces of contact on all nodes: it balances the rate of change of the sail's momentum and angular momentum, less the
+/// loads from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HubLoad {
     /// Force \[N\].
