@@ -104,10 +104,15 @@ def _pressed() -> Scene:
     """The wound sail as its bars begin to turn, nearer to the hub and with friction."""
     scene = scenes.load("okuizumi-whole").staged(1, [0.0, 0.0])
     bodies = [
-        replace(body, centre=tuple(0.96 * part for part in body.centre), friction=0.3) if body.name == "bars" else body
+        replace(body, centre=_nearer(body.centre), friction=0.3) if body.name == "bars" else body
         for body in scene.bodies
     ]
     return replace(scene, bodies=bodies, run=replace(scene.run, substeps=1))
+
+
+def _nearer(point: tuple[float, float, float]) -> tuple[float, float, float]:
+    x, y, z = point
+    return 0.96 * x, 0.96 * y, 0.96 * z
 
 
 def _stepped(scene: Scene, method: str, width: str) -> dict[str, str]:

@@ -65,6 +65,7 @@ class History(Writer):
     """Writes history.csv and keeps its rows."""
 
     own_files = (HISTORY,)
+    columns: list[str]
     rows: list[list[float]]
 
     def start(self, sim: Stepper, record: Record) -> None:
