@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from membrane_rs._arrays import Floats
 from membrane_rs.errors import InputError, MeshError
@@ -205,8 +205,20 @@ def sails(draw: st.DrawFn) -> dict[str, Any]:
     }
 
 
+SHORT_LAST_CELLS: dict[str, Any] = {
+    "inner_width": 0.25,
+    "outer_width": 0.28125,
+    "fold_lines": 1,
+    "rows": 6,
+    "columns": 3,
+    "spool_radius": 0.03125,
+    "layer_gap": None,
+}
+
+
 @settings(max_examples=60, deadline=None)
 @given(sails())
+@example(SHORT_LAST_CELLS)
 def test_any_dimensions_make_a_roll_or_a_clear_error(dimensions: dict[str, Any]) -> None:
     message = ""
     try:

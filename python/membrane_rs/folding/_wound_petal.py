@@ -56,8 +56,8 @@ CLEARANCE_OF_CELL = 8e-3
 """... and at most so much of the shortest cell: an arm rises by it in its first one."""
 STACK = 6.8e-4
 """Largest offset of a row over the spool's radius by default, for a strain of 0.25 %: 17 um on one of 25 mm."""
-STACK_OF_CELL = 0.01
-"""The same over the shortest cell: rows come to the middle line in their last one."""
+STACK_OF_CELL = 0.0025
+"""The same over the shortest cell: in their last one rows come to the middle line, after up to 90 degrees of turn."""
 NEAREST = 1e-9
 """Distance of layers over the spool's radius, at least: below it, rounding of positions would let them cross."""
 THICKEST = 7.5e-6
