@@ -277,10 +277,15 @@ def relaxation_table() -> str:
     return table(head, rows)
 
 
+def plain_scenes() -> list[str]:
+    """Names of the built-in scenes without stages."""
+    return [name for name in scenes.names() if not scenes.load(name).stages]
+
+
 def damping_table() -> str:
     """Reduction of leapfrog's limit by damping: the most that a stabilised method could regain."""
     rows = []
-    for name in scenes.names():
+    for name in plain_scenes():
         sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
         found = sim._core.limit()
         limit, omega = found.dt, found.largest_frequency
@@ -291,7 +296,7 @@ def damping_table() -> str:
 def tangent_table(steps: int = 5) -> str:
     """Cost of a factorisation of the tangent, with the rest of the Newton iterations."""
     rows = []
-    for name in scenes.names():
+    for name in plain_scenes():
         sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
         sim.step(1)
         began, before = time.process_time(), sim.statistics["factorisations"]

@@ -76,7 +76,7 @@ def meshes() -> list[tuple[str, Mesh, Material]]:
     ]
     for name in scenes.names():
         scene = scenes.load(name)
-        if scene.mesh is not None and scene.material is not None and name != CALIBRATED:
+        if scene.mesh and scene.material and name != CALIBRATED and not scene.stages:
             found.append((name, scene.mesh, scene.material))
     return [*found, (f"{MODELS[0]}, equilateral", SquareSail(layout="equilateral").mesh(), film)]
 
