@@ -81,23 +81,23 @@ pub struct BodyParameters {
 }
 
 impl BodyParameters {
-    /// A cylinder of radius 1 cm about the z axis, which moves in all ways, for tests.
+    /// A cylinder of radius 1 cm just below z = 0, which moves in all ways, for tests.
     pub(in crate::laws) fn moving_cylinder() -> Self {
         let schedule = |values: [f64; 2]| Schedule::new(vec![0.0, 1.0], values.to_vec(), 0.2).ok();
         Self {
             name: "body".to_owned(),
             shape: BodyShape::Cylinder,
             radius: Some(0.01),
-            half_length: Some(0.02),
-            centre: [0.02, 0.012, 0.0],
-            direction: [0.2, 0.1, 1.0],
+            half_length: Some(0.03),
+            centre: [0.02, 0.015, -0.0095],
+            direction: [0.1, 1.0, 0.01],
             copies: 2.0,
-            turn: schedule([-0.1, 0.1]),
+            turn: schedule([-0.02, 0.02]),
             travel_x: schedule([0.0, 0.002]),
             travel_y: schedule([0.001, 0.0]),
-            travel_z: schedule([0.0, 0.001]),
+            travel_z: schedule([0.0, 0.0004]),
             travel_radial: schedule([-0.001, 0.001]),
-            tilt: schedule([0.1, 0.3]),
+            tilt: schedule([0.0, 0.01]),
             spin: schedule([0.0, 5.0]),
             stiffness: 200.0,
             damping: 0.1,

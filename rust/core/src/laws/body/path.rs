@@ -165,7 +165,11 @@ impl Visitor for Search<'_> {
             let corners: [_; K] = std::array::from_fn(|k| between(from[k], to[k], share));
             self.shape.depth(&pose_between(&self.old[copy], &self.poses[copy], share), &corners)
         };
-        let [start, end] = [0.0, 1.0].map(depth_at);
+        let end = depth_at(1.0);
+        if end + way <= self.unfelt {
+            return;
+        }
+        let start = depth_at(0.0);
         let limit = if start <= 0.0 && end <= 0.0 { self.unfelt } else { self.bound };
         // The largest depth that a path of this length can have between these ends.
         if 0.5 * (start + end + way) <= limit {
