@@ -72,9 +72,10 @@ def test_a_folded_sail_is_seen_obliquely() -> None:
 def test_all_of_a_scene_is_seen(name: str) -> None:
     sim = Simulation(scenes.load(name))
     subject = Subject.of(sim, [sim.positions])
-    place, _ = subject.camera.project(sim.positions)
-    assert np.abs(place).max() < 1.0
-    assert np.abs(place).max() > 0.3
+    # A roll is small in the picture that shows the sail which comes of it as well.
+    shapes = [sim.positions, *([sim.assembly.reference] if subject.has_hub else [])]
+    largest = [float(np.abs(subject.camera.project(shape)[0]).max()) for shape in shapes]
+    assert 0.3 < max(largest) < 1.0
 
 
 @pytest.mark.parametrize(("most", "length"), [(0.137, 0.1), (0.2, 0.2), (0.0499, 0.02), (7.0, 5.0), (1.1e-6, 1e-6)])
