@@ -15,7 +15,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 # What the module is built from: neither tests nor benches.
 RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml rust/python -type f)
 
-.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy clean
+.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy deployment clean
 
 # A sail from the roll to the flat square, and both sails of the paper from the cross, on all cores: pictures, VTU frames,
 # curves and a table, in out/.
@@ -76,6 +76,11 @@ peers: $(VENV)/built
 # make accuracy PART="work-precision limits". Parts: benchmarks/remake.py --list.
 accuracy: $(VENV)/built
 	$(BIN)/python benchmarks/remake.py $(PART)
+
+# The whole deployment charted: tables and pictures of docs/deployment.md, in about half an hour on two cores. Runs are
+# kept in out/deployment; PART="plane reel": some of plane, reel, release, energy, cost.
+deployment: $(VENV)/built
+	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
 
 # Remakes every number and picture of README.md.
 readme: demo

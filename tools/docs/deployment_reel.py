@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from deployment_plane import EASE, FREQUENCY, WINDOW, lag_behind
-from membrane_rs import Scene, Schedule, Simulation, scenes
+from membrane_rs import Mesh, Scene, Schedule, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 
@@ -96,10 +96,12 @@ def reel_out(scene: Scene, samples: int = SAMPLES) -> tuple[Simulation, dict[str
     return sim, dict(zip(names, np.array(rows).T, strict=True))
 
 
-def reel_row(label: str, duration: float, turn: float, run: Mapping[str, Floats]) -> Sequence[str]:
-    """Means over the window of one reeling out by bars that turn by `turn` [rad], as a row of the table."""
+def reel_row(label: str, duration: float, turn: float, mesh: Mesh, run: Mapping[str, Floats]) -> Sequence[str]:
+    """Means over the window of one reeling out by bars that turn by `turn` [rad], as a row of the table, with the
+    crossings of triangles at the start of the release.
+    """
     inside = (run["share"] >= WINDOW[0]) & (run["share"] <= WINDOW[1])
-    mean = {name: float(values[inside].mean()) for name, values in run.items()}
+    mean = {name: float(run[name][inside].mean()) for name in ("radius", "tension", "lag", "kinetic", "free")}
     rate = turn / (duration * (1.0 - EASE))
     omega = 2.0 * math.pi * FREQUENCY
     is_ordered = run["spread"].max() < IN_ORDER and np.abs(run["lag"]).max() < 90.0
@@ -115,6 +117,7 @@ def reel_row(label: str, duration: float, turn: float, run: Mapping[str, Floats]
         f"{1e3 * run['low'].min():.1f} to {1e3 * run['high'].max():.1f}",
         f"{100.0 * mean['kinetic'] / mean['free']:.2g}",
         f"{100.0 * run['strain'].max():.2f}",
+        f"{mesh.crossings(run['positions'][: len(mesh.reference)], limit=0).count:,d}",
         "in order" if is_ordered else "out of order",
     )
 
@@ -129,6 +132,6 @@ def reel_table(rows: Sequence[Sequence[str]]) -> str:
     """The rows of `reel_row` as a table."""
     heads = (
         "sail", "duration [s]", "b/Omega", "tension of the tips", "(1 - b/Omega)^2", "lag [deg]", "predicted [deg]",
-        "arms differ by [mm]", "z of the film [mm]", "kinetic energy [%]", "largest strain [%]", "outcome",
+        "arms differ by [mm]", "z of the film [mm]", "kinetic energy [%]", "largest strain [%]", "crossings", "outcome",
     )  # fmt: skip
-    return table(heads, rows, words=(0, 11))
+    return table(heads, rows, words=(0, 12))

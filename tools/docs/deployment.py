@@ -1,0 +1,182 @@
+"""The whole deployment charted, for docs/deployment.md: reeling out of an arm and of the sail, release, energy, cost.
+
+Finished runs are kept in the folder `out` and read again; remove it to repeat them, which takes an hour on two cores.
+With `--write` the tables and pictures of docs/deployment.md are replaced.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from threading import Event
+
+from deployment_energy import StageCost, cost_table, energy_table, stage_costs
+from deployment_plane import DURATIONS as PLANE_DURATIONS
+from deployment_plane import plane_table, reel_out_arm
+from deployment_reel import (
+    DURATIONS,
+    MODELS,
+    REEL,
+    held_by_friction,
+    not_softened,
+    reel_out,
+    reel_row,
+    reel_table,
+    turn_of,
+    whole,
+)
+from deployment_release import STARTS, distance_table, from_cross, release_of, release_table, released
+from kept import kept, slug
+from marked import DOCS, MarkedPart
+from membrane_rs import Scene, UnstableError
+from membrane_rs._arrays import Floats
+from membrane_rs.plotting.mesh_study import plot_meshes
+from membrane_rs.study.common.executor import run_parallel
+
+PARTS = {name: MarkedPart(DOCS / "deployment.md", name) for name in ("plane", "reel", "release", "energy", "cost")}
+FRICTIONS = (0.3, 0.6)
+CROSS, HOLD = "the ideal cross", "reeled out, held"
+STIFF = 2.0
+"""Duration of the reeling out of a film that is not softened [s]."""
+FULL = f"{HOLD}, {STIFF:g} s, its own modulus"
+
+
+def by_friction(friction: float) -> str:
+    """What a table calls a sail without a hold."""
+    return f"reeled out, friction {friction:g}"
+
+
+class Runs:
+    """Runs by their names, each made once and kept in a folder."""
+
+    def __init__(self, folder: Path, workers: int | None) -> None:
+        self.folder, self.workers = folder, workers
+
+    def of(self, jobs: Mapping[str, Callable[[], Mapping[str, Floats]]]) -> dict[str, Mapping[str, Floats]]:
+        """The results of jobs, in parallel."""
+        calls = [partial(kept, self.folder / f"{slug(name)}.npz", job) for name, job in jobs.items()]
+        found = run_parallel(calls, list(jobs), Event(), workers=self.workers, tell=partial(print, flush=True))
+        return dict(zip(jobs, found, strict=True))
+
+
+def sail(scene: Scene) -> dict[str, Floats]:
+    """Samples of a reeling out, and the motion at the start of the release; without it where the run is stopped."""
+    try:
+        sim, found = reel_out(scene)
+        sim.reach(sum(stage.duration for stage in scene.stages[:-1]))
+    except UnstableError as error:
+        print(f"{scene.name}: {error}", flush=True)
+        return {}
+    return {**found, "positions": sim.positions, "velocities": sim.velocities}
+
+
+def reelings(runs: Runs) -> dict[str, dict[str, tuple[float, Mapping[str, Floats]]]]:
+    """Duration [s] and samples of each reeling out, by sail and by how it is held or how long it takes."""
+    scenes: dict[str, dict[str, tuple[float, Scene]]] = {}
+    for model in MODELS:
+        own = scenes[model] = {}
+        standard = whole(model).stages[REEL].duration
+        is_first = model == MODELS[0]
+        for duration in DURATIONS if is_first else DURATIONS[:-1]:
+            own[HOLD if duration == standard else f"{HOLD}, {duration:g} s"] = duration, whole(model, duration)
+        if is_first:
+            own[FULL] = STIFF, not_softened(whole(model, STIFF))
+        for friction in FRICTIONS if is_first else FRICTIONS[:1]:
+            own[by_friction(friction)] = standard, held_by_friction(whole(model), friction)
+    jobs = {
+        f"reel {model} {label}": partial(sail, scene)
+        for model, own in scenes.items()
+        for label, (_, scene) in own.items()
+    }
+    found = runs.of(jobs)
+    return {
+        model: {label: (duration, found[f"reel {model} {label}"]) for label, (duration, _) in own.items()}
+        for model, own in scenes.items()
+    }
+
+
+def reel_part(runs: Runs, _: Path) -> str:
+    """The table of reelings out of both sails."""
+    rows = []
+    for model, found in reelings(runs).items():
+        scene = whole(model)
+        assert scene.mesh is not None
+        for label, (duration, run) in found.items():
+            if run:
+                rows.append(
+                    reel_row(f"{model}, {label.partition(', ')[2]}", duration, turn_of(scene).last, scene.mesh, run)
+                )
+    return reel_table(rows)
+
+
+def release_part(runs: Runs, picture: Path) -> str:
+    """The tables of releases from each start, and their curves."""
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {}
+    labels: dict[str, list[str]] = {}
+    for model, found in reelings(runs).items():
+        scene = whole(model)
+        starts: dict[str, tuple[Scene, Mapping[str, Floats] | None]] = {CROSS: (from_cross(scene), None)}
+        for label in (HOLD, by_friction(FRICTIONS[0])):
+            if found[label][1]:
+                starts[label] = release_of(scene), found[label][1]
+        labels[model] = list(starts)
+        for label, (plain, motion) in starts.items():
+            for seed in range(STARTS):
+                jobs[f"release {model} {label} {seed}"] = partial(released, plain, seed, motion)
+    made = runs.of(jobs)
+    found_runs = {
+        model: {label: [made[f"release {model} {label} {seed}"] for seed in range(STARTS)] for label in own}
+        for model, own in labels.items()
+    }
+    plot_meshes({model: list(own.items()) for model, own in found_runs.items()}, picture, legend="start")
+    return f"{release_table(found_runs)}\n{distance_table(found_runs, CROSS)}"
+
+
+def plane_part(runs: Runs, _: Path) -> str:
+    """The table of reelings out in the plane."""
+    jobs = {f"plane {duration:g} s": partial(reel_out_arm, duration) for duration in PLANE_DURATIONS}
+    return plane_table(list(runs.of(jobs).values()))
+
+
+def main() -> None:
+    """Make the tables and pictures, or some of them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS), help="the tables to make")
+    parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
+    parser.add_argument("--out", type=Path, default=Path("out/deployment"), help="folder of the results")
+    parser.add_argument("--write", action="store_true", help="write into docs/")
+    options = parser.parse_args()
+    began = time.perf_counter()
+    options.out.mkdir(parents=True, exist_ok=True)
+    runs, costs = Runs(options.out, options.jobs), {}
+
+    def balance(maker: Callable[[Mapping[str, Sequence[StageCost]]], str]) -> Callable[[Runs, Path], str]:
+        def part(*_: object) -> str:
+            costs.update({model: stage_costs(whole(model)) for model in MODELS if model not in costs})
+            return maker(costs)
+
+        return part
+
+    makers: dict[str, Callable[[Runs, Path], str]] = {
+        "plane": plane_part,
+        "reel": reel_part,
+        "release": release_part,
+        "energy": balance(energy_table),
+        "cost": balance(cost_table),
+    }
+    for name in options.only:
+        picture = options.out / f"deployment-{name}.png"
+        text = makers[name](runs, picture)
+        print(f"{name}\n\n{text}", flush=True)
+        if options.write:
+            PARTS[name].write(text)
+            if picture.exists():
+                (DOCS / picture.name).write_bytes(picture.read_bytes())
+    print(f"{time.perf_counter() - began:.0f} s")
+
+
+if __name__ == "__main__":
+    main()
