@@ -35,12 +35,14 @@ pub(super) struct Path {
     bounds: Option<[f64; 2]>,
     last: Option<(NodeVectors, Vec<Pose>)>,
     passed: Option<Fault>,
+    /// Work array.
+    poses: Vec<Pose>,
 }
 
 impl Path {
     pub(super) fn new(label: &'static str, shape: &Shape) -> Self {
         let bounds = shape.size().map(|size| [DEPTH_BOUND * size, UNFELT_BOUND * size]);
-        Self { label, bounds, last: None, passed: None }
+        Self { label, bounds, last: None, passed: None, poses: Vec::new() }
     }
 
     /// Starts the paths.
@@ -52,25 +54,32 @@ impl Path {
 
     /// Checks the paths since the last check, if one is due.
     pub(super) fn accept(&mut self, contacts: &mut Contacts, at: Instant<'_>) {
+        let mut poses = std::mem::take(&mut self.poses);
+        contacts.body.pose(at.time, at.frame.is_frozen, &mut poses);
+        self.check(contacts, at, &poses);
+        self.poses = poses;
+    }
+
+    fn check(&mut self, contacts: &mut Contacts, at: Instant<'_>, poses: &[Pose]) {
         let (Some([bound, unfelt]), Some((from, old))) = (self.bounds, &mut self.last) else { return };
-        let poses = contacts.poses_at(at);
-        let is_turned = old.iter().zip(&poses).any(|(old, new)| old.direction != new.direction);
+        let is_turned = old.iter().zip(poses).any(|(old, new)| old.direction != new.direction);
         let reach = if is_turned { 2.0 * (at.positions.amax() + poses[0].distance()) } else { 0.0 };
-        let way = old.iter().zip(&poses).map(|(old, new)| old.shift(new, reach)).fold(0.0, f64::max);
+        let way = old.iter().zip(poses).map(|(old, new)| old.shift(new, reach)).fold(0.0, f64::max);
         if way < unfelt && !contacts.has_moved(from, at.positions, unfelt - way) {
             return;
         }
         contacts.update(at);
-        let mut search = Search { shape: contacts.shape, from, old, poses: &poses, bound, unfelt, way, found: None };
+        let mut search = Search { shape: contacts.shape, from, old, poses, bound, unfelt, way, found: None };
         // Paths between two states at which the list holds meet no other element.
         if contacts.is_listed(from, old) {
-            contacts.visit_all(at.positions, &poses, &mut search);
+            contacts.visit_all(at.positions, poses, &mut search);
         } else {
             contacts.visit_each(at.positions, poses.len(), &mut search);
         }
         self.passed = self.passed.take().or(search.found);
         from.copy_from(at.positions);
-        old.clone_from(&poses);
+        old.clear();
+        old.extend_from_slice(poses);
     }
 
     pub(super) fn is_at_fault(&self) -> bool {
