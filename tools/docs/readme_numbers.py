@@ -15,9 +15,11 @@ from PIL import Image
 TABLES = {name: MarkedPart(README, name) for name in ("summary.md", "accuracy.md")}
 """The marked parts, by the file of the demo or of accuracy.py."""
 SOURCES = {
-    "deployment.png": "okuizumi-model-1/snapshots/turning.png",
+    "reel-out.png": "okuizumi-whole/snapshots/01-reel-out-turning.png",
+    "deployment.png": "okuizumi-whole/snapshots/03-release-turning.png",
     "comparison.png": "comparison.png",
 }
+FILM = ("deployment.gif", "okuizumi-whole/animation.gif")
 WIDTH = 1500
 """Pictures in docs/ are at most this wide [px]."""
 
@@ -29,6 +31,8 @@ def copy_pictures(out: Path) -> None:
             size = (min(WIDTH, picture.width), round(picture.height * min(1.0, WIDTH / picture.width)))
             small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
         small.quantize(128, dither=Image.Dither.NONE).save(DOCS / name, optimize=True)
+    name, source = FILM
+    (DOCS / name).write_bytes((out / source).read_bytes())
 
 
 def main() -> None:
