@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.audit import crossing, growing
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
@@ -18,23 +20,34 @@ FEW_TRIANGLES = 5000
 """Up to which crossings cost so; where all triangles lie at one place, 12 million pairs, they take some seconds."""
 
 
+_FOUND: WeakKeyDictionary[Mesh, dict[Hashable, tuple[Finding, ...]]] = WeakKeyDictionary()
+"""What was found in meshes that are still there, which never change: the stages of a scene share theirs."""
+
+
 def mesh_faults(scene: Scene) -> Iterator[Finding]:
     """What `Mesh.audit` finds, growing modes and crossings left out."""
-    if scene.mesh is not None:
-        found = scene.mesh.audit(scene.material, springs=_has_springs(scene), growth=False, crossings=False)
-        yield from found.findings
+    mesh, material, springs = scene.mesh, scene.material, _has_springs(scene)
+    if mesh is not None:
+        key = "faults", material, springs
+        yield from _once(
+            mesh, key, lambda: mesh.audit(material, springs=springs, growth=False, crossings=False).findings
+        )
 
 
 def crossings(scene: Scene) -> Iterator[Finding]:
     """Triangles that pass through each other at the start, in meshes of up to `FEW_TRIANGLES`."""
-    if scene.mesh is not None and len(scene.mesh.triangles) <= FEW_TRIANGLES:
-        yield from crossing(scene.mesh, scene.mesh.positions)
+    yield from _crossings(scene.mesh, 0, FEW_TRIANGLES)
 
 
 def crossings_of_large_meshes(scene: Scene) -> Iterator[Finding]:
     """The same in larger meshes."""
-    if scene.mesh is not None and len(scene.mesh.triangles) > FEW_TRIANGLES:
-        yield from crossing(scene.mesh, scene.mesh.positions)
+    yield from _crossings(scene.mesh, FEW_TRIANGLES, math.inf)
+
+
+def _crossings(mesh: Mesh | None, fewer: float, most: float) -> Iterator[Finding]:
+    """Those of a mesh with more triangles than `fewer` and no more than `most`."""
+    if mesh is not None and fewer < len(mesh.triangles) <= most:
+        yield from _once(mesh, "crossings", lambda: crossing(mesh, mesh.positions))
 
 
 def fold_angles(scene: Scene) -> Iterator[Finding]:
@@ -74,6 +87,14 @@ def _growing(scene: Scene, fewer: float, most: float) -> Iterator[Finding]:
         return
     if fewer < scene.mesh.node_count <= most:
         yield from growing(scene.mesh, scene.material)
+
+
+def _once(mesh: Mesh, key: Hashable, find: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
+    """What a check finds in a mesh, looked for once for each `key` of all else that it depends on."""
+    known = _FOUND.setdefault(mesh, {})
+    if key not in known:
+        known[key] = tuple(find())
+    return known[key]
 
 
 def _has_springs(scene: Scene) -> bool:
