@@ -57,6 +57,7 @@ class FakeSimulation:
     limiting_part: str = "springs near node 0"
 
     def __post_init__(self) -> None:
+        self.stage_scene = self.scene
         self.assembly: Assembly = self.scene.assemble()
         self.positions: Floats = self.assembly.positions.copy()
         self.velocities: Floats = np.zeros_like(self.positions)

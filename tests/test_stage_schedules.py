@@ -19,6 +19,7 @@ from membrane_rs import (
     Stage,
     Tether,
     TipMasses,
+    scenes,
 )
 from membrane_rs.results import read_history
 from membrane_rs.runs import resume
@@ -138,3 +139,12 @@ def test_a_moved_node_and_a_hub_that_spins_up_through_stages(tmp_path: Path) -> 
     assert (again.positions == whole.positions).all()
     assert again.ledger() == whole.ledger()
     assert read_history(tmp_path / "part")["work_moved"][-1] == whole.ledger()["work_by_law"]["moved"]
+
+
+def test_a_setting_of_a_stage_is_judged_by_that_stage() -> None:
+    """Substeps that a stage sets beside a method without them have no effect, in the stage that is at work."""
+    scene = scenes.load("spinning-tether")
+    stage = Stage("fly", 1e-3, set={"run.integrator": "rk4", "run.substeps": 4})
+    staged = replace(scene, stages=[stage])
+    found = [finding.message for finding in Simulation(staged).audit().findings]
+    assert any("substeps" in message for message in found)

@@ -43,7 +43,7 @@ class Stepping:
     @classmethod
     def of_motion(cls, sim: Motion) -> Stepping:
         """As a simulation steps its scene."""
-        own = sim.scene.run
+        own = sim.stage_scene.run
         run = replace(own, integrator=sim.integrator, dt=sim.given_dt)
         return cls(run, own, sim.stable_dt)
 
