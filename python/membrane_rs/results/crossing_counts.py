@@ -8,17 +8,17 @@ touching      pairs that touch
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import check_writable, output_errors, path_of, read_text, reading_errors, sync, write_text
+from membrane_rs._files import check_writable, output_errors, path_of, reading_errors, sync, write_text
 from membrane_rs._known_attributes import KnownAttributes
-from membrane_rs.errors import MissingFileError, OutputError
+from membrane_rs.errors import OutputError
 from membrane_rs.mesh.crossings import Crossings, crossings
+from membrane_rs.results.csv_lines import csv_lines
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.motion import Motion
@@ -134,12 +134,7 @@ def read_crossings(path: Path | str) -> dict[str, Floats]:
     """
     path = path_of(path)
     with reading_errors(path, "crossings of a run"):
-        if path.is_dir():
-            path = path / CROSSINGS
-        if not path.is_file():
-            raise MissingFileError(f"no crossings at {path}; run the scene with --crossings")
-        text = read_text(path)
-        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+        path, lines = csv_lines(path, CROSSINGS, "crossings", "run the scene with --crossings")
         if not lines or tuple(lines[0]) != COLUMNS:
             raise OutputError(f"{path} does not have the columns {', '.join(COLUMNS)}; is it a crossings.csv?")
         try:

@@ -37,7 +37,8 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import check_writable, output_errors, path_of, read_text, reading_errors, sync, write_text
 from membrane_rs._renamed import RenamedKeys
 from membrane_rs.analysis.deployment import Corners
-from membrane_rs.errors import MissingFileError, OutputError
+from membrane_rs.errors import OutputError
+from membrane_rs.results.csv_lines import csv_lines
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.measures import PHASE, stowed_turn
@@ -207,12 +208,7 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     """
     path = path_of(path)
     with reading_errors(path, "history of a run"):
-        if path.is_dir():
-            path = path / HISTORY
-        if not path.is_file():
-            raise MissingFileError(f"no history at {path}; name a run's folder or its history.csv")
-        text = read_text(path)
-        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines()))
+        path, lines = csv_lines(path, HISTORY, "history", "name a run's folder or its history.csv")
         columns = [RENAMED.get(name, name) for name in lines[0]] if lines else []
         if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
             raise OutputError(
