@@ -69,12 +69,7 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     for name in options.only:
         picture = options.out / f"dashpots-{name}.png"
-        text = makers[name](picture)
-        print(f"{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
-            if picture.exists():
-                (DOCS / picture.name).write_bytes(picture.read_bytes())
+        PARTS[name].publish(makers[name](picture), picture, write=options.write)
     print(f"{time.perf_counter() - began:.0f} s")
 
 

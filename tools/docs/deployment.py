@@ -169,12 +169,7 @@ def main() -> None:
     }
     for name in options.only:
         picture = options.out / f"deployment-{name}.png"
-        text = makers[name](runs, picture)
-        print(f"{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
-            if picture.exists():
-                (DOCS / picture.name).write_bytes(picture.read_bytes())
+        PARTS[name].publish(makers[name](runs, picture), picture, write=options.write)
     print(f"{time.perf_counter() - began:.0f} s")
 
 

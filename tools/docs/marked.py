@@ -48,6 +48,17 @@ class MarkedPart:
         begin, end = self.marks
         return f"{before}{begin}\n\n{text.strip()}\n\n{end}{after}"
 
+    def publish(self, text: str, picture: Path, *, write: bool) -> None:
+        """Print `text`; where `write`, put it there, and the picture, if there is one, beside the pages.
+
+        Raises as `write` does.
+        """
+        print(f"{self.name}\n\n{text}", flush=True)
+        if write:
+            self.write(text)
+            if picture.exists():
+                (DOCS / picture.name).write_bytes(picture.read_bytes())
+
     def _split(self) -> tuple[str, str, str]:
         """The page before the first mark, between the two, and after the second."""
         page = self.page.read_text(encoding="utf-8")
