@@ -108,14 +108,6 @@ impl Schedule {
         Self::try_from(Knots { times, values, ease })
     }
 
-    /// The same value at all times.
-    ///
-    /// # Errors
-    /// `Knot` for a value that is not finite.
-    pub fn constant(value: f64) -> Result<Self> {
-        Self::new(vec![0.0], vec![value], 0.0)
-    }
-
     /// The value at `time`.
     pub fn value(&self, time: f64) -> f64 {
         let values = &self.knots.values;
