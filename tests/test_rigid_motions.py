@@ -6,7 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from membrane_rs import Gravity, RunSettings, Scene, Simulation, SpringDamping, Springs, Triangles, UnstableError
+from membrane_rs import (
+    AuditWarning,
+    Gravity,
+    RunSettings,
+    Scene,
+    Simulation,
+    Spin,
+    SpringDamping,
+    Springs,
+    Tether,
+    Triangles,
+    UnstableError,
+)
 from membrane_rs.folding import Strip
 from membrane_rs.scene.laws import Law
 from rigid_motions import FAULTY, MOTIONS, SOUND, Kind, verdict
@@ -53,6 +65,20 @@ def test_the_speed_of_the_whole_changes_neither_verdict_nor_number(share: float,
             shaken(share, speed, size).step(5000)
         messages.append((caught.value.step, str(caught.value).split(" J")[0].split(": ")[1]))
     assert len(set(messages)) == 1, messages
+
+
+@pytest.mark.parametrize("method", ["rk4", "leapfrog", "dopri5", "generalized_alpha"])
+@pytest.mark.parametrize(("segments", "stiffness"), [(2, 17.0), (8, 17.0), (8, 0.1)])
+def test_a_cord_at_rest_in_space_is_followed_from_a_turning_hub(method: str, segments: int, stiffness: float) -> None:
+    cord = Tether((0.2, 0.0, 0.0), (0.5, 0.0, 0.0), segments, stiffness, 1e-4, fixed=False)
+    with pytest.warns(AuditWarning, match="nothing holds the scene"):
+        sim = Simulation(Scene(None, None, [Spin(2.0)], [cord]), method)
+    velocities = np.zeros_like(sim.positions)
+    velocities[:, 1] = -4.0 * np.pi * sim.positions[:, 0]
+    sim.velocities = velocities
+    sim.reach(0.3)
+    radii = np.hypot(*sim.positions[:, :2].T)
+    np.testing.assert_allclose(radii, sim.scene.assemble().positions[:, 0], rtol=1e-3)
 
 
 @pytest.mark.parametrize("rate", [20.0, 30.0, 50.0])

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import Fixed, InputError, InputTypeError, Scene, Simulation, Stage
+from membrane_rs import Fixed, InputError, InputTypeError, Scene, Simulation, Spin, Stage, Tether
 from membrane_rs.results import read_history, read_pvd, read_summary
 from membrane_rs.runs import resume
 from small_scenes import hanging_strip, refused
@@ -85,6 +85,21 @@ def test_copied_pickled_saved_and_restored_at_any_time(integrator: str, tmp_path
         again = ways[k % len(ways)]
         again.run(frames=3, samples=5)
         assert last(again) == last(whole)
+
+
+@pytest.mark.usefixtures("_checks")
+def test_an_angle_is_followed_on_through_more_than_a_turn(tmp_path: Path) -> None:
+    cord = Tether((0.2, 0.0, 0.0), (0.5, 0.0, 0.0), 2, 0.1, 1e-4, fixed=False)
+    stages = (Stage("turn back", 1.0, "phase_difference_deg", below=-500.0), Stage("go on", 0.1))
+    sim = Simulation(Scene(None, None, [Spin(2.0)], [cord], stages=stages), "rk4", 1e-3)
+    velocities = np.zeros_like(sim.positions)
+    velocities[:, 1] = -4.0 * np.pi * sim.positions[:, 0]  # at rest in space
+    sim.velocities = velocities
+    sim.reach(0.6)  # -432 degrees
+    sim.save(tmp_path / "state.npz")
+    for other in (sim, Simulation.restore(tmp_path / "state.npz")):
+        other.run(frames=2, samples=2)
+        assert other.boundaries == [pytest.approx(500.0 / 720.0, abs=1e-9)]
 
 
 @pytest.mark.usefixtures("_checks")
