@@ -77,13 +77,13 @@ def test_an_arm_reels_out_in_order_with_the_tension_of_its_own_rate() -> None:
     """T = (Omega + b)^2 m R, and the lag by which Coriolis's force bends it back, at |b|/Omega = 0.1."""
     run = plane.reel_out_arm(4.0, samples=400)
     assert float(run["tension"]) == pytest.approx(float(run["predicted_tension"]), rel=0.02)
-    assert float(run["lag"]) == pytest.approx(float(run["predicted_lag"]), abs=1.5)
+    assert float(run["lead"]) == pytest.approx(float(run["predicted_lead"]), abs=1.5)
     assert float(run["kinetic"]) < 0.03
-    assert float(run["largest_lag"]) < plane.LOST
+    assert float(run["largest_lead"]) < plane.LOST
     assert float(run["reach"]) == pytest.approx(0.2334, abs=2e-3)
 
 
 def test_a_bar_that_turns_too_fast_loses_the_arm() -> None:
     """At |b|/Omega = 0.42 the tip swings round."""
     run = plane.reel_out_arm(1.0, samples=400)
-    assert float(run["largest_lag"]) > plane.LOST
+    assert float(run["largest_lead"]) > plane.LOST

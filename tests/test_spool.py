@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from membrane_rs import Scene, Simulation, SpoolContact, Tether, UnstableError, integrators, scenes
+from membrane_rs import (
+    Cylinder,
+    Scene,
+    Schedule,
+    Simulation,
+    SpoolContact,
+    Tether,
+    UnstableError,
+    integrators,
+    scenes,
+)
 from membrane_rs.check.contact import SAG_SHARE, chord_sag, start_inside
+from membrane_rs.check.spool import spool
 
 
 def tip() -> Scene:
@@ -58,6 +71,28 @@ def test_coarse_segments_are_warned_of() -> None:
     assert 0.05 - np.sqrt(0.05**2 - (0.2 / 16) ** 2 / 4) < SAG_SHARE * 0.05
     assert "may sink 0.05 m" in str(*chord_sag(scene(1)))
     assert not list(chord_sag(scenes.load("okuizumi-model-1")))
+
+
+def test_a_spool_that_is_a_body_is_looked_at_too() -> None:
+    def tethered(spool: Cylinder, anchor: float = 0.05, segments: int = 3) -> Scene:
+        cord = Tether((anchor, 0, 0), (0.25, 0, 0), segments, 50.0, 1e-3)
+        return Scene(None, None, [], [cord], bodies=[spool])
+
+    body = Cylinder("hub", 0.05, felt_by="nodes")
+    assert str(*chord_sag(tethered(body))) == str(
+        *chord_sag(replace(tethered(body), bodies=[], laws=[SpoolContact(0.05)]))
+    )
+    assert not list(chord_sag(tethered(replace(body, felt_by="edges"))))
+    assert not list(chord_sag(tethered(replace(body, centre=(0.01, 0.0, 0.0)))))
+    assert not list(chord_sag(tethered(replace(body, travel_z=Schedule((0.0, 1.0), (0.0, 1.0))))))
+    assert not list(chord_sag(tethered(body, segments=16)))
+    (film,) = chord_sag(scenes.load("okuizumi-whole").staged(0))
+    assert film.severity == "info"
+    sail = scenes.load("okuizumi-whole").staged(0)
+    thicker = replace(sail, bodies=[Cylinder("spool", 0.0275), *sail.bodies[1:]])
+    assert not list(spool(sail))
+    (found,) = spool(thicker)
+    assert "0.025 m from the axis, and the spool of bodies.spool has a radius of 0.0275 m" in str(found)
 
 
 @pytest.mark.parametrize("method", integrators())

@@ -14,8 +14,8 @@ from pathlib import Path
 from threading import Event
 
 from deployment_energy import StageCost, cost_table, energy_table, stage_costs
+from deployment_plane import COARSER, SEGMENTS, plane_table, reel_out_arm
 from deployment_plane import DURATIONS as PLANE_DURATIONS
-from deployment_plane import plane_table, reel_out_arm
 from deployment_reel import (
     DURATIONS,
     MODELS,
@@ -137,7 +137,12 @@ def release_part(runs: Runs, picture: Path) -> str:
 
 def plane_part(runs: Runs, _: Path) -> str:
     """The table of reelings out in the plane."""
-    jobs = {f"plane {duration:g} s": partial(reel_out_arm, duration) for duration in PLANE_DURATIONS}
+    arms = [(SEGMENTS, PLANE_DURATIONS), *COARSER.items()]
+    jobs = {
+        f"plane {segments} segments {duration:g} s": partial(reel_out_arm, duration, segments=segments)
+        for segments, durations in arms
+        for duration in durations
+    }
     return plane_table(list(runs.of(jobs).values()))
 
 

@@ -3,9 +3,9 @@
 Quasi-static, with b the rate of the bar relative to the hub, v = r_c |b|, the tip at R from the axis:
 
     tension   T = (Omega + b)^2 m R                             the arm turns at Omega + b
-    lag       chi = 2 v / (Omega R) from the radial at the tip, where Coriolis's force 2 m Omega v balances the
-              tension's component across; the arm touches the bar, of the radius r_b at r_c, so that the tip is
-              ahead of it by chi - asin((R sin(chi) - r_b) / r_c)
+    lead      of the tip over the bar, chi - asin((R sin(chi) - r_b) / r_c): the arm touches the bar, of the radius r_b
+              at r_c, and lags by chi = 2 v / (Omega R) behind the radial at the tip, where Coriolis's force
+              2 m Omega v balances the tension's component across
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ SETTLE, EASE = 0.3, 0.1
 WINDOW = (0.5, 0.9)
 """Share of the reeling out over which means are taken."""
 DURATIONS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+COARSER = dict.fromkeys((38, 19), (4.0, 8.0))
+"""Durations of an arm of fewer segments; the last are as long as the cells of the sail."""
 LOST, RESTLESS = 90.0, 0.2
 """Angle between tip and bar [deg], and share of the freed energy that is kinetic, beyond which an arm is no longer in
 order."""
 
 
-def arm(duration: float) -> tuple[Scene, float, float]:
+def arm(duration: float, segments: int = SEGMENTS) -> tuple[Scene, float, float]:
     """The scene of a reeling out that lasts `duration` [s], the azimuth of the bar at its start, and its turn [rad]."""
     centre = HUB + BAR + CLEARANCE
     start = (LENGTH - FREE) / HUB
@@ -49,7 +51,7 @@ def arm(duration: float) -> tuple[Scene, float, float]:
     cord = Tether(
         (HUB, 0.0, 0.0),
         (HUB + LENGTH, 0.0, 0.0),
-        SEGMENTS,
+        segments,
         AXIAL_STIFFNESS,
         LINEAR_DENSITY,
         tip_mass=TIP,
@@ -57,7 +59,7 @@ def arm(duration: float) -> tuple[Scene, float, float]:
     scene = Scene(
         None,
         None,
-        [Spin(FREQUENCY), SpringDamping(), MassDamping(20.0)],
+        [Spin(FREQUENCY), SpringDamping(), MassDamping(50.0)],
         [cord],
         bodies=[spool, bar],
         stages=[
@@ -76,9 +78,9 @@ def wound(count: int) -> Floats:
     return np.stack([HUB * np.cos(angle), HUB * np.sin(angle), np.zeros(count)], axis=1)
 
 
-def reel_out_arm(duration: float, samples: int = 2000) -> dict[str, Floats]:
+def reel_out_arm(duration: float, samples: int = 2000, segments: int = SEGMENTS) -> dict[str, Floats]:
     """Settle, reel out, and take means over the window, by name; angles in degrees."""
-    scene, start, turn = arm(duration)
+    scene, start, turn = arm(duration, segments)
     sim = Simulation(scene)
     sim.positions = wound(sim.node_count)
     sim.reach(SETTLE)
@@ -91,31 +93,32 @@ def reel_out_arm(duration: float, samples: int = 2000) -> dict[str, Floats]:
         sim.reach(SETTLE + duration * float(share))
         x, y, _ = sim.positions[tip]
         bar = start + schedule.at(sim.time)
-        lag = math.degrees(math.remainder(math.atan2(y, x) - bar, 2.0 * math.pi))
+        lead = math.degrees(math.remainder(math.atan2(y, x) - bar, 2.0 * math.pi))
         energies = sim.energies()
         freed = stored - energies["spin"]
         radius = math.hypot(x, y)
         pull = float(np.linalg.norm(sim.forces("tethers")[tip])) / (TIP * omega**2 * radius)
-        rows.append((share, pull, lag, energies["kinetic"], freed, radius))
-    share, pull, lag, kinetic, freed, radius = np.array(rows).T
+        rows.append((share, pull, lead, energies["kinetic"], freed, radius))
+    share, pull, lead, kinetic, freed, radius = np.array(rows).T
     inside = (share >= WINDOW[0]) & (share <= WINDOW[1])
     rate = turn / (duration * (1.0 - EASE))
     found = {
+        "segment": LENGTH / segments,
         "duration": duration,
         "rate": abs(rate) / omega,
         "tension": pull[inside].mean(),
         "predicted_tension": (1.0 + rate / omega) ** 2,
-        "lag": lag[inside].mean(),
-        "lag_spread": lag[inside].std(),
-        "predicted_lag": lag_behind(abs(rate), float(radius[inside].mean()), reach),
+        "lead": lead[inside].mean(),
+        "lead_spread": lead[inside].std(),
+        "predicted_lead": lead_of_tip(abs(rate), float(radius[inside].mean()), reach),
         "kinetic": kinetic[inside].mean() / freed[inside].mean(),
-        "largest_lag": np.abs(lag).max(),
+        "largest_lead": np.abs(lead).max(),
         "reach": radius[-1],
     }
     return {name: np.array(value, dtype=np.float64) for name, value in found.items()}
 
 
-def lag_behind(rate: float, radius: float, reach: float) -> float:
+def lead_of_tip(rate: float, radius: float, reach: float) -> float:
     """Azimuth of the tip at `radius` [m] less that of the bar at `reach` [m], for a rate of the bar [rad/s] [deg]."""
     chi = 2.0 * reach * rate / (2.0 * math.pi * FREQUENCY * radius)
     return math.degrees(chi - math.asin(min(1.0, (radius * math.sin(chi) - BAR) / reach)))
@@ -127,18 +130,19 @@ def plane_table(arms: Sequence[Mapping[str, Floats]]) -> str:
     for one in arms:
         value = {name: float(array) for name, array in one.items()}
         body.append((
+            f"{1e3 * value['segment']:.1f}",
             f"{value['duration']:g}",
             f"{value['rate']:.2f}",
             f"{value['tension']:.3f}",
             f"{value['predicted_tension']:.3f}",
-            f"{value['lag']:.1f} +- {value['lag_spread']:.1f}",
-            f"{value['predicted_lag']:.1f}",
+            f"{value['lead']:.1f} +- {value['lead_spread']:.1f}",
+            f"{value['predicted_lead']:.1f}",
             f"{100.0 * value['kinetic']:.2g}",
             f"{1e3 * value['reach']:.1f}",
-            "in order" if value["largest_lag"] < LOST and value["kinetic"] < RESTLESS else "lost the bar",
+            "in order" if value["largest_lead"] < LOST and value["kinetic"] < RESTLESS else "lost the bar",
         ))  # fmt: skip
     heads = (
-        "duration [s]", "b/Omega", "tension of the tip", "(1 - b/Omega)^2", "lag [deg]", "predicted [deg]",
-        "kinetic energy [%]", "reach [mm]", "outcome",
+        "segments [mm]", "duration [s]", "b/Omega", "tension of the tip", "(1 - b/Omega)^2",
+        "tip ahead of the bar [deg]", "predicted [deg]", "kinetic energy [%]", "reach [mm]", "outcome",
     )  # fmt: skip
-    return table(heads, body, words=(8,))
+    return table(heads, body, words=(9,))

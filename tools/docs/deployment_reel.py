@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from deployment_plane import EASE, FREQUENCY, WINDOW, lag_behind
+from deployment_plane import EASE, FREQUENCY, WINDOW, lead_of_tip
 from membrane_rs import Mesh, Scene, Schedule, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
@@ -62,7 +62,7 @@ def reel_out(scene: Scene, samples: int = SAMPLES) -> tuple[Simulation, dict[str
     """The simulation at the end of the reeling out, and what was sampled in it, by name.
 
     Of each sample: "share" of the reeling out, mean "radius" of the corners [m] and its "spread" over the four arms
-    [m], mean "lag" of the corners behind their bars [deg] and its spread ("lag_spread"), mean "tension" at the tips
+    [m], mean "lead" of the corners over their bars [deg] and its spread ("lead_spread"), mean "tension" at the tips
     over m Omega^2 R, "kinetic" energy [J] and centrifugal energy set "free" [J], "low" and "high" of all nodes of the
     film [m], and the largest "strain" of a spring.
     """
@@ -82,16 +82,16 @@ def reel_out(scene: Scene, samples: int = SAMPLES) -> tuple[Simulation, dict[str
         x = sim.positions
         radius, angle = np.hypot(x[corners, 0], x[corners, 1]), np.arctan2(x[corners, 1], x[corners, 0])
         apart = angle - azimuth - turn.at(sim.time) - 0.5 * math.pi * np.arange(len(corners))
-        lag = np.degrees(np.angle(np.exp(1j * apart)))
+        lead = np.degrees(np.angle(np.exp(1j * apart)))
         pull = np.linalg.norm(sum(sim.forces(law)[corners] for law in FILM), axis=1)
         energies, film = sim.energies(), x[:nodes, 2]
         rows.append((
-            share, radius.mean(), np.ptp(radius), lag.mean(), np.ptp(lag), (pull / (weight * radius)).mean(),
+            share, radius.mean(), np.ptp(radius), lead.mean(), np.ptp(lead), (pull / (weight * radius)).mean(),
             energies["kinetic"], stowed - energies["spin"], film.min(), film.max(), sim.spring_strains().max(),
         ))  # fmt: skip
     sim.reach(start + length)
     names = (
-        "share", "radius", "spread", "lag", "lag_spread", "tension", "kinetic", "free", "low", "high", "strain",
+        "share", "radius", "spread", "lead", "lead_spread", "tension", "kinetic", "free", "low", "high", "strain",
     )  # fmt: skip
     return sim, dict(zip(names, np.array(rows).T, strict=True))
 
@@ -101,18 +101,18 @@ def reel_row(label: str, duration: float, turn: float, mesh: Mesh, run: Mapping[
     crossings of triangles at the start of the release.
     """
     inside = (run["share"] >= WINDOW[0]) & (run["share"] <= WINDOW[1])
-    mean = {name: float(run[name][inside].mean()) for name in ("radius", "tension", "lag", "kinetic", "free")}
+    mean = {name: float(run[name][inside].mean()) for name in ("radius", "tension", "lead", "kinetic", "free")}
     rate = turn / (duration * (1.0 - EASE))
     omega = 2.0 * math.pi * FREQUENCY
-    is_ordered = run["spread"].max() < IN_ORDER and np.abs(run["lag"]).max() < 90.0
+    is_ordered = run["spread"].max() < IN_ORDER and np.abs(run["lead"]).max() < 90.0
     return (
         label,
         f"{duration:g}",
         f"{abs(rate) / omega:.2f}",
         f"{mean['tension']:.3f}",
         f"{(1.0 - abs(rate) / omega) ** 2:.3f}",
-        f"{mean['lag']:.1f} +- {run['lag'][inside].std():.1f}",
-        f"{lag_behind(abs(rate), mean['radius'], reach_of_bars()):.1f}",
+        f"{mean['lead']:.1f} +- {run['lead'][inside].std():.1f}",
+        f"{lead_of_tip(abs(rate), mean['radius'], reach_of_bars()):.1f}",
         f"{1e3 * run['spread'].max():.2f}",
         f"{1e3 * run['low'].min():.1f} to {1e3 * run['high'].max():.1f}",
         f"{100.0 * mean['kinetic'] / mean['free']:.2g}",
@@ -131,7 +131,8 @@ def reach_of_bars() -> float:
 def reel_table(rows: Sequence[Sequence[str]]) -> str:
     """The rows of `reel_row` as a table."""
     heads = (
-        "sail", "duration [s]", "b/Omega", "tension of the tips", "(1 - b/Omega)^2", "lag [deg]", "predicted [deg]",
-        "arms differ by [mm]", "z of the film [mm]", "kinetic energy [%]", "largest strain [%]", "crossings", "outcome",
+        "sail", "duration [s]", "b/Omega", "tension of the tips", "(1 - b/Omega)^2", "tips ahead of the bars [deg]",
+        "predicted [deg]", "arms differ by [mm]", "z of the film [mm]", "kinetic energy [%]", "largest strain [%]",
+        "crossings", "outcome",
     )  # fmt: skip
     return table(heads, rows, words=(0, 12))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scales import widest_spool
@@ -21,23 +23,36 @@ ROUNDING = 1e-9
 
 
 def chord_sag(scene: Scene) -> Iterator[Finding]:
-    """Segments that may sink deep into the spool between their nodes, since only nodes have contact.
+    """Segments that may sink deep into the spool between their nodes, where only nodes have contact.
 
     Of all cord segments and edges of the membrane between two nodes that have contact, or of which one is held, the
     longest without load counts. Nothing: at most `SAG_SHARE` of the spool's radius, or no node can meet the spool.
+    Edges of a membrane that feels a body by its nodes are told as a fact: that was chosen.
     """
-    found = next(((law, law.spool) for law in scene.laws if law.spool is not None), None)
-    if found is None or found[0].why_idle(scene) is not None:
-        return
-    radius, assembly = found[1].radius, scene.assemble()
-    touches = np.zeros(assembly.node_count, dtype=np.bool_)
-    touches[assembly.contacts.nodes] = True
-    held = np.zeros_like(touches)
-    held[assembly.fixed] = True
-    pairs, lengths = assembly.cords.nodes, assembly.cords.rest_length
+    assembly = scene.assemble()
+    cords = assembly.cords.nodes, assembly.cords.rest_length
+    edges = (np.zeros((0, 2), np.int64), np.zeros(0))
     if scene.mesh is not None:
-        pairs = np.concatenate([pairs, scene.mesh.edges])
-        lengths = np.concatenate([lengths, scene.mesh.edge_lengths])
+        edges = scene.mesh.edges, scene.mesh.edge_lengths
+    law, spool = next(((law, law.spool) for law in scene.laws if law.spool is not None), (None, None))
+    if law is not None and spool is not None and law.why_idle(scene) is None:
+        both = np.concatenate([cords[0], edges[0]]), np.concatenate([cords[1], edges[1]])
+        yield from _sag(spool.radius, assembly.contacts.nodes, assembly.fixed, *both)
+    for body in scene.bodies:
+        if body.spool is not None and body.is_felt_by_nodes:
+            if body.cords:
+                yield from _sag(body.spool.radius, np.unique(cords[0]), assembly.fixed, *cords)
+            if body.membrane:
+                found = _sag(body.spool.radius, np.unique(edges[0]), assembly.fixed, *edges)
+                yield from (replace(finding, severity="info") for finding in found)
+
+
+def _sag(radius: float, touching: Ints, fixed: Ints, pairs: Ints, lengths: Floats) -> Iterator[Finding]:
+    """Of segments between nodes that touch a spool."""
+    count = int(max(touching.max(initial=-1), fixed.max(initial=-1), pairs.max(initial=-1))) + 1
+    touches, held = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
+    touches[touching], held[fixed] = True, True
+    touches &= ~held
     near = touches[pairs].any(axis=1) & (touches | held)[pairs].all(axis=1)
     if not near.any():
         return

@@ -16,8 +16,10 @@ APART = 0.05
 
 
 def spool(scene: Scene) -> Iterator[Finding]:
-    """Laws and parts describe one spool, which fits into the hole of the flat sail and into the stowed one."""
-    spools = [(f"laws.{law.kind}", law.spool) for law in scene.laws if law.spool is not None]
+    """Laws, bodies and parts describe one spool, which fits into the hole of the flat sail and into the stowed one."""
+    described = [(f"laws.{law.kind}", law.spool) for law in scene.laws]
+    described += [(f"bodies.{body.name}", body.spool) for body in scene.bodies]
+    spools = [(place, one) for place, one in described if one is not None]
     found = [(place, one) for place, one in spools if one.radius <= widest_spool(scene)]  # else its law says so
     rims = [(f"parts[{k}]", part.spool) for k, part in enumerate(scene.parts) if part.spool is not None]
     unlike = [

@@ -51,8 +51,8 @@ class BodiesInTime:
     def at(self, time: float, stage: int | None = None) -> tuple[Solid, ...]:
         """Each copy of each body at a time [s], finite; in which stage, matters at a boundary."""
         index = stage_at(self._stages, time) if stage is None else stage
-        found = [solid for body in self._at_work(index) for solid in body.solids(time)]
-        return tuple(_ended(solid, self._stowed) for solid in found if not self._is_spool(solid))
+        found = [solid for body in self._at_work(index) if not self._is_spool(body) for solid in body.solids(time)]
+        return tuple(_ended(solid, self._stowed) for solid in found)
 
     def _at_work(self, index: int) -> list[Body]:
         if index not in self._bodies:
@@ -61,11 +61,9 @@ class BodiesInTime:
             self._bodies[index] = list(scene.bodies)
         return self._bodies[index]
 
-    def _is_spool(self, solid: Solid) -> bool:
-        spool = self._spool
-        if spool is None or solid.radius is None or abs(solid.radius - spool.radius) > SAME * spool.radius:
-            return False
-        return abs(solid.direction[2]) > 1.0 - SAME and bool(np.hypot(*solid.centre[:2]) <= SAME * spool.radius)
+    def _is_spool(self, body: Body) -> bool:
+        own, spool = body.spool, self._spool
+        return own is not None and spool is not None and abs(own.radius - spool.radius) <= SAME * spool.radius
 
 
 def stage_at(stages: Sequence[StageRecord], time: float) -> int:

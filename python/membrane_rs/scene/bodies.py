@@ -24,6 +24,7 @@ from membrane_rs.scene.plausible import FILM, Doubt, implausible
 from membrane_rs.scene.scales import stiffest, widest_spool
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.scene.solid import Solid
+from membrane_rs.scene.spool import Spool
 
 __all__ = ["BODIES", "CORE_KINDS", "Body", "Cylinder", "Plane"]
 
@@ -123,6 +124,16 @@ class Body:
         contact, friction = CORE_KINDS
         return [(contact, parameters)] + ([(friction, parameters)] if self.friction_name else [])
 
+    @property
+    def spool(self) -> Spool | None:
+        """The spool that it is, round the axis of the hub for good; None for another body."""
+        return None
+
+    @property
+    def is_felt_by_nodes(self) -> bool:
+        """Whether nodes alone feel it, though it is curved."""
+        return False
+
     def shape_parameters(self) -> dict[str, Any]:
         """Parameters of the core that a shape does not give as fields of its own."""
         return {}
@@ -173,6 +184,18 @@ class Cylinder(Body):
     radius: Annotated[Positive, Unit("m")]
     half_length: Annotated[Positive | None, Unit("m")] = field(default=None, kw_only=True)
     felt_by: Literal["edges", "nodes", "triangles"] = field(default="edges", kw_only=True)
+
+    @property
+    def spool(self) -> Spool | None:
+        """The spool that it is where it lies on the axis of the hub and no schedule takes it away."""
+        leaves = (self.travel_x, self.travel_y, self.travel_z, self.travel_radial, self.tilt)
+        is_on_axis = not any((*self.centre, *self.direction[:2]))
+        return Spool(self.radius, self.half_length) if is_on_axis and leaves.count(None) == len(leaves) else None
+
+    @property
+    def is_felt_by_nodes(self) -> bool:
+        """Whether nodes alone feel it."""
+        return self.felt_by == "nodes"
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """Its radius lies between a ten-thousandth of the reach of the flat scene and that reach, too."""
