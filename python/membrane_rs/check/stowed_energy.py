@@ -18,8 +18,8 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
     """Both, as a fact of a scene that turns and begins in another shape than its flat one.
 
     Held is the potential energy of all laws at the start, but for those of the hub's turning and of fields such as
-    gravity. Freed is Omega^2/2 (J_flat - J_start) [J], with J the moment of inertia about the axis and Omega that of
-    the start. What is held is put into the motion beside what is freed.
+    gravity. Freed is Omega^2/2 (J_flat - J_start) [J], with J the moment of inertia about the axis and Omega
+    the rate of the hub, the largest of a schedule. What is held is put into the motion beside what is freed.
     """
     omega = 2.0 * math.pi * sum(law.hub_frequency or 0.0 for law in scene.laws)
     if scene.mesh is None or omega == 0.0 or (scene.mesh.positions == scene.mesh.reference).all():

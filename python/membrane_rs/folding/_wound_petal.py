@@ -56,7 +56,7 @@ CLEARANCE_OF_CELL = 8e-3
 """... and at most so much of the shortest cell: an arm rises by it in its first one."""
 STACK = 6.8e-4
 """Largest offset of a row over the spool's radius by default, for a strain of 0.25 %: 17 um on one of 25 mm."""
-STACK_OF_CELL = 0.0025
+STACK_OF_CELL = 0.002
 """The same over the shortest cell: in their last one rows come to the middle line, after up to 90 degrees of turn."""
 NEAREST = 1e-9
 """Distance of layers over the spool's radius, at least: below it, rounding of positions would let them cross."""
@@ -78,6 +78,8 @@ class WoundPath:
         Length of the cells beyond it [m].
     offset : (r,) float64
         Distance of each row from the polygon [m].
+    strips : int
+        Strips of a petal, into which the rows are divided evenly.
     """
 
     spool_radius: float
@@ -85,6 +87,7 @@ class WoundPath:
     columns: int
     row_height: float
     offset: Floats
+    strips: int
 
     @property
     def cell(self) -> float:
@@ -140,10 +143,10 @@ class WoundPath:
         longest = LONGEST * self.hub_radius
         if self.row_height > longest * (1.0 + 1e-9):
             rows = len(self.offset) - 1
+            enough = self.strips * math.ceil(rows * self.row_height / (longest * self.strips))
             raise MeshError(
                 f"SquareSail.rows = {rows}: cells of {self.row_height:.4g} m do not lie on a roll of "
-                f"{self.hub_radius:.4g} m in radius, on which {longest:.4g} m is the most; take "
-                f"{math.ceil(rows * self.row_height / longest)} rows or more"
+                f"{self.hub_radius:.4g} m in radius, on which {longest:.4g} m is the most; take {enough} rows or more"
             )
         stack, gap = self._stack_of(self.arm), self._least_gap(self.arm)
         if gap < stack:

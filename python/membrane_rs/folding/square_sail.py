@@ -292,6 +292,7 @@ class SquareSail(StowedPattern):
             columns=columns,
             row_height=self.row_height,
             offset=first + gap * np.arange(self.strips * self.rows_per_strip + 1) / self.rows_per_strip,
+            strips=self.strips,
         )
 
     def _check_wound(self) -> None:
