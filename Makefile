@@ -77,7 +77,7 @@ peers: $(VENV)/built
 accuracy: $(VENV)/built
 	$(BIN)/python benchmarks/remake.py $(PART)
 
-# The whole deployment charted: tables and pictures of docs/deployment.md, in about half an hour on two cores. Runs are
+# The whole deployment charted: tables and pictures of docs/deployment.md, in an hour on two cores. Runs are
 # kept in out/deployment; PART="plane reel": some of plane, reel, release, energy, cost.
 deployment: $(VENV)/built
 	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
