@@ -331,7 +331,7 @@ def test_scene_files_hold_the_motion(tmp_path: Path) -> None:
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no schedule": ({"x": 1.0}, r"Moved\.x = 1\.0: must be a Schedule, or a table"),
-    "knots": ({"turn": {"times": [0, 0], "values": [0, 1]}}, r"Moved\.turn\.times\[1\] = 0\.0: must be above"),
+    "knots": ({"turn": {"times": [0, -1], "values": [0, 1]}}, r"Moved\.turn\.times\[1\] = -1\.0: must not be below"),
     "value": ({"z": {"times": [0], "values": ["up"]}}, r"Moved\.z\.values\[0\] = 'up': must be a number"),
 }
 

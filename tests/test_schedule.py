@@ -55,6 +55,15 @@ def test_linear_and_smooth() -> None:
     assert Schedule([0, 1], [0, 1], 0.5).at(0.25) == 3 / 32
 
 
+def test_two_knots_at_one_time_are_a_jump() -> None:
+    """The value is that of the first until then, and that of the second from then on; at both ends, too."""
+    jumps = Schedule([0, 0, 1, 1, 2, 2], [5, 1, 3, -3, -4, 7], 0.25)
+    times = (-1e-300, 0.0, 0.5, math.nextafter(1.0, 0.0), 1.0, math.nextafter(2.0, 0.0), 2.0, 9.0)
+    assert [jumps.at(time) for time in times] == pytest.approx([5.0, 1.0, 2.0, 3.0, -3.0, -4.0, 7.0, 7.0])
+    assert jumps.at(0.0) == 1.0
+    assert jumps.delayed(0.1).at(1.1) == -3.0
+
+
 def test_single_knot_is_a_constant() -> None:
     """One knot is enough."""
     assert Schedule([3.0], [7.0]).at(-1e9) == 7.0
@@ -84,8 +93,8 @@ def test_arrays_are_taken_and_a_schedule_is_plain() -> None:
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "none": ({"times": [], "values": []}, "times: holds 0 times; must be 1 to"),
     "lengths": ({"times": [0, 1], "values": [1]}, r"values = \(1.0,\): holds 1 values for 2 times"),
-    "jump": ({"times": [0, 0], "values": [1, 2]}, r"times\[1\] = 0.0: must be above .* boundary of a stage"),
-    "order": ({"times": [0, 2, 1], "values": [1, 2, 3]}, r"times\[2\] = 1.0: must be above .*, 2.0; sort"),
+    "three": ({"times": [1, 1, 1], "values": [1, 2, 3]}, r"times\[2\] = 1.0: is the third knot at that time"),
+    "order": ({"times": [0, 2, 1], "values": [1, 2, 3]}, r"times\[2\] = 1.0: must not be below .*, 2.0; sort"),
     "text": ({"times": [0, "a"], "values": [1, 2]}, r"times\[1\] = 'a': must be a number \(s\)"),
     "nan": ({"times": [0, 1], "values": [1, float("nan")]}, r"values\[1\] = nan: must be finite"),
     "inf": ({"times": [0, float("inf")], "values": [1, 2]}, r"times\[1\] = inf: must be finite"),

@@ -137,6 +137,10 @@ class EnergyBalance:
         """Work done on the system by each law that has done some."""
 
     @property
+    def changes(self) -> dict[str, float]:
+        """What jumps of schedules have put into the kinetic energy and into that of each law, where it is not 0."""
+
+    @property
     def reference_energy(self) -> float:
         """The largest single exchange so far."""
 
@@ -330,6 +334,9 @@ class Simulation:
 
     def reach(self, time: float, seconds: float | None = None) -> bool:
         """Step to a time [s] and show the state there; whether it was reached within about `seconds` of wall time."""
+
+    def time_of_step(self, number: int) -> float:
+        """Time at the end of a constant step, by its number, or of a jump of schedules before it [s]."""
 
     def check(self, is_end: bool) -> None:
         """Look for a fault now, beside the regular checks; at the end of a run in the energy balance too."""

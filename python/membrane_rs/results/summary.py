@@ -35,7 +35,8 @@ newton_iterations, factorisations, fallbacks    of an implicit method, as in `Mo
 signal                "SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1" or "SIGUSR2", where one interrupted the run
 frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
-                      fraction of the reference energy
+                      fraction of the reference energy; changes, what changes of stage and jumps of schedules have put
+                      in [J], by name, where there were any
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
@@ -141,7 +142,7 @@ class Summary(Writer):
 
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Add how the run went, and what its curves show."""
-        table = self._record.table
+        table, changes = self._record.table, sim.ledger().get("changes")
         self._record.summary |= {
             "time": sim.time,
             "steps": sim.step_count,
@@ -151,7 +152,7 @@ class Summary(Writer):
             **({key: count for key, count in sim.statistics.items() if any(sim.statistics.values())}),
             "frames": len(self._record.frames),
             "samples": len(table["time"]),
-            "energy_balance": energy_balance(table),
+            "energy_balance": energy_balance(table) | ({"changes": changes} if changes else {}),
             "curves": curve_features(table),
             **({"stages": self._stages(sim)} if sim.scene.stages else {}),
             "pictures": "none",

@@ -28,13 +28,17 @@ class Schedule:
                                      p(s) = 1 - p(1 - s) from there
 
     So e = 0 is linear, where the rate jumps at the knots; with e > 0 the rate and its derivative are continuous.
-    Methods of high order keep their order across a knot only with e > 0, or with steps that end there.
+    Methods of high order keep their order across a knot only with e > 0, or where two knots are at its time.
+
+    Two knots at one time are a jump: before it the value is that of the first, from then on that of the second. No step
+    crosses it, and what it changes of energies is listed in `Simulation.ledger()["changes"]`. With equal values the
+    rate alone jumps.
 
     Parameters
     ----------
     times : sequence of float
-        Of the knots [s], ascending, 1 to 10,000. They count from the start of the stage that gives the schedule; in
-        a scene without stages, from t = 0.
+        Of the knots [s], ascending, 1 to 10,000; two may be at one time. They count from the start of the stage that
+        gives the schedule; in a scene without stages, from t = 0.
     values : sequence of float
         One for each time, in the unit of the field that the schedule stands in.
     ease : float
@@ -43,7 +47,8 @@ class Schedule:
     Raises
     ------
     InputError
-        Lists of different lengths or none, times that do not ascend, or lie too near for the difference of values.
+        Lists of different lengths or none, times that do not ascend, or lie too near for the difference of values,
+        three knots at one time.
     """
 
     times: Annotated[Numbers, Unit("s")]
@@ -62,9 +67,13 @@ class Schedule:
         for k in range(1, count):
             where = f"Schedule.times[{k}] = {show(self.times[k])}"
             length = self.times[k] - self.times[k - 1]
-            if length <= 0.0:
-                what = "make a jump the boundary of a stage" if length == 0.0 else "sort the knots by time"
-                raise InputError(f"{where}: must be above the time before, {show(self.times[k - 1])}; {what} (s)")
+            if length < 0.0:
+                what = "sort the knots by time"
+                raise InputError(f"{where}: must not be below the time before, {show(self.times[k - 1])}; {what} (s)")
+            if length == 0.0:
+                if k > 1 and self.times[k - 2] == self.times[k]:
+                    raise InputError(f"{where}: is the third knot at that time; a jump has two: leave out one (s)")
+                continue
             change = self.values[k] - self.values[k - 1]
             area += (0.5 * self.values[k - 1] + 0.5 * self.values[k]) * length
             if not all(map(math.isfinite, (length, area, self._steepest(change, length)))):
@@ -82,13 +91,18 @@ class Schedule:
         Raises
         ------
         InputError, InputTypeError
-            A time that is no finite number.
+            A time that is no finite number, or so late that two knots become one.
         """
         by = number_of("by", by)
-        return replace(self, times=tuple(time + by for time in self.times))
+        times = tuple(time + by for time in self.times)
+        for k in range(1, len(times)):
+            if times[k] == times[k - 1] and self.times[k] != self.times[k - 1]:
+                what = f"times[{k}] = {show(self.times[k])} and the time before, {show(self.times[k - 1])}, become one"
+                raise InputError(f"by = {by:g}: {what}; delay it by less (s)")
+        return replace(self, times=times)
 
     def at(self, time: float) -> float:
-        """The value at a time [s].
+        """The value at a time [s]; at a jump, the one after it.
 
         Raises
         ------

@@ -35,6 +35,7 @@ def scene_digest(scene: Scene) -> str:
 ENTRIES = {
     "step_count", "evaluation_count", "origin", "hub_phase", "positions", "velocities",
     "start_kinetic", "start_internal_kinetic", "start_stored", "work", "swing", "start_shift", "scene_digest",
+    "origin_step", "changes",
     "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count", "integrator", "dt", "is_adaptive",
 }  # fmt: skip
 """Entries of a state, beside the histories of the method and of the laws."""
@@ -67,7 +68,7 @@ def check_kinds(state: Mapping[str, Any]) -> None:
                 raise InputTypeError(f"saved state: {name} = {show(value)}: must be {what}")
     for name in ENERGIES:
         energy = state.get(name)  # the core refuses what is no number, or not finite
-        if isinstance(energy, Real) and energy < 0.0:
+        if isinstance(energy, Real) and energy < 0.0 and (name == "swing" or "changes" not in state):
             raise InputError(f"saved state: {name} = {show(energy)}: must be at least 0 (J); {DAMAGED}")
 
 
@@ -111,7 +112,7 @@ def check_balance(state: Mapping[str, Any], ledger: Mapping[str, Any]) -> None:
     """
     with np.errstate(over="ignore", invalid="ignore"):
         stored = [abs(energy) for energy in ledger["stored_by_law"].values()]
-        saved = np.abs(np.concatenate([np.ravel(state["work"]), np.ravel(state["start_stored"])]))
+        saved = np.abs(np.concatenate([np.ravel(state.get(name, 0.0)) for name in ("work", "start_stored", "changes")]))
         at_hand = ledger["kinetic"] + sum(stored) + float(saved.sum())
         known = at_hand + state["swing"]
     bounds = {"swing": MOST_SWING * at_hand}

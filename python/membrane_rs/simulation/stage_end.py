@@ -27,6 +27,8 @@ CHECK_STEPS = 20
 """Steps of an explicit method between two evaluations in a scene of more than ..."""
 FEW_NODES = 100
 """... so many nodes: there the shortest vibrations set the step. In a small one the whole motion may."""
+SAME_STEP, SAME_TIME = 2e-9, 1e-14
+"""A time this near a jump is that of the jump for the core: a share of the step, and a share of the time."""
 
 
 def steps_between(sim: Motion) -> int:
@@ -110,22 +112,26 @@ class StageEnd:
         if core.is_adaptive:
             return next_adaptive(core, self._end)
         number = (core.step_count // self._steps + 1) * self._steps
-        time: float = self.state["origin"] + number * core.dt
-        return min(self._end, time)
+        return min(self._end, core.time_of_step(number))
 
     def _found(self, ahead: float) -> float:
-        """Time between the last evaluation and the next one at which the measure passes its value [s]."""
+        """Time between the last evaluation and the next one, where the core is, at which the measure passes its value
+        [s]: that of a jump of schedules where it does so by the jump.
+        """
         from scipy.optimize import brentq  # slow to import
 
         level, rounding = self._stage.level or 0.0, float(np.finfo(float).eps)
+        core = self._sim._core
+        is_jump = core.progress()["origin"] == ahead
+        near_jump = max(SAME_STEP * (0.0 if core.is_adaptive else core.dt), SAME_TIME * abs(ahead))
 
         def excess(time: float) -> float:
-            self._sim._core.resume(self.state)
-            self._sim._core.reach(time)
+            core.resume(self.state)
+            core.reach(time)
             return self.follower.value(self._sim) - level
 
         found: float = brentq(excess, self.time, ahead, xtol=2.0 * rounding * abs(ahead), rtol=4.0 * rounding)
-        return found
+        return ahead if is_jump and ahead - found <= near_jump else found
 
     def _is_past(self) -> bool:
         return self._stage.is_past(self.follower.value(self._sim))

@@ -125,7 +125,8 @@ class StagedMotion(Motion):
         dict
             That of `Motion.ledger`. With stages "work" and "work_by_law" are sums over the stages, "reference_energy"
             is the largest of any stage, and "error" the sum of the residuals of all stages as a share of it. "changes"
-            is what changes of stage have put in [J], as {"<stage>: <term>": J}, where a term is "kinetic" or a law.
+            is what changes of stage and jumps of schedules have put in [J], as {"<stage>: <term>": J}, where a term is
+            "kinetic" or a law.
         """
         found = super().ledger()
         if self._timeline is None:
@@ -139,7 +140,7 @@ class StagedMotion(Motion):
             [found["error"] * found["reference_energy"], *(r.error * r.reference_energy for r in past)]
         )
         reference = max([found["reference_energy"], *(record.reference_energy for record in past)])
-        by_stage = [*((record.name, record.changes) for record in past), (self.stage_name, self._timeline.changes)]
+        by_stage = [(record.name, record.changes) for record in self.stages]
         found |= {
             "work": math.fsum(work.values()),
             "work_by_law": work,
@@ -172,7 +173,7 @@ class StagedMotion(Motion):
             steps=core.step_count,
             evaluations=core.evaluation_count,
             rejected_steps=core.rejected_count,
-            changes=line.changes,
+            changes=_sums(line.changes, balance.changes),
             work_by_law=dict(balance.work_by_law),
             reference_energy=balance.reference_energy,
             error=balance.error,
@@ -223,7 +224,7 @@ class StagedMotion(Motion):
             if core.is_adaptive:
                 self._reach(next_adaptive(core, line.end))
             else:
-                self._reach(core.progress()["origin"] + (before + count) * core.dt)
+                self._reach(core.time_of_step(before + count))
             if line.index == index:
                 count -= core.step_count - before
             else:
@@ -358,6 +359,13 @@ class StagedMotion(Motion):
             self._reach(now)
             if line.index != index or line.ended_by is not None:
                 raise InputError("saved state: its stage has ended before stage_now; it is damaged")
+
+
+def _sums(*tables: dict[str, float]) -> dict[str, float]:
+    """Sums by name, those that are not 0."""
+    names = dict.fromkeys(name for table in tables for name in table)
+    sums = {name: math.fsum(table.get(name, 0.0) for table in tables) for name in names}
+    return {name: value for name, value in sums.items() if value != 0.0}
 
 
 def _without_energy(record: StageRecord) -> StageRecord:

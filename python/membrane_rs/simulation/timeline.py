@@ -36,8 +36,8 @@ class StageRecord:
     steps, evaluations, rejected_steps : int
         Steps, evaluations of the forces, rejected steps. The rest of a step up to the end of a stage is not counted.
     changes : dict of str to float
-        Change of the kinetic energy and of the potential energy of each law at its start, by what the stage changes
-        [J].
+        Change of the kinetic energy and of the potential energy of each law at its start, by what the stage changes,
+        and at jumps of schedules [J].
     work_by_law : dict of str to float
         Work of each law in this stage [J].
     reference_energy : float

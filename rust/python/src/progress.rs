@@ -58,6 +58,13 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("step_count", progress.step_count)?;
     saved.set_item("evaluation_count", progress.evaluation_count)?;
     saved.set_item("origin", progress.origin)?;
+    // Of a run without jumps, states are those of earlier versions.
+    if progress.origin_step > 0 {
+        saved.set_item("origin_step", progress.origin_step)?;
+    }
+    if progress.ledger.changes.iter().any(|change| *change != 0.0) {
+        saved.set_item("changes", PyArray1::from_vec(py, progress.ledger.changes))?;
+    }
     saved.set_item("hub_phase", progress.hub_phase)?;
     saved.set_item("positions", vectors(py, &progress.positions)?)?;
     saved.set_item("velocities", vectors(py, &progress.velocities)?)?;
@@ -116,8 +123,12 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
     } else {
         None
     };
+    let has_changes = saved.contains("changes")?;
+    let changes = if has_changes { numbers("changes", &array("changes")?)? } else { vec![0.0; laws.len() + 1] };
+    let origin_step = if saved.contains("origin_step")? { get(saved, WHAT, "origin_step")? } else { 0 };
     Ok(Progress {
         step_count: get(saved, WHAT, "step_count")?,
+        origin_step,
         evaluation_count: get(saved, WHAT, "evaluation_count")?,
         origin: get(saved, WHAT, "origin")?,
         hub_phase: get(saved, WHAT, "hub_phase")?,
@@ -130,6 +141,7 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
             work: numbers("work", &array("work")?)?,
             largest_change: get(saved, WHAT, "swing")?,
             start_shift: get(saved, WHAT, "start_shift")?,
+            changes,
         },
         history,
         law_histories,
@@ -171,8 +183,14 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
             return wrong(name, not_finite());
         }
     }
-    if !terms.iter().chain(&ledger.start.stored).chain(&ledger.work).all(|value| value.is_finite()) {
-        return wrong("the ledger (start_kinetic, start_stored, work, swing, start_shift)", not_finite());
+    if !terms
+        .iter()
+        .chain(&ledger.start.stored)
+        .chain(&ledger.work)
+        .chain(&ledger.changes)
+        .all(|value| value.is_finite())
+    {
+        return wrong("the ledger (start_kinetic, start_stored, work, swing, start_shift, changes)", not_finite());
     }
     if !of(&progress.history) {
         return wrong("history_vectors or history_numbers", not_finite());

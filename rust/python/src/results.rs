@@ -47,6 +47,7 @@ pub(crate) struct EnergyBalance {
     stored: f64,
     stored_by_law: Py<PyDict>,
     work_by_law: Py<PyDict>,
+    changes: Py<PyDict>,
     reference_energy: f64,
     residual: f64,
     error: f64,
@@ -65,11 +66,17 @@ impl EnergyBalance {
                 worked.set_item(properties.name, work)?;
             }
         }
+        let changes = PyDict::new(py);
+        let names = ["kinetic"].into_iter().chain(core.laws().iter().map(|law| law.name()));
+        for (name, change) in names.zip(&ledger.changes).filter(|(_, change)| **change != 0.0) {
+            changes.set_item(name, change)?;
+        }
         Ok(Self {
             kinetic: now.kinetic,
             stored: now.stored.iter().sum(),
             stored_by_law: stored.unbind(),
             work_by_law: worked.unbind(),
+            changes: changes.unbind(),
             reference_energy: ledger.reference_energy(&now),
             residual: ledger.residual(&now),
             error: core.energy_error(&now),

@@ -364,6 +364,11 @@ impl Simulation {
         self.in_chunks(py, longest, |core, chunk| core.reach(time, chunk))
     }
 
+    /// Time at the end of a constant step, by its number, or of a jump of schedules before it [s].
+    fn time_of_step(&self, py: Python<'_>, number: u64) -> f64 {
+        self.core(py).time_of_step(number)
+    }
+
     /// Checks for a fault, between the regular checks; at the end of a run the energy balance too.
     fn check(&self, py: Python<'_>, is_end: bool) -> PyResult<()> {
         checked(self.core(py).check(is_end))

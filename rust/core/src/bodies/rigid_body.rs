@@ -42,6 +42,13 @@ pub struct Motion {
     pub spin: Option<Schedule>,
 }
 
+impl Motion {
+    fn schedules(&self) -> impl Iterator<Item = &Schedule> {
+        let others = [&self.turn, &self.travel_radial, &self.tilt, &self.spin];
+        others.into_iter().chain(&self.travel).flatten()
+    }
+}
+
 /// A rigid body with checked values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBody {
@@ -115,14 +122,18 @@ impl RigidBody {
         let [x, y, _] = motion.centre;
         let radius = x.hypot(y);
         let radial = if radius > 0.0 { [x / radius, y / radius, 0.0] } else { [1.0, 0.0, 0.0] };
-        let moves = [&motion.turn, &motion.travel_radial, &motion.tilt, &motion.spin].into_iter().chain(&motion.travel);
-        let is_moving = moves.flatten().any(|schedule| schedule.largest_rate() != 0.0);
+        let is_moving = motion.schedules().any(|schedule| schedule.largest_rate() != 0.0);
         Ok(Self { direction: unit.map(|value| value / length), radial, copies: copies as usize, motion, is_moving })
     }
 
     /// Whether any schedule has a rate.
     pub fn is_moving(&self) -> bool {
         self.is_moving
+    }
+
+    /// The times at which it jumps \[s\].
+    pub fn jumps(&self) -> Vec<f64> {
+        self.motion.schedules().flat_map(Schedule::jumps).collect()
     }
 
     /// The poses of all copies at a time \[s\], into `poses`.

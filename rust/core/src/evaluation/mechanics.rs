@@ -157,6 +157,16 @@ impl Mechanics {
         }
     }
 
+    /// Passes the state after a jump of schedules to each law with a history.
+    pub(crate) fn restart_paths(&mut self, point: PhasePoint<'_>) {
+        let at = self.instant(point);
+        for &row in &self.history_dependent {
+            if let Some(law) = self.laws[row].history_dependent_mut() {
+                law.restart_paths(at);
+            }
+        }
+    }
+
     /// Whether a law with a history has found a fault in the last step.
     #[inline]
     pub(crate) fn is_at_fault(&self) -> bool {

@@ -200,6 +200,10 @@ impl Law for BodyContact {
         press.power
     }
 
+    fn jumps(&self) -> Vec<f64> {
+        self.contacts.body.jumps()
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let poses = self.contacts.poses_at(at);
         // From the zero of sums of numbers.
@@ -242,6 +246,10 @@ impl Inspection for BodyContact {
 impl HistoryDependent for BodyContact {
     fn begin(&mut self, at: Instant<'_>) {
         self.path.begin(&self.contacts, at);
+    }
+
+    fn restart_paths(&mut self, at: Instant<'_>) {
+        self.path.restart(&self.contacts, at);
     }
 
     fn accept(&mut self, at: Instant<'_>) {

@@ -217,6 +217,10 @@ impl Law for BodyFriction {
         rub.power
     }
 
+    fn jumps(&self) -> Vec<f64> {
+        self.contacts.body.jumps()
+    }
+
     fn linearisation(&self) -> Option<&dyn Linearisation> {
         Some(self)
     }

@@ -10,6 +10,9 @@ pub trait HistoryDependent {
     /// restored. Data that follow from this state need not be part of the history.
     fn begin(&mut self, _at: Instant<'_>) {}
 
+    /// Called where schedules have jumped, with the state after that: no path leads there from the states before.
+    fn restart_paths(&mut self, _at: Instant<'_>) {}
+
     /// Updates the history at the end of a step. It is called once after each accepted step, with the accepted state,
     /// and the new history is that of all later evaluations.
     fn accept(&mut self, at: Instant<'_>);

@@ -159,6 +159,11 @@ pub trait Law: Send + Sync {
         None
     }
 
+    /// The times at which its schedules jump \[s\], in any order.
+    fn jumps(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The law as that of nodes that move as prescribed.
     fn moved(&self) -> Option<&Moved> {
         None

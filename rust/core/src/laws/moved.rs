@@ -6,7 +6,8 @@
 //! schedules are there. The force R = m x'' - F that moves a node, F that of all other laws, does the work R . v, which
 //! is the work of this law. `evaluation::mechanics` adds its power and the prescribed accelerations to each evaluation,
 //! so that stages are consistent with the order of the method; at the end of a step the nodes are set to the prescribed
-//! motion. What that changes of their kinetic energy is work too: that of the impulse where a velocity jumps.
+//! motion. What that changes of their kinetic energy is work too: that of the impulse where a velocity jumps. Where a
+//! schedule jumps, a node is displaced; its velocity is that of the schedules before and after.
 
 use std::ops::Range;
 
@@ -135,6 +136,11 @@ impl Law for Moved {
 
     fn kernels(&self) -> Kernels {
         Kernels::default()
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        let schedules = self.motions.iter().flat_map(|motion| motion.displacement.iter().chain([&motion.turn]));
+        schedules.flatten().flat_map(Schedule::jumps).collect()
     }
 
     fn moved(&self) -> Option<&Moved> {

@@ -16,6 +16,8 @@ pub struct Spin {
     pub schedule: Option<Arc<Schedule>>,
     /// The time at which everything that depends on time is frozen \[s\]; `None`: time passes.
     pub frozen_at: Option<f64>,
+    /// The first and the last time of the present interval between two jumps \[s\]; `None`: nothing jumps.
+    pub interval: Option<[f64; 2]>,
     /// Angle at t = 0 \[rad\]: not 0 where the hub has turned at another rate before.
     pub phase: f64,
 }
@@ -42,10 +44,12 @@ impl Frame {
 }
 
 impl Spin {
-    /// The time of the frame, and of all that depends on time, at `time` of the motion \[s\].
+    /// The time of the frame, and of all that depends on time, at `time` of the motion \[s\]: within the present
+    /// interval between two jumps, so that no step sees what lies beyond them.
     #[inline]
     pub fn time_of(&self, time: f64) -> f64 {
-        self.frozen_at.unwrap_or(time)
+        let time = self.frozen_at.unwrap_or(time);
+        self.interval.map_or(time, |[first, last]| time.max(first).min(last))
     }
 
     /// The angle by which the hub turns from t = 0 to `time` \[rad\].

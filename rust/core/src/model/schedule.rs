@@ -8,6 +8,9 @@
 //!
 //! and by symmetry p(s) = 1 - p(1 - s), P(s) = 1/2 - (1 - s) + P(1 - s). With easing, the rate and its derivative are
 //! continuous; without, the rate jumps at the knots, where it is that of the later side.
+//!
+//! Two knots at one time are a jump: before it value and rate are those up to the first, from then on those from the
+//! second. Of equal values, only the rate jumps.
 
 use serde::Deserialize;
 
@@ -84,9 +87,20 @@ fn check(knots: &Knots) -> Result<()> {
     }
     for index in 1..count {
         let (value, length) = (times[index], times[index] - times[index - 1]);
-        if length <= 0.0 {
-            let range = "times must ascend; make a jump the boundary of a stage";
-            return Err(Error::Knot { what: "times", index, value, range });
+        if length < 0.0 {
+            return Err(Error::Knot {
+                what: "times",
+                index,
+                value,
+                range: "times must ascend; sort the knots by time",
+            });
+        }
+        if length == 0.0 {
+            if index > 1 && times[index - 2] == value {
+                let range = "it is that of two knots before; a jump has two: leave out the one in the middle";
+                return Err(Error::Knot { what: "times", index, value, range });
+            }
+            continue;
         }
         let (rate, eased) = ((values[index] - values[index - 1]) / (length * (1.0 - ease)), ease * length);
         if !length.is_finite() || !rate.is_finite() || (*ease > 0.0 && !(1.5 * rate / eased).is_finite()) {
@@ -103,7 +117,7 @@ impl Schedule {
     /// # Errors
     /// `LengthMismatch`, `OutOfRange`, `Knot`: lists of different lengths; no knot, or more than `MOST_KNOTS`; `ease`
     /// outside 0 to 0.5; a number that is not finite; times that do not ascend, or are too near for the difference
-    /// of their values.
+    /// of their values; three knots at one time.
     pub fn new(times: Vec<f64>, values: Vec<f64>, ease: f64) -> Result<Self> {
         Self::try_from(Knots { times, values, ease })
     }
@@ -168,8 +182,15 @@ impl Schedule {
     /// The rate of largest magnitude.
     pub fn largest_rate(&self) -> f64 {
         (1..self.areas.len())
+            .filter(|&k| self.length(k - 1) > 0.0)
             .map(|k| self.full_rate(k - 1))
             .fold(0.0, |most: f64, rate| if rate.abs() > most.abs() { rate } else { most })
+    }
+
+    /// The times of its jumps.
+    pub fn jumps(&self) -> impl Iterator<Item = f64> {
+        let times = &self.knots.times;
+        (1..times.len()).filter(|&k| times[k] == times[k - 1]).map(|k| times[k])
     }
 
     /// The value from the last knot on.

@@ -1,6 +1,6 @@
 //! Steps chosen by their error, for methods with an error estimate.
 //!
-//! The run steps ahead of the output time, and interpolates within its last step (`output`).
+//! The run steps ahead of the output time, and interpolates within its last step (`output`). No step crosses a jump.
 
 use super::{AdaptiveProgress, Simulation};
 use crate::error::{Error, Result};
@@ -9,6 +9,8 @@ use crate::model::checks::{positive, within};
 
 /// First step of a scene without a stability limit \[s\]; later steps grow up to fivefold each.
 const FIRST_STEP: f64 = 1e-6;
+/// A step that ends before a jump by less than this share of itself, less 1, ends at the jump.
+const STRETCH: f64 = 1.1;
 
 /// State of the step control.
 pub(super) struct Adaptive {
@@ -38,9 +40,14 @@ impl Simulation {
 
     /// One accepted step from the end of the last one.
     pub(super) fn adaptive_step(&mut self) -> Result<()> {
+        let jump = self.next_jump();
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         let time = adaptive.step_end_time;
         loop {
+            let mut end = time + adaptive.controller.dt;
+            if let Some(jump) = jump.filter(|jump| jump - time <= STRETCH * adaptive.controller.dt) {
+                (adaptive.controller.dt, end) = (jump - time, jump);
+            }
             let dt = adaptive.controller.dt;
             if dt <= f64::EPSILON * adaptive.first_dt.max(time) {
                 break;
@@ -50,7 +57,7 @@ impl Simulation {
             let error = method.attempt(&mut self.mechanics, from, dt, &self.settings.tolerance);
             if adaptive.controller.accepts(error) {
                 method.accept(&mut self.state, &mut self.ledger.work);
-                adaptive.step_end_time = time + dt;
+                adaptive.step_end_time = end;
                 self.step_count += 1;
                 self.set_moved();
                 return Ok(());

@@ -10,11 +10,13 @@ use crate::model::checks::{finite, within};
 /// All data that change during a run: from them a run continues with the same bits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
-    /// Steps taken since `origin`.
+    /// Steps taken.
     pub step_count: u64,
+    /// Those of them that were taken before `origin`.
+    pub origin_step: u64,
     /// Evaluations of the forces.
     pub evaluation_count: u64,
-    /// The time of step 0 \[s\]: t = origin + step_count dt, not a running sum.
+    /// The time from which steps are counted \[s\]: t = origin + (step_count - origin_step) dt, not a running sum.
     pub origin: f64,
     /// The angle of the hub at t = 0 \[rad\].
     pub hub_phase: f64,
@@ -55,6 +57,7 @@ impl Simulation {
         let (state, work, histories) = self.at_step_end();
         Progress {
             step_count: self.step_count,
+            origin_step: self.origin_step,
             evaluation_count: self.evaluation_count(),
             origin: self.origin,
             hub_phase: self.mechanics.spin.phase,
@@ -89,6 +92,9 @@ impl Simulation {
         };
         length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
         length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
+        length("the saved changes by jumps", progress.ledger.changes.len(), self.laws().len() + 1, "term of energy")?;
+        let is_before = progress.origin_step <= progress.step_count;
+        within("saved steps before the origin", progress.origin_step as f64, is_before, "it is at most all steps")?;
         const OF_METHOD: &str = "the saved history of the method";
         const OF_LAWS: &str = "the saved history of the laws";
         if !progress.law_histories.is_empty() {
@@ -102,6 +108,8 @@ impl Simulation {
         within("saved origin [s]", progress.origin, progress.origin.is_finite(), "it is finite")?;
         self.output = None;
         (self.origin, self.step_count) = (progress.origin, progress.step_count);
+        self.origin_step = progress.origin_step;
+        self.find_interval();
         self.mechanics.spin.phase = progress.hub_phase;
         self.set_motion(&progress.positions, &progress.velocities)?;
         self.mechanics.evaluation_count = progress.evaluation_count;

@@ -5,6 +5,7 @@ mod checkpoint;
 mod default_step;
 mod diagnosis;
 mod implicit;
+mod jumps;
 mod monitor;
 mod output;
 mod rate_groups;
@@ -43,6 +44,7 @@ const FIRST_STEPS: u64 = 100;
 struct GoodState {
     time: f64,
     origin: f64,
+    origin_step: u64,
     step_count: u64,
     state: State,
     work: Vec<f64>,
@@ -61,8 +63,12 @@ pub struct Simulation {
     side: Option<Box<dyn Integrator>>,
     settings: Settings,
     dt: f64,
+    /// The time from which steps are counted, that of the last jump if any \[s\], and the number of steps before it.
     origin: f64,
+    origin_step: u64,
     step_count: u64,
+    /// The times at which schedules jump, ascending \[s\]; those up to `origin` are passed.
+    jumps: Vec<f64>,
     state: State,
     ledger: Ledger,
     good: GoodState,
@@ -126,6 +132,8 @@ impl Simulation {
         let Assembly { masses, inverse_masses, numbering, .. } = assembly;
         let (method_of, count) = (integrator.as_ref(), laws.len());
         let mut mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method_of, instructions);
+        let jumps = if settings.frozen_at.is_some() { Vec::new() } else { jumps::times(&mechanics) };
+        mechanics.spin.interval = jumps::interval(&jumps, 0.0);
         mechanics.start_moved(state.at(0.0));
         mechanics.set_moved(0.0, &mut state, &mut vec![0.0; count]);
         let energy_terms = mechanics.energy_terms(0.0, &state);
@@ -133,6 +141,7 @@ impl Simulation {
         let good = GoodState {
             time: 0.0,
             origin: 0.0,
+            origin_step: 0,
             step_count: 0,
             state: state.clone(),
             work: ledger.work.clone(),
@@ -150,7 +159,9 @@ impl Simulation {
             settings,
             dt: 0.0,
             origin: 0.0,
+            origin_step: 0,
             step_count: 0,
+            jumps,
             state,
             ledger,
             good,
@@ -193,8 +204,8 @@ impl Simulation {
             return Ok(());
         }
         self.continue_from_output();
-        (self.origin, self.step_count) = (self.time(), 0);
-        (self.good.origin, self.good.step_count) = (self.good.time, 0);
+        self.count_anew(self.time());
+        (self.good.origin, self.good.origin_step, self.good.step_count) = (self.good.time, 0, 0);
         if self.integrator.is_started() {
             // The modified energy depends on the step.
             self.ledger.start_shift += self.energy_shift(dt) - self.energy_shift(self.dt);
@@ -207,7 +218,7 @@ impl Simulation {
         self.integrator.energy_shift(&self.mechanics.free_masses(), dt)
     }
 
-    /// Number of steps since the time of step 0.
+    /// Number of steps since they were counted anew. The rest of a step up to a jump is none.
     pub fn step_count(&self) -> u64 {
         self.step_count
     }
@@ -316,20 +327,29 @@ impl Simulation {
     /// `Unstable` where the monitor stops the run; the state is then that of the last good check.
     pub fn step(&mut self, count: u64) -> Result<()> {
         for _ in 0..count {
-            self.put_step_end_back();
-            self.start_if_needed();
-            if self.adaptive.is_some() {
-                self.adaptive_step()?;
-            } else {
-                self.fixed_step();
-                self.refuse_stall()?;
-            }
-            self.mechanics.accept(self.state.at(self.time()));
-            if self.step_count.is_multiple_of(self.settings.check_interval) || self.mechanics.is_at_fault() {
-                self.regular_check()?;
-            } else if self.step_count < FIRST_STEPS && self.step_count.is_power_of_two() {
-                self.record_exchange();
-            }
+            self.whole_step()?;
+            self.pass_due_jumps()?;
+        }
+        Ok(())
+    }
+
+    /// Takes a step, from the state after the jumps up to its start. One of constant step passes those within it.
+    fn whole_step(&mut self) -> Result<()> {
+        self.put_step_end_back();
+        self.pass_due_jumps()?;
+        self.pass_jumps_within_step()?;
+        self.start_if_needed();
+        if self.adaptive.is_some() {
+            self.adaptive_step()?;
+        } else {
+            self.fixed_step();
+            self.refuse_stall()?;
+        }
+        self.mechanics.accept(self.state.at(self.time()));
+        if self.step_count.is_multiple_of(self.settings.check_interval) || self.mechanics.is_at_fault() {
+            self.regular_check()?;
+        } else if self.step_count < FIRST_STEPS && self.step_count.is_power_of_two() {
+            self.record_exchange();
         }
         Ok(())
     }

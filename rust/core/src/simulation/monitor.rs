@@ -102,10 +102,11 @@ impl Simulation {
     /// Restores the state of the last good check, for a method of constant step.
     fn rewind(&mut self) {
         let good = &self.good;
-        (self.output, self.origin) = (None, good.origin);
+        (self.output, self.origin, self.origin_step) = (None, good.origin, good.origin_step);
         (self.step_count, self.state, self.ledger.work) = (good.step_count, good.state.clone(), good.work.clone());
         self.integrator.restore_history(good.history.clone());
         self.mechanics.restore_histories(&good.law_histories);
+        self.find_interval();
     }
 
     /// Restores the state of the last good check, and returns the error that describes the fault.
@@ -121,7 +122,8 @@ impl Simulation {
 
     /// Records the present state as the last good one.
     pub(super) fn record_good(&mut self, energy_terms: EnergyTerms) {
-        (self.good.time, self.good.origin, self.good.step_count) = (self.time(), self.origin, self.step_count);
+        (self.good.time, self.good.origin) = (self.time(), self.origin);
+        (self.good.origin_step, self.good.step_count) = (self.origin_step, self.step_count);
         self.good.state.positions.copy_from(&self.state.positions);
         self.good.state.velocities.copy_from(&self.state.velocities);
         self.good.work.copy_from_slice(&self.ledger.work);

@@ -42,7 +42,7 @@ impl Simulation {
 
     /// The time at the end of the last step \[s\].
     pub fn step_end_time(&self) -> f64 {
-        let of_constant_step = || self.origin + self.step_count as f64 * self.dt;
+        let of_constant_step = || self.time_of_whole_step(self.step_count);
         self.adaptive.as_ref().map_or_else(of_constant_step, |adaptive| adaptive.step_end_time)
     }
 
@@ -60,37 +60,64 @@ impl Simulation {
         within("time [s]", time, time.is_finite(), "it is finite")?;
         let now = self.time();
         within("time [s]", time, time >= now || self.is_same_time(time, now), "it is not before the present time")?;
-        if self.adaptive.is_some() {
-            for _ in 0..most {
-                if self.step_end_time() >= time {
-                    break;
-                }
-                self.step(1)?;
-            }
-        } else {
-            let ahead = self.steps_until(time)?.saturating_sub(self.step_count);
-            self.step(ahead.min(most))?;
-            if ahead > most {
-                return Ok(false);
-            }
-        }
-        let is_passed = self.adaptive.is_none() || self.step_end_time() >= time;
+        let is_passed =
+            if self.adaptive.is_some() { self.step_past(time, most)? } else { self.step_up_to(time, most)? };
         if is_passed {
             self.show(time)?;
         }
         Ok(is_passed)
     }
 
-    /// Number of whole steps from the origin up to `time`, of a run of constant step.
+    /// Takes at most so many steps chosen by their error, until one ends at `time` or later. Whether one does. A jump at
+    /// its end is passed where `time` is that of the jump.
+    fn step_past(&mut self, time: f64, most: u64) -> Result<bool> {
+        for _ in 0..most {
+            if self.step_end_time() >= time {
+                break;
+            }
+            self.whole_step()?;
+        }
+        let end = self.step_end_time();
+        if time >= end || self.is_same_time(time, end) {
+            self.put_step_end_back();
+            self.pass_due_jumps()?;
+        }
+        Ok(end >= time)
+    }
+
+    /// Takes at most so many constant steps, as many as end at `time` or before, and passes the jumps up to `time`.
+    /// Whether those were all.
+    fn step_up_to(&mut self, time: f64, most: u64) -> Result<bool> {
+        self.steps_until(time)?;
+        let mut left = most;
+        loop {
+            let jump = self.next_jump().filter(|&jump| jump <= time || self.is_same_time(time, jump));
+            let ahead = self.steps_until(jump.unwrap_or(time))?.saturating_sub(self.step_count);
+            self.step(ahead.min(left))?;
+            if ahead > left {
+                return Ok(false);
+            }
+            left -= ahead;
+            let Some(jump) = jump else { return Ok(true) };
+            self.put_step_end_back();
+            self.go_past(jump)?;
+            if left == 0 {
+                return Ok(false);
+            }
+            left -= 1;
+        }
+    }
+
+    /// Number of whole steps up to `time`, of a run of constant step.
     fn steps_until(&self, time: f64) -> Result<u64> {
         let steps = (time - self.origin) / self.dt;
         within("time [s]", time, steps <= MOST_STEPS, "it is at most 10^15 steps of dt ahead")?;
         let nearest = steps.round().max(0.0);
         let is_step = self.is_same_time(time, self.origin + nearest * self.dt);
-        Ok(if is_step { nearest } else { steps.floor().max(0.0) } as u64)
+        Ok(self.origin_step + if is_step { nearest } else { steps.floor().max(0.0) } as u64)
     }
 
-    fn is_same_time(&self, time: f64, other: f64) -> bool {
+    pub(super) fn is_same_time(&self, time: f64, other: f64) -> bool {
         let (share, ulps) = SAME_TIME;
         let rounding = ulps * f64::EPSILON * time.abs().max(self.origin.abs());
         (time - other).abs() <= (share * self.dt).max(rounding)
@@ -100,8 +127,11 @@ impl Simulation {
     pub(super) fn show(&mut self, time: f64) -> Result<()> {
         self.put_step_end_back();
         let step_end = self.step_end_time();
+        let is_after_jump = self.origin == step_end;
         if self.adaptive.is_some() {
-            if time < step_end {
+            if time < step_end && is_after_jump {
+                self.output = Some(Output { time, held: None });
+            } else if time < step_end {
                 self.interpolate(step_end, time);
             }
         } else if self.is_same_time(time, step_end) {
@@ -181,7 +211,7 @@ impl Simulation {
             (Some(adaptive), _) => adaptive.step_end_time = time,
             (None, Some(side)) => {
                 std::mem::swap(&mut self.integrator, side);
-                (self.origin, self.step_count) = (time, 0);
+                self.count_anew(time);
             }
             (None, None) => {}
         }

@@ -52,7 +52,11 @@ impl Simulation {
         finite("time at the start [s]", time)?;
         finite("angle of the hub at the start [rad]", hub_angle)?;
         self.set_motion(positions, velocities)?;
-        (self.output, self.origin, self.step_count) = (None, time, 0);
+        self.output = None;
+        // A start at a jump is after it, whatever rounding says.
+        let jump = self.jumps.iter().copied().find(|&jump| self.is_same_time(jump, time));
+        let time = jump.map_or(time, |jump| jump.max(time));
+        self.count_anew(time);
         self.roll_back_adaptive(time);
         self.mechanics.spin = self.mechanics.spin.clone().through(time, hub_angle);
         self.restart_moved();

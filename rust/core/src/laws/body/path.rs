@@ -47,7 +47,14 @@ impl Path {
 
     /// Starts the paths.
     pub(super) fn begin(&mut self, contacts: &Contacts, at: Instant<'_>) {
-        if self.bounds.is_some() && self.last.is_none() {
+        if self.last.is_none() {
+            self.restart(contacts, at);
+        }
+    }
+
+    /// Starts the paths anew.
+    pub(super) fn restart(&mut self, contacts: &Contacts, at: Instant<'_>) {
+        if self.bounds.is_some() {
             self.last = Some((at.positions.clone(), contacts.poses_at(at)));
         }
     }
