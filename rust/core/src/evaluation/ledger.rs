@@ -5,7 +5,8 @@
 //! E is the kinetic energy in the turning frame plus the potential energy of every law. W is the work of forces without
 //! potential and of potentials that depend on time, integrated by the stages of the method. The reference energy is the
 //! largest exchange so far: the largest change of any single term (kinetic energy, potential energy of a law, work of a
-//! law) since the start. What jumps of schedules put in is part of E(0). It counts no energy twice, nor the translation of free pieces (see `free_pieces`).
+//! law) since the start. What jumps of schedules put in is part of E(0). It counts no energy twice, nor the translation
+//! of free pieces (see `free_pieces`).
 //!
 //! In an isolated scene nothing acts on the free pieces but internal forces, uniform fields and the frame. There the
 //! balance is that of the motion about each centre of mass in inertial space, K_int + U - W of the internal laws: the
@@ -116,8 +117,8 @@ impl Ledger {
         Self { scope, start, work, largest_change: 0.0, start_shift: 0.0, changes }
     }
 
-    /// Records what a jump has changed, less `work` that the ledger has \[J\]. It is no exchange: the balance goes on as if
-    /// it had been there from the start.
+    /// Records what a jump has changed, less `work` that the ledger has \[J\]. It is no exchange: the balance goes on
+    /// as if it had been there from the start.
     pub fn record_jump(&mut self, before: &EnergyTerms, after: &EnergyTerms, work: f64) {
         let kinetic = after.kinetic - before.kinetic - work;
         self.start.kinetic += kinetic;

@@ -7,9 +7,9 @@
 //!
 //!     v := v - dOmega z x r                                                                                   [m/s]
 //!
-//! What that changes of the energy terms is recorded as such (`Ledger::record_jump`), without the work of the impulse where the
-//! velocity of a moved node jumps as well. A state at the time of a jump is that after it. A jump at the start, or
-//! before, is none.
+//! What that changes of the energy terms is recorded as such (`Ledger::record_jump`), without the work of the impulse
+//! where the velocity of a moved node jumps as well. A state at the time of a jump is that after it. A jump at the
+//! start, or before, is none.
 
 use super::Simulation;
 use crate::arrays::history::History;

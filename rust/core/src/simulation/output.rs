@@ -68,8 +68,8 @@ impl Simulation {
         Ok(is_passed)
     }
 
-    /// Takes at most so many steps chosen by their error, until one ends at `time` or later. Whether one does. A jump at
-    /// its end is passed where `time` is that of the jump.
+    /// Takes at most so many steps chosen by their error, until one ends at `time` or later. Whether one does. A jump
+    /// at its end is passed where `time` is that of the jump.
     fn step_past(&mut self, time: f64, most: u64) -> Result<bool> {
         for _ in 0..most {
             if self.step_end_time() >= time {
