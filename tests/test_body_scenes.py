@@ -115,7 +115,7 @@ def test_names_are_unique(bodies: list[Any], words: str) -> None:
         ("[[bodies]]\nkind = 'sphere'", "bodies.0..kind = 'sphere': is not known"),
         ("[[bodies]]\nkind = 'cylinder'\nname = 'a'", r"bodies\[0\].radius: is missing"),
         ("[bodies]\nkind = 'cylinder'", r"write \[\[bodies\]\] above each"),
-        ("[[bodies]]\nkind = 'plane'\nname = 'a'\nturn = {times = [0.0, 0.0], values = [0.0, 1.0]}", "turn.*times"),
+        ("[[bodies]]\nkind = 'plane'\nname = 'a'\nturn = {times = [0.0, -1.0], values = [0.0, 1.0]}", "turn.*times"),
         ("[[bodies]]\nkind = 'plane'\nname = 'a'\nradius = 1.0", "radius: no such key"),
     ],
 )
