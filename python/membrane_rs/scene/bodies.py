@@ -71,7 +71,8 @@ class Body:
     stiffness : float
         Of the penalty, for each element that touches it [N/m], above 0. A force F causes a depth of F/stiffness.
     damping : float
-        Ratio of the damping of an approach to critical damping, 0 or above. A contact never pulls.
+        Ratio of the damping of an approach to critical damping, 0 or above. It begins with the depth. A contact never
+        pulls.
     friction : float
         Coulomb's coefficient, 0 or above.
     friction_speed : float
@@ -177,7 +178,8 @@ class Cylinder(Body):
         From the centre to each end, where a cap of the same radius rounds it off [m]. None: endless.
     felt_by : {"edges", "nodes", "triangles"}
         What feels it. Edges of the film and segments of cords: each is one contact, at its nearest point. Nodes alone
-        pass between them what is thinner than an edge is long. Triangles also feel the ends of a cylinder.
+        pass between them what is thinner than an edge is long. "triangles": edges, and triangles beside them, which
+        feel the ends of a cylinder. A triangle that the axis pierces is an error at the start, and stops a run.
     """
 
     kind: ClassVar[str] = "cylinder"

@@ -147,6 +147,7 @@ pub fn product<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
 }
 
 /// a x b.
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+#[inline(always)]
+pub fn cross<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

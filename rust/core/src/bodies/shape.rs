@@ -14,17 +14,24 @@
 //!
 //!     m = q^2 (3 - 2 q),   q = min(1, e'^2/(0.01 e^2))
 //!
-//! A triangle has its nearest point on an edge, or inside, beside the end of an axis. A plane is the half-space below
-//! its normal, d = -n.(x - c) at each node, which is exact for edges and triangles too.
+//! A triangle that an axis does not pierce is nearest to it on an edge, or inside, beside an end of the axis. The nearest
+//! point of all would jump between edges that are equally deep, where the triangle is parallel to the axis. So edges are
+//! elements of their own, and the contacts of a triangle are those of its nearest points to both ends. A triangle that
+//! an axis pierces has the depth r and no direction.
+//!
+//! A plane is the half-space below its normal, d = -n.(x - c) at each node, which is exact for edges and triangles too.
 
 use nalgebra::Vector3;
 
 use crate::arrays::jacobian::Block;
-use crate::bodies::real::{Real, Vector, constant, difference, product, scaled, sum};
+use crate::bodies::real::{Real, Vector, constant, cross, difference, product, scaled, sum};
 use crate::bodies::rigid_body::Pose;
 
 /// sin^2 of the angle to the axis below which an edge counts as nearly parallel.
 const NEARLY_PARALLEL: f64 = 0.01;
+
+/// The nodes of the sides of a triangle.
+const SIDES: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 
 /// The ends of a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,10 +71,11 @@ pub struct Touch<T, const K: usize> {
     pub normal: Vector<T>,
 }
 
-/// The contacts of an element: that of its nearest point, and those of its ends where it is nearly parallel.
+/// The contacts of an element: that of its nearest point, and those of its ends where it is a nearly parallel edge; or
+/// those of a triangle with the ends of a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touches<T, const K: usize> {
-    /// The contacts, the nearest point first.
+    /// The contacts; the first is there if any is.
     pub all: [Option<Touch<T, K>>; 3],
     /// dm/de for nearly parallel edges \[1/m\].
     pub share_slope: Option<Vector<T>>,
@@ -103,6 +111,11 @@ impl Shape {
             Self::Cylinder { radius, .. } => Some(radius),
             Self::Plane => None,
         }
+    }
+
+    /// Whether triangles feel its ends.
+    pub fn has_round_ends(&self) -> bool {
+        matches!(self, Self::Cylinder { ends: Ends::Round(_), .. })
     }
 
     /// k n (n . p) for a node in contact with the nearest copy, radially or, where ends are flat, along the axis too.
@@ -151,7 +164,7 @@ impl Shape {
         match K {
             1 => Touches::of(self.touch_of_point(pose, x, 0)),
             2 => self.touches_of_edge(pose, x),
-            _ => Touches::of(self.touch_of_triangle(pose, x)),
+            _ => self.touches_of_triangle(pose, x),
         }
     }
 
@@ -169,7 +182,7 @@ impl Shape {
                 let distance = match K {
                     1 => norm(self.off_axis(pose, x[0]).0),
                     2 => norm(self.off_axis_at_edge(pose, [x[0], x[1]]).0),
-                    _ => self.nearest_of_triangle(pose, [x[0], x[1], x[2]]).map_or(f64::INFINITY, |(v, _)| norm(v)),
+                    _ => self.distance_of_triangle(pose, [x[0], x[1], x[2]]),
                 };
                 radius - distance
             }
@@ -283,37 +296,66 @@ impl Shape {
         }
     }
 
-    /// The vector from the axis to the nearest point of a triangle, and the shares of its nodes.
-    fn nearest_of_triangle<T: Real>(&self, pose: &Pose, x: [Vector<T>; 3]) -> Option<(Vector<T>, [T; 3])> {
-        let mut nearest: Option<(Vector<T>, [T; 3])> = None;
-        let mut consider = |found: (Vector<T>, [T; 3])| {
-            let square = product(found.0, found.0).value();
-            if nearest.as_ref().is_none_or(|(v, _)| square < product(*v, *v).value()) {
-                nearest = Some(found);
-            }
-        };
-        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-            let (v, share) = self.off_axis_at_edge(pose, [x[i], x[j]]);
-            let mut weights = [T::of(0.0); 3];
-            (weights[i], weights[j]) = (T::of(1.0) - share, share);
-            consider((v, weights));
+    /// The distance of a triangle from the axis.
+    fn distance_of_triangle(&self, pose: &Pose, x: [[f64; 3]; 3]) -> f64 {
+        let half = if let Self::Cylinder { ends: Ends::Round(half), .. } = *self { half } else { f64::INFINITY };
+        if is_pierced(x, pose, half) {
+            return 0.0;
         }
-        if let Self::Cylinder { ends: Ends::Round(half), .. } = *self {
-            for end in [-half, half] {
-                let end = [0, 1, 2].map(|axis| pose.centre[axis] + end * pose.direction[axis]);
-                if let Some(found) = inside(x, end) {
-                    consider(found);
-                }
-            }
-        }
-        nearest
+        let of_edges = SIDES.map(|[i, j]| norm(self.off_axis_at_edge(pose, [x[i], x[j]]).0));
+        let of_ends = self.ends_of_axis(pose).into_iter().flatten().map(|end| norm(off_point(x, end).0));
+        of_edges.into_iter().chain(of_ends).fold(f64::INFINITY, f64::min)
     }
 
-    fn touch_of_triangle<T: Real, const K: usize>(&self, pose: &Pose, x: &[Vector<T>; K]) -> Option<Touch<T, K>> {
-        let Self::Cylinder { radius, .. } = *self else { return None };
-        let (v, weights) = self.nearest_of_triangle(pose, [x[0], x[1], x[2]])?;
-        Self::touch(radius, v, std::array::from_fn(|k| weights[k]))
+    /// The ends of an axis that has ends.
+    #[inline(always)]
+    fn ends_of_axis(&self, pose: &Pose) -> Option<[[f64; 3]; 2]> {
+        let Self::Cylinder { ends: Ends::Round(half), .. } = *self else { return None };
+        Some([-half, half].map(|height| sum(pose.centre, scaled(height, pose.direction))))
     }
+
+    /// The contacts of a triangle with both ends of the axis.
+    #[inline(always)]
+    fn touches_of_triangle<T: Real, const K: usize>(&self, pose: &Pose, x: &[Vector<T>; K]) -> Touches<T, K> {
+        let (Self::Cylinder { radius, .. }, Some(ends)) = (*self, self.ends_of_axis(pose)) else {
+            return Touches::of(None);
+        };
+        let touches = ends.map(|end| {
+            let (v, weights) = off_point([x[0], x[1], x[2]], end);
+            Self::touch(radius, v, std::array::from_fn(|k| weights[k]))
+        });
+        let mut found = touches.into_iter().flatten();
+        Touches { all: [found.next(), found.next(), None], share_slope: None }
+    }
+}
+
+/// The vector from a point to the nearest point of a triangle, and the shares of its nodes there.
+fn off_point<T: Real>(x: [Vector<T>; 3], point: [f64; 3]) -> (Vector<T>, [T; 3]) {
+    if let Some(found) = inside(x, point) {
+        return found;
+    }
+    let off_side = |[i, j]: [usize; 2]| {
+        let (from_point, e) = (difference(x[i], constant(point)), difference(x[j], x[i]));
+        let share = nearest_share(from_point, e);
+        let mut weights = [T::of(0.0); 3];
+        (weights[i], weights[j]) = (T::of(1.0) - share, share);
+        (sum(from_point, scaled(share, e)), weights)
+    };
+    let square = |found: &(Vector<T>, [T; 3])| product(found.0, found.0).value();
+    let [first, others @ ..] = SIDES.map(off_side);
+    others.into_iter().fold(first, |best, other| if square(&other) < square(&best) { other } else { best })
+}
+
+/// Whether a part of an axis, of this length on either side of its centre, goes through a triangle.
+fn is_pierced(x: [[f64; 3]; 3], pose: &Pose, half: f64) -> bool {
+    // Cramer's rule for x_0 + b e + c f = centre + height direction.
+    let (e, f, to) = (difference(x[1], x[0]), difference(x[2], x[0]), difference(pose.centre, x[0]));
+    let (across, normal) = (cross(pose.direction, f), cross(to, e));
+    let determinant = product(e, across);
+    let (second, third) = (product(to, across) / determinant, product(pose.direction, normal) / determinant);
+    let height = product(f, normal) / determinant;
+    // A parallel triangle has no such numbers.
+    second >= 0.0 && third >= 0.0 && second + third <= 1.0 && height.abs() <= half
 }
 
 /// The vector from a point to the nearest point of a triangle, if that is inside, and the shares of the nodes there.

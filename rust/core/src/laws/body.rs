@@ -16,15 +16,18 @@
 //! the depth to which a step dips in that starts and ends outside, a twentieth of it: see `path`.
 //!
 //! Stiffness for the limit of the step: every element in contact with one copy at a time. For an edge k (w w^T) with
-//! w1 + w2 = 1 is at most k on each of its nodes.
+//! w1 + w2 = 1 is at most k on each of its nodes; a triangle may touch both ends of a cylinder. That the place of contact
+//! moves with the nodes adds to this, for what is in contact: see `present`.
 
 mod contacts;
 mod parameters;
 mod path;
+mod present;
 
 pub(super) use self::contacts::{Contacts, Visitor, corners};
 pub use self::parameters::{BodyParameters, BodyShape, FeltBy};
 use self::path::Path;
+use self::present::Present;
 use super::{
     Context, Excess, HistoryDependent, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties,
     WorkClass,
@@ -92,6 +95,20 @@ impl BodyContact {
         Some(forces)
     }
 
+    /// The forces on an element by one copy, with their derivatives by the coordinates of its nodes; N is 3 K.
+    fn derived_forces<const K: usize, const N: usize>(
+        &self,
+        pose: &Pose,
+        corners: &[[f64; 3]; K],
+    ) -> Option<[Vector<Jet<N>>; K]> {
+        self.forces(
+            pose,
+            &std::array::from_fn(|node| {
+                std::array::from_fn(|axis| Jet::variable(corners[node][axis], 3 * node + axis))
+            }),
+        )
+    }
+
     /// Adds the exact derivatives of the forces on an element; N is 3 K.
     fn add_jacobian_of<const K: usize, const N: usize>(
         &self,
@@ -100,9 +117,7 @@ impl BodyContact {
         pose: &Pose,
         jacobian: &mut dyn JacobianBlocks,
     ) {
-        let x: [Vector<Jet<N>>; K] =
-            std::array::from_fn(|node| std::array::from_fn(|axis| Jet::variable(corners[node][axis], 3 * node + axis)));
-        let Some(forces) = self.forces(pose, &x) else { return };
+        let Some(forces) = self.derived_forces::<K, N>(pose, corners) else { return };
         for (on, force) in nodes.iter().zip(&forces) {
             for (place, of) in nodes.iter().enumerate() {
                 let block = Block::from_fn(|row, column| force[row].slope[3 * place + column]);
@@ -284,10 +299,17 @@ impl Linearisation for BodyContact {
             let ([from], [direction]) = (corners(x, nodes), corners(p, nodes));
             add(node, shape.stiffest_product(&poses, from, direction, self.stiffness));
         }
-        for &node in edges.nodes.as_flattened().iter().chain(triangles.nodes.as_flattened()) {
-            let [direction] = corners(p, [node]);
-            add(node, scaled(self.stiffness, shape.bound_of_product(&poses, direction)));
+        let mut bound = |nodes: &[u32], stiffness: f64| {
+            for &node in nodes {
+                let [direction] = corners(p, [node]);
+                add(node, scaled(stiffness, shape.bound_of_product(&poses, direction)));
+            }
+        };
+        bound(edges.nodes.as_flattened(), self.stiffness);
+        if shape.has_round_ends() {
+            bound(triangles.nodes.as_flattened(), 2.0 * self.stiffness);
         }
+        self.contacts.visit_all(at.positions, &poses, &mut Present { law: self, poses: &poses, p, out });
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {

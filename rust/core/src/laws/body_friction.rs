@@ -3,8 +3,12 @@
 //! At each contact, with the depth d, the normal n and the shares w_i of the law "body", and the velocity of the film
 //! relative to the surface, u = sum of w_i v_i - v_body - (w + spin U) x (p - X):
 //!
-//!     approach  s = max(0, -n.u),   F_n = m c s n,   c = 2 zeta sqrt(k m_r),   1/m_r = sum of w_i^2/m_i
-//!     friction  F_t = -mu N u_t / sqrt(u_t^2 + e^2),   N = m k d + m c s,   u_t = u - n (n.u)
+//!     approach  s = max(0, -n.u),   F_n = m c s d/(d + s/omega) n
+//!               c = 2 zeta sqrt(k m_r),   omega = sqrt(k/m_r),   1/m_r = sum of w_i^2/m_i
+//!     friction  F_t = -mu N u_t / sqrt(u_t^2 + e^2),   N = m k d + |F_n|,   u_t = u - n (n.u)
+//!
+//! At first touch F_n grows with the depth, as Hunt and Crossley (1975) ask; once the depth has passed s/omega, that of an
+//! impact without damping, it is nearly c s. It never exceeds 2 zeta k d.
 //!
 //! N is never negative: with the penalty, the contact never pulls. Coulomb's friction is regularised: below the speed e
 //! it is viscous, so that what is held creeps. It keeps no data from step to step.
@@ -18,7 +22,7 @@ use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisa
 use crate::arrays::jacobian::{Block, JacobianBlocks, at as node_vector};
 use crate::arrays::state::{NodeVectors, columns, columns_mut};
 use crate::bodies::near::Candidates;
-use crate::bodies::real::{Jet, Real, Vector, constant, difference, product, scaled, sum};
+use crate::bodies::real::{Jet, Real, Vector, constant, cross, difference, product, scaled, sum};
 use crate::bodies::rigid_body::Pose;
 use crate::error::Result;
 use crate::model::names;
@@ -85,13 +89,16 @@ impl BodyFriction {
                 velocity = sum(velocity, scaled(weight, v[k]));
                 inverse_mass = inverse_mass + weight * weight * T::of(self.inverse_masses[nodes[k] as usize]);
             }
-            let around = turning(pose.surface_rotation(), difference(point, constant(pose.centre)));
+            let around = cross(constant(pose.surface_rotation()), difference(point, constant(pose.centre)));
             let slip = difference(difference(velocity, constant(pose.velocity)), around);
             let closing = -product(touch.normal, slip);
             let mut damping = zero;
             if closing.value() > 0.0 && inverse_mass.value() > 0.0 {
-                let coefficient = T::of(2.0 * self.ratio) * (T::of(self.stiffness) / inverse_mass).sqrt();
-                damping = touch.share * coefficient * closing;
+                // c = 2 zeta k/omega.
+                let omega = (T::of(self.stiffness) * inverse_mass).sqrt();
+                let depth_of_impact = closing / omega;
+                let ramp = touch.depth / (touch.depth + depth_of_impact);
+                damping = touch.share * T::of(2.0 * self.ratio * self.stiffness) * depth_of_impact * ramp;
             }
             let along = sum(slip, scaled(closing, touch.normal));
             let speed = (product(along, along) + T::of(self.speed * self.speed)).sqrt();
@@ -128,12 +135,6 @@ impl BodyFriction {
             }
         }
     }
-}
-
-/// w x r.
-fn turning<T: Real>(w: [f64; 3], r: Vector<T>) -> Vector<T> {
-    let w: Vector<T> = constant(w);
-    [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]]
 }
 
 /// Adds forces, and their power on the velocities of the film.

@@ -143,14 +143,12 @@ pub(super) fn candidates_of(parameters: &BodyParameters, assembly: &Assembly) ->
             let nodes = membrane.chain(cords.as_flattened().iter().copied());
             found.points = Elements::new(nodes.map(|node| numbering.to_internal([node])));
         }
-        FeltBy::Edges => {
+        felt_by => {
             let edges = if is_membrane { pairs(&mesh.edges) } else { Vec::new() };
             found.edges = Elements::new(edges.into_iter().chain(pairs(&cords)));
-        }
-        FeltBy::Triangles => {
-            found.edges = Elements::new(pairs(&cords));
-            let triangles = if is_membrane { &mesh.triangles[..] } else { &[] };
-            found.triangles = Elements::new(triangles.iter().map(|&nodes| numbering.to_internal(nodes)));
+            if felt_by == FeltBy::Triangles && is_membrane {
+                found.triangles = Elements::new(mesh.triangles.iter().map(|&nodes| numbering.to_internal(nodes)));
+            }
         }
     }
     found

@@ -28,7 +28,7 @@ pub enum FeltBy {
     Nodes,
     /// Edges of the film and segments of cords.
     Edges,
-    /// Triangles of the film and segments of cords.
+    /// Edges and triangles of the film and segments of cords.
     Triangles,
 }
 
