@@ -1,18 +1,25 @@
-"""Bodies: film that starts inside one."""
+"""Bodies: film that starts inside one, and bodies that move too fast for their penalty."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from membrane_rs.errors import MembraneError, UnstableError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.bodies import Body
+from membrane_rs.scene.schedule import Schedule
 from membrane_rs.simulation.motion import Motion
 
+DEEPEST = 0.5
+"""Depth at which a run stops, as a share of the radius of a cylinder."""
+INSTANTS = 1000
+"""Times at which the speed of a body is evaluated, of all its schedules."""
 ROUNDING = 1e-9
 """Depth by rounding, as a share of the reach of the scene."""
 SHORTEST = 1e-300
@@ -53,3 +60,51 @@ def inside_bodies(scene: Scene) -> Iterator[Finding]:
                 remedy,
                 tuple(nodes[:10].tolist()),
             )
+
+
+def fast_bodies(scene: Scene) -> Iterator[Finding]:
+    """Cylinders that move faster than their penalty can push what they meet out of the way.
+
+    A mass m that a penalty k meets at the speed v sinks in by v sqrt(m/k). A run stops at half of the radius; so the
+    median mass of the free nodes, which is no tip's, may not sink as deep. A plane has no such bound.
+    """
+    fast = [(body, speed, time) for body in scene.bodies for speed, time in [_fastest(body)] if speed > 0.0]
+    sizes = {body.name: getattr(body, "radius", None) for body, *_ in fast}
+    if not any(sizes.values()):
+        return
+    try:
+        sim = Motion(replace(scene, laws=(), run=replace(scene.run, dt=None)), dt=SHORTEST)
+    except MembraneError:
+        return
+    free = np.setdiff1d(np.arange(sim.node_count), sim.assembly.fixed)
+    mass = float(np.median(sim.masses[free])) if len(free) else 0.0
+    for body, speed, time in fast:
+        radius, depth = sizes[body.name], speed * math.sqrt(mass / body.stiffness)
+        if radius is not None and depth > DEEPEST * radius:
+            stiffness = (speed / (DEEPEST * radius)) ** 2 * mass
+            yield Finding(
+                "warning",
+                "fast_body",
+                1,
+                f"the body {body.name} moves at {speed:.3g} m/s at {time:.4g} s of its schedules: a node of the median "
+                f"mass, {mass:.3g} kg, sinks {depth:.3g} m into its radius of {radius:g} m, and the run stops at "
+                f"{DEEPEST:.0%} of that",
+                f"move it more slowly, or give it a stiffness of {stiffness:.3g} N/m or more",
+            )
+
+
+def _fastest(body: Body) -> tuple[float, float]:
+    """The largest speed of the centre of a body [m/s], and when [s]; jumps have none."""
+    schedules = [schedule for schedule in vars(body).values() if isinstance(schedule, Schedule)]
+    knots = sorted({time for schedule in schedules for time in schedule.times})
+    most, when = 0.0, 0.0
+    pieces = max(2, INSTANTS // max(1, len(knots)))
+    for first, last in pairwise(knots):
+        times = np.linspace(first, last, pieces + 1)
+        times[-1] = math.nextafter(last, first)
+        centres = np.array([body.solids(float(time))[0].centre for time in times])
+        speeds = np.linalg.norm(np.diff(centres, axis=0), axis=1) / np.diff(times)
+        k = int((speeds > (1.0 - ROUNDING) * speeds.max()).argmax())
+        if speeds[k] > most:
+            most, when = float(speeds[k]), float(times[k])
+    return most, when

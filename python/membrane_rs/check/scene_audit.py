@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from membrane_rs.check.bodies import inside_bodies
+from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
 from membrane_rs.check.material_values import material_values
@@ -49,11 +49,15 @@ CHECKS: list[Check] = [
     chord_sag,
     start_inside,
     inside_bodies,
+    fast_bodies,
     material_values,
     law_and_part_values,
     laws_without_effect,
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""
+
+AT_START = (start_inside, inside_bodies)
+"""Those of them that judge the shape at the start, which later stages do not start from."""
 
 STEPPING_CHECKS: list[SteppingCheck] = [
     step_above_limit,
@@ -89,13 +93,13 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     -------
     Audit
         The findings of all `CHECKS` and `STEPPING_CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
-        Of a scene with stages those of each stage, which a message names unless they all have it; costly ones of the
-        first stage alone.
+        Of a scene with stages those of each stage, which a message names unless they all have it; what starts inside a
+        body, or a spool, of the first stage alone.
     """
     more = COSTLY_CHECKS if costly else [_left_out]
     if not scene.stages:
         return _audit(scene, Stepping.of_scene(scene), more)
-    return _of_stages(scene, lambda staged: _audit(staged, Stepping.of_scene(staged), more))
+    return _of_stages(scene, lambda staged, checks: _audit(staged, Stepping.of_scene(staged), more, checks))
 
 
 def audit_of_motion(sim: Motion) -> Audit:
@@ -103,18 +107,18 @@ def audit_of_motion(sim: Motion) -> Audit:
     if not sim.scene.stages:
         return _audit(sim.scene, Stepping.of_motion(sim), [_left_out])
 
-    def of_stage(staged: Scene) -> Audit:
+    def of_stage(staged: Scene, checks: Sequence[Check]) -> Audit:
         stepping = Stepping.of_motion(sim) if staged is sim.stage_scene else Stepping.of_scene(staged)
-        return _audit(staged, stepping, [_left_out])
+        return _audit(staged, stepping, [_left_out], checks)
 
     return _of_stages(sim.scene, of_stage)
 
 
-def _of_stages(scene: Scene, audit_of: Callable[[Scene], Audit]) -> Audit:
+def _of_stages(scene: Scene, audit_of: Callable[[Scene, Sequence[Check]], Audit]) -> Audit:
     """The findings of all stages, each of them once; those that not all stages have name their stages."""
     found: dict[Finding, list[str]] = {}
     for k, stage in enumerate(scene.stages):
-        for finding in audit_of(scene.staged(k)).findings:
+        for finding in audit_of(scene.staged(k), _checks_of_stage(k)).findings:
             found.setdefault(finding, []).append(stage.name)
     count = len(scene.stages)
     return Audit.of(finding if len(names) == count else _in_stages(finding, names) for finding, names in found.items())
@@ -125,12 +129,18 @@ def _in_stages(finding: Finding, names: Sequence[str]) -> Finding:
     return replace(finding, message=f"{stages} {', '.join(map(repr, names))}: {finding.message}")
 
 
-def _audit(scene: Scene, stepping: Stepping, more: Sequence[Check]) -> Audit:
+def _checks_of_stage(index: int) -> Sequence[Check]:
+    """Later stages start from a shape that is not known."""
+    return CHECKS if index == 0 else [check for check in CHECKS if check not in AT_START]
+
+
+def _audit(scene: Scene, stepping: Stepping, more: Sequence[Check], checks: Sequence[Check] | None = None) -> Audit:
     known = _FOUND.setdefault(scene, {})
-    for check in (*CHECKS, *more):
+    made = (*(CHECKS if checks is None else checks), *more)
+    for check in made:
         if check not in known:
             known[check] = tuple(check(scene))
-    of_scene = [finding for check in (*CHECKS, *more) for finding in known[check]]
+    of_scene = [finding for check in made for finding in known[check]]
     return Audit.of([*of_scene, *(finding for check in STEPPING_CHECKS for finding in check(stepping))])
 
 
@@ -141,15 +151,21 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     above the strain at the start accepts that.
     """
     if scene.stages:
-        of_stages = [unaccepted_errors(scene.staged(k)) for k in range(len(scene.stages))]
+        of_stages = [_unaccepted_errors(scene.staged(k), _checks_of_stage(k)) for k in range(len(scene.stages))]
         return tuple(dict.fromkeys(error for errors in of_stages for error in errors))
+    return _unaccepted_errors(scene, CHECKS)
+
+
+def _unaccepted_errors(scene: Scene, checks: Sequence[Check]) -> tuple[Finding, ...]:
+    """Those of a scene without stages, by these checks."""
     accepted = set()
     if scene.negative_springs in ("clip", "keep"):
         accepted |= {"negative_springs", "growing_mode"}
     limits = [law.edge_strain_limit for law in scene.laws if law.is_film]
     if scene.mesh is not None and all(limit is None or scene.mesh.strain().max() < limit for limit in limits):
         accepted.add("strain")
-    return tuple(error for error in audit(scene, costly=False).errors if error.kind not in accepted)
+    found = _audit(scene, Stepping.of_scene(scene), [_left_out], checks)
+    return tuple(error for error in found.errors if error.kind not in accepted)
 
 
 def warn_of(found: Audit, stacklevel: int = 2) -> None:

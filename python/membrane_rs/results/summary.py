@@ -26,6 +26,10 @@ time                  [s] simulated time
 steps                 steps taken
 wall_time             [s] spent on the run, without what a killed process did after its last checkpoint
 stage, stage_starts   of a scene with stages: name of the present one; wall time at which each began [s]
+bodies                of a scene with bodies, what `BodyContacts` has noted of each at the samples: first_contact [s],
+                      null where there was none; largest_force on a node [N]; where its friction is stiffest, the step
+                      that it needs and the one of the run, friction_step and friction_dt [s], friction_time [s] and
+                      friction_node
 
 At the end, too:
 
@@ -54,6 +58,7 @@ import math
 import platform
 import sys
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -66,6 +71,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, read_text, reading_errors, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import Interrupted, MissingFileError, OutputError, UnstableError
+from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.results.lock import is_locked, this_process
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
@@ -109,7 +115,7 @@ class Summary(Writer):
     def resume(self, sim: Stepper, record: Record) -> None:
         """Take over what the summary said at the start, and say who goes on."""
         before = read_summary(record.path)
-        self._begin(record, before.get("wall_time") or 0.0)
+        self._begin(record, before.get("wall_time") or 0.0, before.get("bodies"))
         self._stage_starts = dict(enumerate(before.get("stage_starts") or ()))
         at_end = ("signal", "frames", "samples", "energy_balance", "curves", "crossings", "pictures")
         record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
@@ -131,6 +137,7 @@ class Summary(Writer):
     def at_checkpoint(self, sim: Stepper) -> Callable[[], None]:
         """What adds how far the run has come, for the background."""
         now: dict[str, Any] = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
+        now |= self._bodies(sim)
         if sim.scene.stages:
             now |= {"stage": sim.stage_name, "stage_starts": list(self._stage_starts.values())}
 
@@ -155,8 +162,10 @@ class Summary(Writer):
             "energy_balance": energy_balance(table) | ({"changes": changes} if changes else {}),
             "curves": curve_features(table),
             **({"stages": self._stages(sim)} if sim.scene.stages else {}),
+            **self._bodies(sim),
             "pictures": "none",
         }
+        self._contacts.finish(sim, error)
 
     def close(self, error: BaseException | None) -> None:
         """Say how the run ended, when all outputs have. Raises OutputError."""
@@ -170,7 +179,8 @@ class Summary(Writer):
         write_summary(self._record.path / SUMMARY, self._record.summary)
 
     def sample(self, sim: Stepper) -> None:
-        """Note when a stage begins."""
+        """Note when a stage begins, and what touches the bodies."""
+        self._contacts.sample(sim)
         if sim.scene.stages:
             self._stage_starts.setdefault(sim.stage, self._wall_time())
 
@@ -185,8 +195,12 @@ class Summary(Writer):
             found.append({**asdict(record), "wall_time": wall_time, "curves": curves})
         return found
 
-    def _begin(self, record: Record, spent: float) -> None:
-        self._record, self._began = record, perf_counter() - spent
+    def _bodies(self, sim: Stepper) -> dict[str, Any]:
+        """What touched the bodies so far, copied."""
+        return {"bodies": deepcopy(self._contacts.bodies)} if sim.scene.bodies else {}
+
+    def _begin(self, record: Record, spent: float, bodies: object = None) -> None:
+        self._record, self._began, self._contacts = record, perf_counter() - spent, BodyContacts(bodies)
         self._stage_starts = {}
 
     def _wall_time(self) -> float:

@@ -12,6 +12,7 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.check import Audit, audit_of_motion
 from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.runs import signals
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
@@ -207,6 +208,8 @@ class Simulation(Stepper):
         folder = None if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         folders = [observer for observer in all_observers if isinstance(observer, RunFolder)]
+        if self.scene.bodies and not folders:  # the summary of a folder has one of its own
+            all_observers.append(BodyContacts())
 
         def between(_: Simulation) -> None:
             signals.look()
