@@ -12,6 +12,8 @@ from membrane_rs.check import audit
 from membrane_rs.cli import app
 from membrane_rs.folding import Strip
 from membrane_rs.results import CrossingCounts, read_crossings
+from membrane_rs.results.crossing_counts import CrossingsFile
+from membrane_rs.results.record import Record
 from observers import At
 from typer.testing import CliRunner
 
@@ -112,3 +114,15 @@ def test_the_audit_of_a_scene_counts_in_small_meshes_always_and_in_large_ones_on
     scene = Scene(Mesh(positions, triangles), scenes.load("single-crease").material)
     assert (audit(scene, costly=False).find("crossings") is None) == (len(triangles) > 5000)
     assert audit(scene).find("crossings") is not None
+
+
+def test_the_count_at_the_instant_from_which_a_run_is_resumed_is_kept(tmp_path: Path) -> None:
+    scene = scenes.load("single-crease")
+    Simulation(scene).run(2e-3, frames=5, out=tmp_path / "whole", crossings=True, pictures=False)
+    Simulation(scene).run(1e-3, frames=3, out=tmp_path / "part", crossings=True, pictures=False)
+    sim = Simulation.restore(tmp_path / "part" / "state.npz")
+    CrossingsFile().resume(sim, Record(tmp_path / "part"))
+    assert read_crossings(tmp_path / "part")["time"][-1] == sim.time
+    resume(tmp_path / "part", until=2e-3)
+    whole, part = (read_crossings(tmp_path / name)["time"].tolist() for name in ("whole", "part"))
+    assert part == whole == pytest.approx([0.0, 5e-4, 1e-3, 1.5e-3, 2e-3])

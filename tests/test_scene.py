@@ -68,7 +68,7 @@ def test_every_scene_says_what_it_is() -> None:
         "spinning-disc",
         "single-crease",
     } < set(scenes.names())
-    assert all(len(scenes.describe(name)) > 30 for name in scenes.names())
+    assert all(len(text) > 30 and text.endswith(".") for text in map(scenes.describe, scenes.names()))
     with pytest.raises(SceneError, match="did you mean 'okuizumi-model-1'"):
         scenes.load("okuizumi-mode-1")
 

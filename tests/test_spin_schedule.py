@@ -181,6 +181,7 @@ def test_checks_judge_the_largest_rate() -> None:
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "acceleration": ({"acceleration": 1.0, "schedule": UP}, r"Spin\.acceleration = 1\.0: is not used with a schedule"),
     "frequency": ({"frequency": 2.0, "schedule": UP}, r"Spin\.frequency = 2\.0: is not used with a schedule"),
+    "default": ({"frequency": 3.0, "schedule": UP}, r"Spin\.frequency = 3\.0: is not used with a schedule"),
     "kind": ({"schedule": 3.0}, r"Spin\.schedule = 3\.0: must be a Schedule"),
     "knot": ({"schedule": {"times": [0, 1], "values": [0, None]}}, r"Spin\.schedule\.values\[1\] = None: must be a nu"),
 }

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import field
 from numbers import Integral, Real
-from typing import Annotated, Any, TypeGuard, TypeVar, get_args
+from typing import Annotated, Any, TypeGuard, TypeVar, get_args, get_origin
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
@@ -295,13 +295,19 @@ def show(value: object) -> str:
 
 def range_of(cls: type, name: str) -> str:
     """The bounds of a field in words, or an empty text."""
-    found = {
-        word: getattr(item, key)  # a bound given later is the narrower one
-        for item in _metadata(cls, name)
-        for kind, key, word in _BOUNDS
-        if isinstance(item, kind)
-    }
+    found: dict[str, float] = {}
+    for item in _metadata(cls, name):
+        for kind, key, word in _BOUNDS:
+            if isinstance(item, kind):
+                bound, narrower = getattr(item, key), max if kind in (Gt, Ge) else min
+                found[word] = narrower(found.get(word, bound), bound)
     return " and ".join(f"{word} {bound:g}" for word, bound in found.items())
+
+
+def _is_table(cls: type, name: str) -> bool:
+    """Whether a field is a table, whose entries have keys."""
+    info = getattr(cls, "__pydantic_fields__", {}).get(name)
+    return info is not None and get_origin(info.annotation) is dict
 
 
 def _metadata(cls: type, name: str) -> list[object]:
@@ -363,7 +369,8 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
         return f"{prefix}.{name}: no such key; {nearest(name, known)}"
     if kind == "unexpected_positional_argument":
         return f"{prefix}: too many values ({show(detail['input'])}); it takes {', '.join(known)}"
-    where = f"{prefix}.{name}" + "".join(f"[{i}]" for i in place[1:] if isinstance(i, int))
+    kinds = (int, str) if _is_table(cls, name) else (int,)
+    where = f"{prefix}.{name}" + "".join(f"[{show(i)}]" for i in place[1:] if isinstance(i, kinds))
     unit = unit_of(cls, name)
     suffix = f" ({unit})" if unit else ""
     allowed = range_of(cls, name)

@@ -58,8 +58,8 @@ def tether_period() -> Row:
     period = (crossings[-1] - crossings[0]) / (len(crossings) - 1)
     hub, length = math.hypot(*cord.start), math.dist(cord.start, cord.end)
     amplitude = math.asin((cord.end[1] - cord.start[1]) / length)
-    soft = 4 * (2 * math.pi * spin.frequency) ** 2 * cord.tip_mass * length / cord.axial_stiffness
-    exact = math.sqrt(length / hub * (1 + soft)) / spin.frequency * (1 + amplitude**2 / 16)
+    soft = 4 * (2 * math.pi * spin.hub_frequency) ** 2 * cord.tip_mass * length / cord.axial_stiffness
+    exact = math.sqrt(length / hub * (1 + soft)) / spin.hub_frequency * (1 + amplitude**2 / 16)
     return compare("oscillation of a tip mass on a turning hub, period [s]", period, exact, ".4f")
 
 
@@ -81,7 +81,7 @@ def disc_growth() -> Row:
     before, after = (
         float(np.linalg.norm(points[rim, :2], axis=1).mean()) for points in (mesh.reference, sim.positions)
     )
-    load = film.density * (2 * math.pi * spin.frequency * before) ** 2
+    load = film.density * (2 * math.pi * spin.hub_frequency * before) ** 2
     growth = (1.0 - film.poisson_ratio) / 4.0 * load / film.youngs_modulus
     slower = 1.0 + (7.0 + film.poisson_ratio) / 3.0 * growth
     exact = growth / slower**2

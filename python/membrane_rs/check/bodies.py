@@ -15,6 +15,7 @@ from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.stepper import Stepper
 
 DEEPEST = 0.5
 """Depth at which a run stops, as a share of the radius of a cylinder."""
@@ -46,20 +47,26 @@ def inside_bodies(scene: Scene) -> Iterator[Finding]:
         if error.law in {body.name for body in scene.bodies}:
             message = f"at the start, {str(error).partition(': ')[2].partition('. ')[0]}"
             yield Finding("error", "start_inside", 1, message, remedy)
-    reach, energies = float(np.abs(sim.positions).max()), sim.energies()
     for body in scene.bodies:
-        depth = math.sqrt(2.0 * max(energies[body.name], 0.0) / body.stiffness)
-        if depth > ROUNDING * reach:
-            nodes = np.flatnonzero(np.abs(sim.forces(body.name)).max(axis=1))
-            yield Finding(
-                "warning",
-                "start_inside",
-                len(nodes),
-                f"{len(nodes)} nodes start inside the body {body.name}, or belong to edges that do, by {depth:.3g} m "
-                "at most, and are thrown out at the start",
-                remedy,
-                tuple(nodes[:10].tolist()),
-            )
+        depth = _depth(body, sim.energies())
+        if depth > ROUNDING * _reach(sim):
+            yield _inside(sim, body, depth, "start", remedy)
+
+
+def inside_at_stage_start(sim: Stepper) -> Iterator[Finding]:
+    """The same for a stage after the first one that has just begun: film and cords that lie deeper in a body than at
+    the end of the stage before, since the body was not at work or elsewhere. A run stops where they are too deep.
+    """
+    record, before = sim.stages[-1], sim.scene.staged(sim.stage - 1, [stage.start for stage in sim.stages[:-1]])
+    stiffness = {body.name: body.stiffness for body in before.bodies}
+    for body in sim.stage_scene.bodies:
+        energies = sim.energies()
+        depth, change = _depth(body, energies), record.changes.get(body.name, 0.0)
+        earlier = math.sqrt(2.0 * max(energies[body.name] - change, 0.0) / stiffness.get(body.name, body.stiffness))
+        if depth > earlier + ROUNDING * _reach(sim):
+            begins = f"start the stage {record.name!r}, at {record.start:.6g} s,"
+            remedy = "put the body where nothing is when the stage begins, or let the stage before end elsewhere"
+            yield _inside(sim, body, depth, begins, remedy)
 
 
 def fast_bodies(scene: Scene) -> Iterator[Finding]:
@@ -108,3 +115,25 @@ def _fastest(body: Body) -> tuple[float, float]:
         if speeds[k] > most:
             most, when = float(speeds[k]), float(times[k])
     return most, when
+
+
+def _depth(body: Body, energies: dict[str, float]) -> float:
+    """That of the deepest contact, by the energy of all [m]."""
+    return math.sqrt(2.0 * max(energies[body.name], 0.0) / body.stiffness)
+
+
+def _reach(sim: Motion) -> float:
+    return float(np.abs(sim.positions).max())
+
+
+def _inside(sim: Motion, body: Body, depth: float, begins: str, remedy: str) -> Finding:
+    nodes = np.flatnonzero(np.abs(sim.forces(body.name)).max(axis=1))
+    return Finding(
+        "warning",
+        "start_inside",
+        len(nodes),
+        f"{len(nodes)} nodes {begins} inside the body {body.name}, or belong to edges that do, by {depth:.3g} m "
+        "at most, and are thrown out",
+        remedy,
+        tuple(nodes[:10].tolist()),
+    )

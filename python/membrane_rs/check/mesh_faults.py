@@ -19,19 +19,29 @@ FEW_NODES = 1000
 FEW_TRIANGLES = 5000
 """Up to which crossings cost so; where all triangles lie at one place, 12 million pairs, they take some seconds."""
 
+STRAIN = "strain"
+"""The finding that depends on the shape at the start."""
 
 _FOUND: WeakKeyDictionary[Mesh, dict[Hashable, tuple[Finding, ...]]] = WeakKeyDictionary()
 """What was found in meshes that are still there, which never change: the stages of a scene share theirs."""
 
 
 def mesh_faults(scene: Scene) -> Iterator[Finding]:
-    """What `Mesh.audit` finds, growing modes and crossings left out."""
+    """What `Mesh.audit` finds; growing modes, crossings and the strain at the start are left out."""
+    yield from (finding for finding in _audit_of_mesh(scene) if finding.kind != STRAIN)
+
+
+def start_strain(scene: Scene) -> Iterator[Finding]:
+    """The strain at the start, where `Mesh.audit` finds it large."""
+    yield from (finding for finding in _audit_of_mesh(scene) if finding.kind == STRAIN)
+
+
+def _audit_of_mesh(scene: Scene) -> tuple[Finding, ...]:
     mesh, material, springs = scene.mesh, scene.material, _has_springs(scene)
-    if mesh is not None:
-        key = "faults", material, springs
-        yield from _once(
-            mesh, key, lambda: mesh.audit(material, springs=springs, growth=False, crossings=False).findings
-        )
+    if mesh is None:
+        return ()
+    key = "faults", material, springs
+    return _once(mesh, key, lambda: mesh.audit(material, springs=springs, growth=False, crossings=False).findings)
 
 
 def crossings(scene: Scene) -> Iterator[Finding]:

@@ -19,11 +19,12 @@ from membrane_rs.check.mesh_faults import (
     growing_modes,
     growing_modes_of_large_meshes,
     mesh_faults,
+    start_strain,
 )
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
-from membrane_rs.check.spool import spool
+from membrane_rs.check.spool import sail_round_spool, spool
 from membrane_rs.check.step_accuracy import accuracy_of_step
 from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
 from membrane_rs.check.stowed_energy import stowed_energy
@@ -40,12 +41,14 @@ SteppingCheck: TypeAlias = Callable[[Stepping], Iterator[Finding]]
 
 CHECKS: list[Check] = [
     mesh_faults,
+    start_strain,
     fold_angles,
     growing_modes,
     crossings,
     film_law,
     supports,
     spool,
+    sail_round_spool,
     chord_sag,
     start_inside,
     inside_bodies,
@@ -55,9 +58,6 @@ CHECKS: list[Check] = [
     laws_without_effect,
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""
-
-AT_START = (start_inside, inside_bodies)
-"""Those of them that judge the shape at the start, which later stages do not start from."""
 
 STEPPING_CHECKS: list[SteppingCheck] = [
     step_above_limit,
@@ -74,6 +74,22 @@ COSTLY_CHECKS: list[Check] = [
 ]
 """Checks that take longer: made by `check` alone."""
 
+OF_START: frozenset[Check] = frozenset(
+    {
+        start_strain,
+        fold_angles,
+        crossings,
+        crossings_of_large_meshes,
+        sail_round_spool,
+        start_inside,
+        inside_bodies,
+        stowed_energy,
+        accuracy_of_step,
+    }
+)
+"""Checks of the shape at the start. Of a scene with stages they judge the first stage alone: where a later one begins
+is known only when it begins.
+"""
 
 _FOUND: WeakKeyDictionary[Scene, dict[Check, tuple[Finding, ...]]] = WeakKeyDictionary()
 """What was found in scenes that are still there, which never change."""
@@ -93,35 +109,43 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     -------
     Audit
         The findings of all `CHECKS` and `STEPPING_CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
-        Of a scene with stages those of each stage, which a message names unless they all have it; what starts inside a
-        body, or a spool, of the first stage alone.
+        Of a scene with stages those of each stage, which a message names unless they all have it; those `OF_START` of
+        the first stage alone.
     """
-    more = COSTLY_CHECKS if costly else [_left_out]
-    if not scene.stages:
-        return _audit(scene, Stepping.of_scene(scene), more)
-    return _of_stages(scene, lambda staged, checks: _audit(staged, Stepping.of_scene(staged), more, checks))
+    return _audit(scene, Stepping.of_scene, COSTLY_CHECKS if costly else [_left_out])
 
 
 def audit_of_motion(sim: Motion) -> Audit:
     """The same of the scene of a simulation, with the method and the step that it has; costly checks left out."""
-    if not sim.scene.stages:
-        return _audit(sim.scene, Stepping.of_motion(sim), [_left_out])
 
-    def of_stage(staged: Scene, checks: Sequence[Check]) -> Audit:
-        stepping = Stepping.of_motion(sim) if staged is sim.stage_scene else Stepping.of_scene(staged)
-        return _audit(staged, stepping, [_left_out], checks)
+    def stepping_of(scene: Scene) -> Stepping:
+        is_present = scene is (sim.stage_scene if sim.scene.stages else sim.scene)
+        return Stepping.of_motion(sim) if is_present else Stepping.of_scene(scene)
 
-    return _of_stages(sim.scene, of_stage)
+    return _audit(sim.scene, stepping_of, [_left_out])
 
 
-def _of_stages(scene: Scene, audit_of: Callable[[Scene, Sequence[Check]], Audit]) -> Audit:
+def _audit(scene: Scene, stepping_of: Callable[[Scene], Stepping], more: Sequence[Check]) -> Audit:
     """The findings of all stages, each of them once; those that not all stages have name their stages."""
-    found: dict[Finding, list[str]] = {}
+    checks = [*CHECKS, *more]
+    if not scene.stages:
+        return Audit.of(_findings(scene, stepping_of(scene), checks))
+    first, found = scene.staged(0), dict[Finding, list[str]]()
     for k, stage in enumerate(scene.stages):
-        for finding in audit_of(scene.staged(k), _checks_of_stage(k)).findings:
+        staged = scene.staged(k)
+        for finding in _findings(staged, stepping_of(staged), _of_stage(checks, k)):
             found.setdefault(finding, []).append(stage.name)
+    at_start = {finding for check in checks if check in OF_START for finding in _found(first, check)}
     count = len(scene.stages)
-    return Audit.of(finding if len(names) == count else _in_stages(finding, names) for finding, names in found.items())
+    return Audit.of(
+        finding if len(names) == count or finding in at_start else _in_stages(finding, names)
+        for finding, names in found.items()
+    )
+
+
+def _of_stage(checks: Sequence[Check], index: int) -> Sequence[Check]:
+    """Those that judge a stage."""
+    return checks if index == 0 else [check for check in checks if check not in OF_START]
 
 
 def _in_stages(finding: Finding, names: Sequence[str]) -> Finding:
@@ -129,19 +153,18 @@ def _in_stages(finding: Finding, names: Sequence[str]) -> Finding:
     return replace(finding, message=f"{stages} {', '.join(map(repr, names))}: {finding.message}")
 
 
-def _checks_of_stage(index: int) -> Sequence[Check]:
-    """Later stages start from a shape that is not known."""
-    return CHECKS if index == 0 else [check for check in CHECKS if check not in AT_START]
+def _findings(scene: Scene, stepping: Stepping, checks: Sequence[Check]) -> list[Finding]:
+    """Those of a scene without stages."""
+    of_scene = [finding for check in checks for finding in _found(scene, check)]
+    return [*of_scene, *(finding for check in STEPPING_CHECKS for finding in check(stepping))]
 
 
-def _audit(scene: Scene, stepping: Stepping, more: Sequence[Check], checks: Sequence[Check] | None = None) -> Audit:
+def _found(scene: Scene, check: Check) -> tuple[Finding, ...]:
+    """What a check finds in a scene, looked for once."""
     known = _FOUND.setdefault(scene, {})
-    made = (*(CHECKS if checks is None else checks), *more)
-    for check in made:
-        if check not in known:
-            known[check] = tuple(check(scene))
-    of_scene = [finding for check in made for finding in known[check]]
-    return Audit.of([*of_scene, *(finding for check in STEPPING_CHECKS for finding in check(stepping))])
+    if check not in known:
+        known[check] = tuple(check(scene))
+    return known[check]
 
 
 def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
@@ -150,22 +173,21 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     `Springs.negative` "clip" or "keep" accepts negative springs, and "keep" the modes that grow by them; a strain limit
     above the strain at the start accepts that.
     """
-    if scene.stages:
-        of_stages = [_unaccepted_errors(scene.staged(k), _checks_of_stage(k)) for k in range(len(scene.stages))]
-        return tuple(dict.fromkeys(error for errors in of_stages for error in errors))
-    return _unaccepted_errors(scene, CHECKS)
+    stages = [scene.staged(k) for k in range(len(scene.stages))] or [scene]
+    found = [error for k, staged in enumerate(stages) for error in _unaccepted(staged, _of_stage(CHECKS, k))]
+    return tuple(dict.fromkeys(found))
 
 
-def _unaccepted_errors(scene: Scene, checks: Sequence[Check]) -> tuple[Finding, ...]:
-    """Those of a scene without stages, by these checks."""
+def _unaccepted(scene: Scene, checks: Sequence[Check]) -> list[Finding]:
+    """Those of a scene without stages."""
     accepted = set()
     if scene.negative_springs in ("clip", "keep"):
         accepted |= {"negative_springs", "growing_mode"}
     limits = [law.edge_strain_limit for law in scene.laws if law.is_film]
     if scene.mesh is not None and all(limit is None or scene.mesh.strain().max() < limit for limit in limits):
         accepted.add("strain")
-    found = _audit(scene, Stepping.of_scene(scene), [_left_out], checks)
-    return tuple(error for error in found.errors if error.kind not in accepted)
+    found = _findings(scene, Stepping.of_scene(scene), checks)
+    return [one for one in found if one.severity == "error" and one.kind not in accepted]
 
 
 def warn_of(found: Audit, stacklevel: int = 2) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeAlias
 
 import numpy as np
 
@@ -10,34 +11,32 @@ from membrane_rs._arrays import Floats
 from membrane_rs.mesh import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scales import outermost, widest_spool
+from membrane_rs.scene.spool import Spool
+
+Named: TypeAlias = tuple[str, Spool]
 
 APART = 0.05
 """Difference of radii, over the smaller, from which they are two: cords start on the rim of the spool."""
 
 
 def spool(scene: Scene) -> Iterator[Finding]:
-    """Laws, bodies and parts describe one spool, which fits into the hole of the flat sail and into the stowed one."""
-    described = [(f"laws.{law.kind}", law.spool) for law in scene.laws]
-    described += [(f"bodies.{body.name}", body.spool) for body in scene.bodies]
-    spools = [(place, one) for place, one in described if one is not None]
-    found = [(place, one) for place, one in spools if one.radius <= widest_spool(scene)]  # else its law says so
-    rims = [(f"parts[{k}]", part.spool) for k, part in enumerate(scene.parts) if part.spool is not None]
-    unlike = [
-        (place, rim.radius, other, round_it.radius)
-        for place, rim in rims
-        for other, round_it in found
-        if abs(rim.radius - round_it.radius) > APART * min(rim.radius, round_it.radius)
-    ]
-    for place, rim_radius, other, radius in unlike:
+    """Laws, bodies and parts describe one spool."""
+    found, rims = _spools(scene)
+    for place, rim, other, round_it in _unlike(found, rims):
         yield Finding(
             "warning",
             "spool",
             1,
-            f"{place} starts its cords {rim_radius:g} m from the axis, and the spool of {other} has a radius of "
-            f"{radius:g} m",
+            f"{place} starts its cords {rim.radius:g} m from the axis, and the spool of {other} has a radius of "
+            f"{round_it.radius:g} m",
             "cords start on the rim of the spool: give both the same radius (m)",
         )
-    if scene.mesh is None or not rims or unlike:
+
+
+def sail_round_spool(scene: Scene) -> Iterator[Finding]:
+    """The spool fits into the hole of the flat sail and into the stowed one; nothing where `spool` finds two."""
+    found, rims = _spools(scene)
+    if scene.mesh is None or not rims or _unlike(found, rims):
         return
     place, widest = max((*found, *rims), key=lambda item: item[1].radius)
     for shape, points in (("flat", scene.mesh.reference), ("stowed", scene.mesh.positions)):
@@ -53,6 +52,25 @@ def spool(scene: Scene) -> Iterator[Finding]:
             )
             if widest.radius > outermost(scene, with_cords=False):
                 return
+
+
+def _spools(scene: Scene) -> tuple[list[Named], list[Named]]:
+    """Those of laws and bodies, too wide ones left to them, and those on whose rims cords start; with their places."""
+    described = [(f"laws.{law.kind}", law.spool) for law in scene.laws]
+    described += [(f"bodies.{body.name}", body.spool) for body in scene.bodies]
+    spools = [(place, one) for place, one in described if one is not None]
+    rims = [(f"parts[{k}]", part.spool) for k, part in enumerate(scene.parts) if part.spool is not None]
+    return [(place, one) for place, one in spools if one.radius <= widest_spool(scene)], rims
+
+
+def _unlike(found: list[Named], rims: list[Named]) -> list[tuple[str, Spool, str, Spool]]:
+    """Rims beside spools of another radius."""
+    return [
+        (place, rim, other, round_it)
+        for place, rim in rims
+        for other, round_it in found
+        if abs(rim.radius - round_it.radius) > APART * min(rim.radius, round_it.radius)
+    ]
 
 
 def _inner_radius(ends: Floats) -> float:

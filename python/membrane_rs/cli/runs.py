@@ -143,11 +143,16 @@ def check(
     with reported_errors():
         from membrane_rs.check import audit, facts
         from membrane_rs.errors import InputError
+        from membrane_rs.scene.staging import planned_starts
 
-        wanted = {"until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps)}
+        wanted: dict[str, Any] = {
+            "until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps),
+        }  # fmt: skip
         chosen = load(scene)
-        if chosen.stages and until is not None:
-            raise InputError(f"--until = {until}: the stages of this scene end its run; leave it out")
+        end = wanted.pop("until") if chosen.stages else None
+        if end is not None and not 0.0 < end <= chosen.run.until:
+            most = chosen.run.until
+            raise InputError(f"--until = {end}: must be above 0, and at most {most:g}, where the stages end (s)")
         chosen = with_settings(chosen, wanted)
         typer.echo(f"Scene    {chosen.name}")
         for name, count in chosen.counts().items():
@@ -156,10 +161,13 @@ def check(
             typer.echo(f"  {name:<10} {words}")
         found = audit(chosen)
         typer.echo(f"\nAudit\n{_indented(str(found))}")
-        for k, stage in enumerate(chosen.stages):
+        for k, (stage, start) in enumerate(zip(chosen.stages, planned_starts(chosen.stages), strict=False)):
+            duration = stage.duration if end is None else min(stage.duration, end - start)
+            if duration <= 0.0:
+                break
             latest = "at most " if stage.measure is not None else ""
-            typer.echo(f"\nStage    {stage.name}, {latest}{stage.duration:g} s")
-            _report_run(chosen.staged(k), stage.duration, is_later=k > 0)
+            typer.echo(f"\nStage    {stage.name}, {latest}{duration:g} s")
+            _report_run(chosen.staged(k), duration, is_later=k > 0)
         if not chosen.stages:
             typer.echo("")
             _report_run(chosen, chosen.run.until)
@@ -188,7 +196,8 @@ def _report_run(scene: Scene, duration: float, *, is_later: bool = False) -> Non
         typer.echo(f"               {saving.advice}")
     sim._check_end(duration)
     steps, seconds = _expected_cost(sim, duration, is_later=is_later)
-    typer.echo(f"  cost         {steps:,} steps, about {_duration(seconds)} on this machine")
+    cost = "in a time that only a run shows" if seconds is None else f"about {_duration(seconds)} on this machine"
+    typer.echo(f"  cost         {steps:,} steps, {cost}")
 
 
 def _refuse(sim: Simulation, folder: Path, overwrite: bool) -> None:
@@ -264,10 +273,11 @@ def _stopped(show: Bar, folder: Path) -> Iterator[None]:
         raise typer.Exit(exit_code(stop)) from None
 
 
-def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple[int, float]:
+def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple[int, float | None]:
     """Number of steps in so long [s], and their time [s], extrapolated from a few hundred steps.
 
-    A later stage begins elsewhere than the scene, from where it is stepped here, and may become unstable there.
+    A later stage begins elsewhere than the scene, from where it is stepped here, and may become unstable there; None
+    where it is so at once.
     """
     from membrane_rs.errors import UnstableError
 
@@ -285,7 +295,7 @@ def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple
         spent = time.perf_counter() - began
     if sim.is_adaptive and taken:
         steps = max(1, round(duration / sim.time * taken))
-    return steps, steps * spent / max(taken, 1)
+    return steps, steps * spent / taken if taken else None
 
 
 def _duration(seconds: float) -> str:

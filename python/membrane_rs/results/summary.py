@@ -3,16 +3,19 @@
 At the start:
 
 audit                 what the audit of the scene found, errors first: for each finding its severity ("error",
-                      "warning" or "info"), kind, count, message and remedy
+                      "warning" or "info"), kind, count, message and remedy; behind them, of a scene with stages, what
+                      began a later stage inside a body
 scene                 name of the scene
 outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ...". `read_summary`
                       gives "killed" in place of "running" where no process goes on with the run
 process               by which the run goes on, or went on last: pid, host, and start, its time and date
-request               what the run was asked for: until [s]; frames and samples, their numbers or times [s]; pictures,
+request               what the run was asked for: until [s]; frames and samples, their numbers or times [s] (with
+                      stages more are written: those that stages ask for, and one at each boundary); pictures,
                       crossings, whether they are wanted; checkpoint, the seconds of wall time between two checkpoints
 resumed               how often the run was resumed in this folder; not there where it was not
 counts                size of the scene, as `Scene.counts` gives it
-integrator            name of the method
+integrator            name of the method; with stages this and the next three are those of the stage in which the run
+                      began, and "stages" has the method and the step of each
 dt                    [s] step; the first one where the method chooses its steps
 stable_dt             [s] stability limit at the start; null where it is infinite
 limiting_part         the law and node that set it
@@ -136,10 +139,7 @@ class Summary(Writer):
 
     def at_checkpoint(self, sim: Stepper) -> Callable[[], None]:
         """What adds how far the run has come, for the background."""
-        now: dict[str, Any] = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
-        now |= self._bodies(sim)
-        if sim.scene.stages:
-            now |= {"stage": sim.stage_name, "stage_starts": list(self._stage_starts.values())}
+        now = self._progress(sim)
 
         def write() -> None:
             self._record.summary |= now
@@ -150,10 +150,7 @@ class Summary(Writer):
     def finish(self, sim: Stepper, error: BaseException | None) -> None:
         """Add how the run went, and what its curves show."""
         table, changes = self._record.table, sim.ledger().get("changes")
-        self._record.summary |= {
-            "time": sim.time,
-            "steps": sim.step_count,
-            "wall_time": self._wall_time(),
+        self._record.summary |= self._progress(sim) | {
             "rejected_steps": sim.rejected_count,
             "evaluations": sim.evaluation_count,
             **({key: count for key, count in sim.statistics.items() if any(sim.statistics.values())}),
@@ -162,7 +159,6 @@ class Summary(Writer):
             "energy_balance": energy_balance(table) | ({"changes": changes} if changes else {}),
             "curves": curve_features(table),
             **({"stages": self._stages(sim)} if sim.scene.stages else {}),
-            **self._bodies(sim),
             "pictures": "none",
         }
         self._contacts.finish(sim, error)
@@ -198,6 +194,14 @@ class Summary(Writer):
     def _bodies(self, sim: Stepper) -> dict[str, Any]:
         """What touched the bodies so far, copied."""
         return {"bodies": deepcopy(self._contacts.bodies)} if sim.scene.bodies else {}
+
+    def _progress(self, sim: Stepper) -> dict[str, Any]:
+        """How far the run has come."""
+        found: dict[str, Any] = {"time": sim.time, "steps": sim.step_count, "wall_time": self._wall_time()}
+        found |= self._bodies(sim)
+        if sim.scene.stages:
+            found |= {"stage": sim.stage_name, "stage_starts": list(self._stage_starts.values())}
+        return found
 
     def _begin(self, record: Record, spent: float, bodies: object = None) -> None:
         self._record, self._began, self._contacts = record, perf_counter() - spent, BodyContacts(bodies)

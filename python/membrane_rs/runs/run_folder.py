@@ -22,6 +22,7 @@ from time import monotonic
 from membrane_rs._files import path_of
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.check import audit_of_motion
+from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.deployment import DeploymentPicture
@@ -205,8 +206,17 @@ class RunFolder(KnownAttributes):
             # A run that is resumed shows its checkpoint, which is an instant of its history by chance alone.
             is_due, self._is_frame_due = self._first_shown or (True, True)
             self._first_shown = None
+            self._audit_stage(sim)
             if is_due:
                 self._show(lambda writer: writer.sample(sim))
+
+    def _audit_stage(self, sim: Stepper) -> None:
+        """Add what begins a stage inside a body to the audit in the summary."""
+        if sim.boundaries[-1:] != [sim.time]:
+            return
+        known = self._record.summary.setdefault("audit", [])
+        found = [finding.as_dict() for finding in inside_at_stage_start(sim)]
+        known += [finding for finding in found if finding not in known]
 
     def frame(self, sim: Stepper) -> None:
         """Show a frame to all outputs. Raises OutputError."""

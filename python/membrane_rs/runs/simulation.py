@@ -10,6 +10,7 @@ import numpy as np
 from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of, show
 from membrane_rs.check import Audit, audit_of_motion
+from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.results.body_contacts import BodyContacts
@@ -59,7 +60,7 @@ class Simulation(Stepper):
     Warns
     -----
     AuditWarning
-        Each error and each warning that `audit` finds in the scene.
+        Each error and each warning that `audit` finds in the scene; later, of what begins a stage inside a body.
     """
 
     def __init__(
@@ -79,6 +80,12 @@ class Simulation(Stepper):
         Costly checks are left out; `membrane_rs.check.audit` makes all.
         """
         return audit_of_motion(self)
+
+    def _end_stage(self, ended_by: str) -> None:
+        """As `StagedMotion`, and warn of what begins the next stage inside a body."""
+        super()._end_stage(ended_by)
+        if not self.is_over:
+            warn_of(Audit.of(inside_at_stage_start(self)), stacklevel=3)
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
         """Damp the scene to rest where its guide bars hold it, and start from there, at the same time.

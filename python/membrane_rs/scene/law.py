@@ -67,6 +67,10 @@ class Law:
         """The parameters that the core is given, by name."""
         return asdict(self)
 
+    def replaced_by(self, name: str) -> tuple[str, ...]:
+        """Fields that the field of this name stands in place of, where a stage sets it: they get their defaults."""
+        return ()
+
     @property
     def negative_springs(self) -> str | None:
         """What the core does with negative spring constants: "refuse", "clip", "keep" or "unused"; None: no rule."""

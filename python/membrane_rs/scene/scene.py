@@ -122,6 +122,9 @@ class Scene:
     def staged(self, index: int, starts: Sequence[float] | None = None) -> Scene:
         """The scene of one stage, without stages.
 
+        Its mesh has the positions of this scene's start, whichever stage it is: where a later stage begins is known
+        only in a run. To go on from there, `Simulation(scene.staged(k), start=other)`.
+
         Parameters
         ----------
         index : int

@@ -7,11 +7,12 @@ from dataclasses import field
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Le
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from membrane_rs._read_only import ReadOnly
 from membrane_rs._validation import Count, Finite, Positive, Unit, build, check_text, nearest, show, validated
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
 from membrane_rs.scene.schedule import Schedule
 
@@ -31,24 +32,33 @@ MEASURES = (
 """Names of the measures by whose values a stage may end, as columns of history.csv; `largest_speed` [m/s] is that of
 any node."""
 LONGEST_NAME = 100
+DEEPEST = 5
+"""Tables and lists in each other in the longest value of a stage."""
 Measure = Callable[[Any], float]
 """A function of the simulation that gives a number, and only reads."""
 
 
-def _table(value: object) -> object:
+def _table(value: object, info: ValidationInfo) -> object:
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
         raise PydanticCustomError("wrong_type", "must be a table of keys such as 'material.youngs_modulus'")
-    return {key: _plain(item) for key, item in value.items()}
+    return {key: _plain(item, f"Stage.{info.field_name}[{show(key)}]") for key, item in value.items()}
 
 
-def _plain(value: object) -> object:
+def _plain(value: object, where: str, depth: int = 0) -> object:
     """Lists and arrays as tuples, at any depth, and tables of a schedule as one: as files give them back."""
+    if depth > DEEPEST:
+        raise InputError(f"{where[:LONGEST_NAME]}: is nested too deeply; a value is a number, a list or a schedule")
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
-        table = {key: _plain(item) for key, item in value.items()}
-        return build(Schedule, table, "Schedule") if "times" in table else table
-    return tuple(map(_plain, value)) if isinstance(value, list | tuple) else value
+        other = next((key for key in value if not isinstance(key, str)), None)
+        if other is not None:
+            raise InputTypeError(f"{where}: its key {show(other)} must be a text")
+        table = {key: _plain(item, f"{where}.{key}", depth + 1) for key, item in value.items()}
+        return build(Schedule, table, where) if "times" in table else ReadOnly(table)
+    if isinstance(value, list | tuple):
+        return tuple(_plain(item, f"{where}[{k}]", depth + 1) for k, item in enumerate(value))
+    return value
 
 
 def _names(value: object) -> object:
@@ -88,10 +98,10 @@ class Stage:
         measure that is beyond it at the start must come back first.
     without : sequence of str
         Laws by their kind, parts and bodies by their name, that are not at work in this stage.
-    scale : dict of str to float
+    scale : dict of str to float, read-only
         Factors above 0 on numbers of the scene, by dotted keys: "material.youngs_modulus", "laws.<kind>.<key>",
         "parts.<name or index>.<key>", "bodies.<name>.<key>".
-    set : dict
+    set : dict, read-only
         Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
         a schedule count from the start of this stage. What stands in place of a schedule holds in later stages too,
         until one sets another; all else holds in this stage alone.
@@ -122,7 +132,7 @@ class Stage:
     def __post_init__(self) -> None:
         """Check the fields against each other."""
         for name in ("scale", "set"):
-            object.__setattr__(self, name, dict(getattr(self, name)))
+            object.__setattr__(self, name, ReadOnly(getattr(self, name)))
         check_text(self.name, "Stage.name =")
         if not 1 <= len(self.name) <= LONGEST_NAME or not self.name.isprintable() or not self.name.strip():
             raise InputError(

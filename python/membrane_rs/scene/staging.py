@@ -176,14 +176,18 @@ def _values(
     found: dict[tuple[str, int], dict[str, Any]] = {}
     for k, stage in enumerate(scene.stages[: index + 1]):
         where, is_last = f"stages[{k}]", k == index
+        together = {_key(_find(places, key, f"{where}.set")) for key in stage.set}
         for key, value in stage.set.items():
             place, name = _find(places, key, f"{where}.set")
             own = found.get((place.section, place.index), {})
-            before = own.get(name, getattr(place.item, name, None))
-            made = getattr(_rebuilt(place, {name: value}, where), name, value)
-            if is_last or _is_schedule(made) or _is_schedule(before) or name in own:
+            replaced = _replaced(place, name)
+            before = [own.get(other, getattr(place.item, other, None)) for other in (name, *replaced)]
+            made = getattr(_rebuilt(place, {name: value, **replaced}, where), name, value)
+            holds = _is_schedule(made) or any(map(_is_schedule, before)) or not own.keys().isdisjoint((name, *replaced))
+            if is_last or holds:
                 delayed = made.delayed(starts[k]) if _is_schedule(made) else made
-                found.setdefault((place.section, place.index), {})[name] = delayed
+                new = {other: value for other, value in replaced.items() if _key((place, other)) not in together}
+                found.setdefault((place.section, place.index), {}).update({**new, name: delayed})
     for key, factor in scene.stages[index].scale.items():
         place, name = _find(places, key, f"stages[{index}].scale")
         where = f"stages[{index}].scale: {key!r}"
@@ -191,11 +195,23 @@ def _values(
             raise SceneError(f"{where}: settings of the run are not scaled; set them")
         if name not in {item.name for item in fields(place.item)}:
             _rebuilt(place, {name: factor}, f"stages[{index}]")  # raises, and says which keys there are
-        value = getattr(place.item, name)
+        value = found.get((place.section, place.index), {}).get(name, getattr(place.item, name))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise SceneError(f"{where}: is {show(value)}, no number, so it is not scaled; set it")
         found.setdefault((place.section, place.index), {})[name] = value * factor
     return found
+
+
+def _key(found: tuple[Place, str]) -> tuple[str, int, str]:
+    """What tells a field of a place from all others."""
+    place, name = found
+    return place.section, place.index, name
+
+
+def _replaced(place: Place, name: str) -> dict[str, Any]:
+    """The fields in whose place one stands that a stage sets, with their defaults."""
+    names = place.item.replaced_by(name) if place.section == "laws" else ()
+    return {field.name: field.default for field in fields(place.item) if field.name in names}
 
 
 def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:

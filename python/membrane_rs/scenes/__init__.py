@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from importlib import resources
 
 from membrane_rs._validation import nearest, show
@@ -18,8 +19,11 @@ def names() -> list[str]:
 
 
 def describe(name: str) -> str:
-    """One line about a built-in scene: the first line of its file."""
-    return _text(name).splitlines()[0].removeprefix("#").strip()
+    """One line about a built-in scene: the first sentence of its file."""
+    comment = itertools.takewhile(lambda line: line.startswith("#"), _text(name).splitlines())
+    text = " ".join(line.removeprefix("#").strip() for line in comment)
+    sentence, end, _ = text.partition(". ")
+    return sentence + end.strip()
 
 
 def load(name: str) -> Scene:

@@ -261,6 +261,7 @@ class StagedMotion(Motion):
         changes = {name: after.get(name, 0.0) - before.get(name, 0.0) for name in before | after}
         line.changes = {name: joule for name, joule in changes.items() if joule != 0.0}
         self._open_check()
+        self._core.check(False)  # what a body has swallowed might come out on its other side by the next check
 
     def _start_from(self, other: Motion) -> None:
         super()._start_from(other)

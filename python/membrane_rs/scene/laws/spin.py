@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from membrane_rs._validation import Finite, Unit, validated
 from membrane_rs.errors import InputError
@@ -33,8 +33,8 @@ class Spin(Law):
 
     Parameters
     ----------
-    frequency : float
-        Turns per second at the start [Hz]; the sign gives the sense.
+    frequency : float or None
+        Turns per second at t = 0 [Hz]; the sign gives the sense. Default: 3, or none with a schedule.
     acceleration : float
         Its rate of change [Hz/s].
     schedule : Schedule or None
@@ -43,33 +43,50 @@ class Spin(Law):
     Raises
     ------
     InputError
-        A schedule beside another frequency than its own at t = 0, or beside an acceleration.
+        A schedule beside a frequency or an acceleration.
     """
 
     kind: ClassVar[str] = "spin"
     stiff_through: ClassVar[StiffThrough] = "law"
     turns_hub: ClassVar[bool] = True
-    frequency: Annotated[Finite, Unit("Hz")] = FREQUENCY
+    frequency: Annotated[Finite | None, Unit("Hz")] = None
     acceleration: Annotated[Finite, Unit("Hz/s")] = 0.0
     schedule: Annotated[Schedule | None, Unit("Hz")] = None
 
     def __post_init__(self) -> None:
         """Check that the motion of the hub is given once."""
         if self.schedule is None:
+            if self.frequency is None:
+                object.__setattr__(self, "frequency", FREQUENCY)
             return
         if self.acceleration != 0.0:
             raise InputError(f"Spin.acceleration = {self.acceleration!r}: is not used with a schedule; leave it out")
-        if self.frequency not in (FREQUENCY, self.schedule.at(0.0)):
+        if self.frequency is not None:
             raise InputError(f"Spin.frequency = {self.frequency!r}: is not used with a schedule; leave it out")
+
+    def core_parameters(self) -> dict[str, Any]:
+        """A number as frequency beside a schedule, too, with which the core does not use it."""
+        return super().core_parameters() | {"frequency": self._at_start}
+
+    def replaced_by(self, name: str) -> tuple[str, ...]:
+        """A schedule by the other two, and they by it."""
+        return ("frequency", "acceleration") if name == "schedule" else ("schedule",)
 
     @property
     def hub_frequency(self) -> float:
         """That at the start, or the largest of its schedule."""
-        return self.frequency if self.schedule is None else max(self.schedule.values, key=abs)
+        return self._at_start if self.schedule is None else max(self.schedule.values, key=abs)
+
+    @property
+    def _at_start(self) -> float:
+        """The frequency, 0 beside a schedule."""
+        return 0.0 if self.frequency is None else self.frequency
 
     def _at(self, time: float) -> float:
         """The frequency at a time [s]."""
-        return self.frequency + self.acceleration * time if self.schedule is None else self.schedule.at(time)
+        if self.schedule is not None:
+            return self.schedule.at(time)
+        return self._at_start + self.acceleration * time
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The rim of the flat shape moves more slowly than `FASTEST`, and a film is stretched by less than `STRETCHED`
@@ -86,7 +103,7 @@ class Spin(Law):
             reason = f"the rim, {radius:.4g} m from the axis, would move at {speed:.4g} m/s; beyond {fastest:.4g} m/s "
             reason += "it is torn" if fastest < FASTEST else "rotors burst"
             most = fastest / (2.0 * math.pi * radius)
-            field = "frequency" if abs(self.frequency) >= highest else "acceleration (at the end)"
+            field = "frequency" if abs(self.hub_frequency) >= highest else "acceleration (at the end)"
             place, unit = f"{where}.{'schedule (at most)' if self.schedule else field}", "Hz"
             derived = FILM if fastest < FASTEST else ("mesh", "parts")
             yield from implausible(place, highest, unit, reason, most=most, units=RATES, derived_from=derived)

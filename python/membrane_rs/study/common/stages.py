@@ -11,5 +11,6 @@ def refuse_stages(scene: Scene) -> None:
     if scene.stages:
         raise InputError(
             f"scene {scene.name!r} has {len(scene.stages)} stages; a study compares runs of a scene without: give it "
-            "one of them, such as scene.staged(0)"
+            "a scene file without [[stages]], or the first stage, which Python makes: scene.staged(0), and "
+            "scene.staged(0).save(folder) as a file"
         )
