@@ -21,7 +21,7 @@ STAGE = Stage("a", 1.0, set=VALUES, scale={"z": 2.0})
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"set": {"parts.grip.x": BAD}}, r"Stage\.set\['parts\.grip\.x'\]\.times\[1\] = 0\.3: must not be below the time"),
+        ({"set": {"parts.grip.x": BAD}}, r"Stage\.set\['parts\.grip\.x'\]\.times\[1\] = 0\.3: must not be below the"),
         ({"set": {"a": {"b": [BAD]}}}, r"Stage\.set\['a'\]\.b\[0\]\.times\[1\] = 0\.3"),
         ({"set": {"a": {**BAD, "eas": 1}}}, r"Stage\.set\['a'\]\.eas: no such key; did you mean 'ease'"),
         ({"set": {"a": {"times": [0.4], 3: 1}}}, r"Stage\.set\['a'\]: its key 3 must be a text"),
