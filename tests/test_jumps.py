@@ -14,6 +14,8 @@ from membrane_rs import (
     Cylinder,
     Fixed,
     Gravity,
+    InputError,
+    InputTypeError,
     Moved,
     Plane,
     RunSettings,
@@ -330,3 +332,25 @@ def test_a_jump_while_a_scene_is_relaxed_waits_for_its_time() -> None:
     sim = Simulation(scene, "rk4", dt=1e-3)
     sim.run()
     assert sim.positions[1, 2] == pytest.approx(height(0.1), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"origin_step": 10**9}, "steps before the origin"),
+        ({"origin_step": -1}, "origin_step"),
+        ({"origin_step": 1.5}, "origin_step"),
+        ({"origin_step": True}, "origin_step"),
+        ({"changes": np.zeros(1)}, "changes by jumps"),
+        ({"changes": np.full(6, np.nan)}, "not finite"),
+        ({"changes": "x"}, "changes"),
+        ({"origin": 0.2}, "saved output time|origin|saved state"),
+    ],
+)
+def test_a_damaged_state_after_a_jump_is_refused_and_changes_nothing(wrong: dict[str, Any], words: str) -> None:
+    sim = Simulation(shaken(), "rk4", 7e-4)
+    sim.reach(0.05)
+    before = last(sim)
+    with pytest.raises((InputError, InputTypeError), match=words):
+        sim.set_state(sim.state() | wrong)
+    assert last(sim) == before
