@@ -57,6 +57,8 @@ def test_the_last_that_was_set_holds(first: Spin, of_stages: Sequence[dict[str, 
 def test_a_frequency_in_place_of_the_schedule_of_a_scene_holds_later_too() -> None:
     found = spins(turned(Spin(schedule=UP), {}, {"frequency": 2.0}, {}, {"acceleration": 1.0}, {}))
     assert found == [Spin(schedule=UP), Spin(2.0), Spin(2.0), Spin(2.0, 1.0), Spin(2.0, 1.0)]
+    # An acceleration in place of a schedule is that of the frequency of the scene.
+    assert spins(turned(Spin(1.0), {"schedule": UP}, {"acceleration": 2.0}, {}))[1:] == [Spin(1.0, 2.0)] * 2
     # Of a scene without a schedule it holds in its own stage alone.
     assert spins(turned(Spin(1.0), {"frequency": 2.0}, {})) == [Spin(2.0), Spin(1.0)]
 

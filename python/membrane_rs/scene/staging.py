@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -169,25 +169,50 @@ def _gone(places: Sequence[Place], stage: Stage, where: str) -> list[Place]:
     return [named[name] for name in stage.without]
 
 
+@dataclass
+class Changes:
+    """What stages have changed of one thing, up to one of them."""
+
+    place: Place
+    values: dict[str, Any] = field(default_factory=dict)
+    """By the names of fields."""
+    replaced: dict[str, str] = field(default_factory=dict)
+    """Fields that have their defaults, each with the field that stands in place of it."""
+
+    def now(self, name: str) -> Any:
+        """The value of a field."""
+        return self.all().get(name, getattr(self.place.item, name, None))
+
+    def all(self) -> dict[str, Any]:
+        """All values that are not those of the scene."""
+        return _defaults(self.place.item, tuple(self.replaced)) | self.values
+
+    def set(self, name: str, value: Any, others: Sequence[str]) -> None:
+        """Set a field, in place of others."""
+        self.replaced = {other: by for other, by in self.replaced.items() if other != name and by not in others}
+        self.values = {other: own for other, own in self.values.items() if other not in others} | {name: value}
+        self.replaced |= dict.fromkeys(others, name)
+
+
 def _values(
     scene: Staged, places: Sequence[Place], index: int, starts: Sequence[float]
 ) -> dict[tuple[str, int], dict[str, Any]]:
     """The values of a stage in place of those of the scene, by place and key."""
-    found: dict[tuple[str, int], dict[str, Any]] = {}
+    found = {(place.section, place.index): Changes(place) for place in places}
     for k, stage in enumerate(scene.stages[: index + 1]):
         where, is_last = f"stages[{k}]", k == index
-        together = {_key(_find(places, key, f"{where}.set")) for key in stage.set}
-        for key, value in stage.set.items():
-            place, name = _find(places, key, f"{where}.set")
-            own = found.get((place.section, place.index), {})
-            replaced = _replaced(place, name)
-            before = [own.get(other, getattr(place.item, other, None)) for other in (name, *replaced)]
-            made = getattr(_rebuilt(place, {name: value, **replaced}, where), name, value)
-            holds = _is_schedule(made) or any(map(_is_schedule, before)) or not own.keys().isdisjoint((name, *replaced))
+        own = [_find(places, key, f"{where}.set") for key in stage.set]
+        for (place, name), value in zip(own, stage.set.values(), strict=True):
+            changes = found[place.section, place.index]
+            replaced = place.item.replaced_by(name) if place.section == "laws" else ()
+            made = getattr(_rebuilt(place, {name: value, **_defaults(place.item, replaced)}, where), name, value)
+            names = (name, *replaced)
+            holds = _is_schedule(made) or any(
+                _is_schedule(changes.now(other)) or other in changes.all() for other in names
+            )
             if is_last or holds:
-                delayed = made.delayed(starts[k]) if _is_schedule(made) else made
-                new = {other: value for other, value in replaced.items() if _key((place, other)) not in together}
-                found.setdefault((place.section, place.index), {}).update({**new, name: delayed})
+                others = [other for other in replaced if (place, other) not in own]
+                changes.set(name, made.delayed(starts[k]) if _is_schedule(made) else made, others)
     for key, factor in scene.stages[index].scale.items():
         place, name = _find(places, key, f"stages[{index}].scale")
         where = f"stages[{index}].scale: {key!r}"
@@ -195,23 +220,17 @@ def _values(
             raise SceneError(f"{where}: settings of the run are not scaled; set them")
         if name not in {item.name for item in fields(place.item)}:
             _rebuilt(place, {name: factor}, f"stages[{index}]")  # raises, and says which keys there are
-        value = found.get((place.section, place.index), {}).get(name, getattr(place.item, name))
+        changes = found[place.section, place.index]
+        value = changes.now(name)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise SceneError(f"{where}: is {show(value)}, no number, so it is not scaled; set it")
-        found.setdefault((place.section, place.index), {})[name] = value * factor
-    return found
+        changes.values[name] = value * factor
+    return {key: changes.all() for key, changes in found.items() if changes.all()}
 
 
-def _key(found: tuple[Place, str]) -> tuple[str, int, str]:
-    """What tells a field of a place from all others."""
-    place, name = found
-    return place.section, place.index, name
-
-
-def _replaced(place: Place, name: str) -> dict[str, Any]:
-    """The fields in whose place one stands that a stage sets, with their defaults."""
-    names = place.item.replaced_by(name) if place.section == "laws" else ()
-    return {field.name: field.default for field in fields(place.item) if field.name in names}
+def _defaults(item: Any, names: Sequence[str]) -> dict[str, Any]:
+    """The defaults of fields."""
+    return {entry.name: entry.default for entry in fields(item) if entry.name in names}
 
 
 def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:
