@@ -78,7 +78,7 @@ accuracy: $(VENV)/built
 	$(BIN)/python benchmarks/remake.py $(PART)
 
 # The whole deployment charted: tables and pictures of docs/deployment.md, in an hour on two cores. Runs are
-# kept in out/deployment; PART="plane reel": some of plane, reel, release, energy, cost.
+# kept in out/deployment; PART="plane reel": some of plane, reel, release, energy, crossings, cost, shapes.
 deployment: $(VENV)/built
 	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
 

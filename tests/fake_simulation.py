@@ -93,6 +93,7 @@ class FakeSimulation:
             "error": -1e-3,
             "stored_by_law": self.stored,
             "work_by_law": work,
+            "motor_work": 0.7,
         }
 
     def spring_strains(self) -> Floats:

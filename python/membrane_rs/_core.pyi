@@ -141,6 +141,10 @@ class EnergyBalance:
         """What jumps of schedules have put into the kinetic energy and into that of each law, where it is not 0."""
 
     @property
+    def motor_work(self) -> float | None:
+        """Of the motor that turns the hub; None where a state of an earlier version lacks its start."""
+
+    @property
     def reference_energy(self) -> float:
         """The largest single exchange so far."""
 

@@ -1,4 +1,5 @@
-"""The whole deployment charted, for docs/deployment.md: reeling out of an arm and of the sail, release, energy, cost.
+"""The whole deployment charted, for docs/deployment.md: shapes, curves, reeling out of an arm and of the sail, release,
+energy, crossings, cost.
 
 Finished runs are kept in the folder `out` and read again; remove it to repeat them, which takes an hour on two cores.
 With `--write` the tables and pictures of docs/deployment.md are replaced.
@@ -8,12 +9,13 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from threading import Event
 
-from deployment_energy import StageCost, cost_table, energy_table, stage_costs
+from deployment_cost import cost_table, stage_costs
+from deployment_energy import energy_table
 from deployment_plane import COARSER, SEGMENTS, plane_table, reel_out_arm
 from deployment_plane import DURATIONS as PLANE_DURATIONS
 from deployment_reel import (
@@ -29,14 +31,18 @@ from deployment_reel import (
     whole,
 )
 from deployment_release import STARTS, distance_table, from_cross, release_of, release_table, released
+from deployment_whole import copy_sheets, crossings_table, draw_crossings, draw_curves, stages_of, whole_run
 from kept import kept, slug
-from marked import DOCS, MarkedPart
+from marked import DOCS, MarkedPart, copy_small
 from membrane_rs import Scene, UnstableError
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.mesh_study import plot_meshes
 from membrane_rs.study.common.executor import run_parallel
 
-PARTS = {name: MarkedPart(DOCS / "deployment.md", name) for name in ("plane", "reel", "release", "energy", "cost")}
+NAMES = ("plane", "reel", "release", "energy", "crossings", "cost")
+PARTS = {name: MarkedPart(DOCS / "deployment.md", name) for name in NAMES}
+SHAPES = "shapes"
+"""What `--only` calls contact sheets and curves, which are pictures alone."""
 FRICTIONS = (0.3, 0.6)
 CROSS, HOLD = "the ideal cross", "reeled out, held"
 STIFF = 2.0
@@ -146,35 +152,65 @@ def plane_part(runs: Runs, _: Path) -> str:
     return plane_table(list(runs.of(jobs).values()))
 
 
+def wholes(runs: Runs) -> dict[str, Path]:
+    """The folder of the whole run of each model."""
+    return {model: whole_run(runs.folder, model) for model in MODELS}
+
+
+def energy_part(runs: Runs, _: Path) -> str:
+    """The table of balances."""
+    return energy_table({model: stages_of(folder) for model, folder in wholes(runs).items()})
+
+
+def crossings_part(runs: Runs, picture: Path) -> str:
+    """The table of crossings, and their curves."""
+    folders = wholes(runs)
+    draw_crossings(folders, picture)
+    return crossings_table(folders)
+
+
+def cost_part(*_: object) -> str:
+    """The table of costs, of runs that are never kept."""
+    return cost_table({model: stage_costs(whole(model)) for model in MODELS})
+
+
+def write_shapes(runs: Runs) -> None:
+    """Contact sheets of all stages, their balances, and the curves of the whole, into docs/."""
+    folders, curves = wholes(runs), runs.folder / "deployment-curves.png"
+    draw_curves(folders, curves)
+    copy_small(curves, curves.name)
+    for model, folder in folders.items():
+        copy_sheets(folder, model)
+
+
+MAKERS: dict[str, Callable[[Runs, Path], str]] = {
+    "plane": plane_part,
+    "reel": reel_part,
+    "release": release_part,
+    "energy": energy_part,
+    "crossings": crossings_part,
+    "cost": cost_part,
+}
+
+
 def main() -> None:
     """Make the tables and pictures, or some of them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS), help="the tables to make")
+    every = [*MAKERS, SHAPES]
+    parser.add_argument("--only", nargs="+", choices=every, default=every, help="the tables and pictures to make")
     parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/deployment"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
     options = parser.parse_args()
     began = time.perf_counter()
     options.out.mkdir(parents=True, exist_ok=True)
-    runs, costs = Runs(options.out, options.jobs), {}
-
-    def balance(maker: Callable[[Mapping[str, Sequence[StageCost]]], str]) -> Callable[[Runs, Path], str]:
-        def part(*_: object) -> str:
-            costs.update({model: stage_costs(whole(model)) for model in MODELS if model not in costs})
-            return maker(costs)
-
-        return part
-
-    makers: dict[str, Callable[[Runs, Path], str]] = {
-        "plane": plane_part,
-        "reel": reel_part,
-        "release": release_part,
-        "energy": balance(energy_table),
-        "cost": balance(cost_table),
-    }
+    runs = Runs(options.out, options.jobs)
     for name in options.only:
-        picture = options.out / f"deployment-{name}.png"
-        PARTS[name].publish(makers[name](runs, picture), picture, write=options.write)
+        if name in MAKERS:
+            picture = options.out / f"deployment-{name}.png"
+            PARTS[name].publish(MAKERS[name](runs, picture), picture, write=options.write)
+        elif options.write:
+            write_shapes(runs)
     print(f"{time.perf_counter() - began:.0f} s")
 
 

@@ -11,6 +11,7 @@ from deployment_plane import EASE, FREQUENCY, WINDOW, lead_of_tip
 from membrane_rs import Mesh, Scene, Schedule, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
+from membrane_rs.simulation.motion import Motion
 
 MODELS = ("model 1", "model 2")
 DURATIONS = (1.0, 2.0, 4.0, 8.0)
@@ -58,6 +59,13 @@ def held_by_friction(scene: Scene, friction: float) -> Scene:
     )
 
 
+def pull_at_tips(sim: Motion) -> Floats:
+    """Tension with which the film pulls at each corner [N]."""
+    corners = sim.assembly.node_sets["corners"]
+    pull: Floats = np.linalg.norm(sum(sim.forces(law)[corners] for law in FILM), axis=1)
+    return pull
+
+
 def reel_out(scene: Scene, samples: int = SAMPLES) -> tuple[Simulation, dict[str, Floats]]:
     """The simulation at the end of the reeling out, and what was sampled in it, by name.
 
@@ -83,7 +91,7 @@ def reel_out(scene: Scene, samples: int = SAMPLES) -> tuple[Simulation, dict[str
         radius, angle = np.hypot(x[corners, 0], x[corners, 1]), np.arctan2(x[corners, 1], x[corners, 0])
         apart = angle - azimuth - turn.at(sim.time) - 0.5 * math.pi * np.arange(len(corners))
         lead = np.degrees(np.angle(np.exp(1j * apart)))
-        pull = np.linalg.norm(sum(sim.forces(law)[corners] for law in FILM), axis=1)
+        pull = pull_at_tips(sim)
         energies, film = sim.energies(), x[:nodes, 2]
         rows.append((
             share, radius.mean(), np.ptp(radius), lead.mean(), np.ptp(lead), (pull / (weight * radius)).mean(),

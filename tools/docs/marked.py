@@ -10,10 +10,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from membrane_rs._files import write_text
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 README = ROOT / "README.md"
 DOCS = ROOT / "docs"
+
+
+WIDTH = 1500
+"""Pictures in docs/ are at most this wide [px]."""
+
+
+def copy_small(source: Path, name: str, width: int = WIDTH, colours: int = 128) -> None:
+    """A picture into docs/, not wider than `width` and in few colours, so that the repository stays small."""
+    with Image.open(source) as picture:
+        size = (min(width, picture.width), round(picture.height * min(1.0, width / picture.width)))
+        small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+    small.quantize(colours, dither=Image.Dither.NONE).save(DOCS / name, optimize=True)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from marked import DOCS, README, ROOT, MarkedPart
-from PIL import Image
+from marked import DOCS, README, ROOT, MarkedPart, copy_small
 
 TABLES = {name: MarkedPart(README, name) for name in ("summary.md", "accuracy.md")}
 """The marked parts, by the file of the demo or of accuracy.py."""
@@ -20,17 +19,12 @@ SOURCES = {
     "comparison.png": "comparison.png",
 }
 FILM = ("deployment.gif", "okuizumi-whole/animation.gif")
-WIDTH = 1500
-"""Pictures in docs/ are at most this wide [px]."""
 
 
 def copy_pictures(out: Path) -> None:
-    """The demo's pictures into docs/, in few colours, so that the repository stays small."""
+    """The demo's pictures into docs/."""
     for name, source in SOURCES.items():
-        with Image.open(out / source) as picture:
-            size = (min(WIDTH, picture.width), round(picture.height * min(1.0, WIDTH / picture.width)))
-            small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-        small.quantize(128, dither=Image.Dither.NONE).save(DOCS / name, optimize=True)
+        copy_small(out / source, name)
     name, source = FILM
     (DOCS / name).write_bytes((out / source).read_bytes())
 

@@ -27,7 +27,7 @@ def chord_sag(scene: Scene) -> Iterator[Finding]:
 
     Of all cord segments and edges of the membrane between two nodes that have contact, or of which one is held, the
     longest without load counts. Nothing: at most `SAG_SHARE` of the spool's radius, or no node can meet the spool.
-    Edges of a membrane that feels a body by its nodes are told as a fact: that was chosen.
+    Edges of a membrane that feels a body by its nodes are reported as a fact: that was chosen.
     """
     assembly = scene.assemble()
     cords = assembly.cords.nodes, assembly.cords.rest_length

@@ -18,6 +18,7 @@ from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import plain_text, save_figure
+from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
 from membrane_rs.results.history import read_history
 from membrane_rs.results.summary import LEAST_PHASE, curve_features
 from membrane_rs.simulation.stepper import Stepper
@@ -113,15 +114,6 @@ def _scale(curves: Sequence[Floats], level: float) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _stage_starts(table: Mapping[str, Floats]) -> list[tuple[int, float]]:
-    """Index and start [s] of each stage after the first, where the table tells stages."""
-    stages = table.get("stage")
-    if stages is None or not len(stages):
-        return []
-    first = np.flatnonzero(np.diff(stages) > 0) + 1
-    return [(int(stages[row]), float(table["time"][row])) for row in first]
-
-
 def _picture(
     runs: Sequence[tuple[str, Mapping[str, Floats]]],
     path: Path,
@@ -148,21 +140,12 @@ def _picture(
             crossing = curve_features(table)["zero_crossing_time"]
             if crossing is not None and len(shown) > 1:
                 axes.axvline(crossing, color=f"C{k}", linewidth=0.8, linestyle=":")
-        starts = _stage_starts(runs[0][1]) if len(runs) == 1 else []
-        for _, time in starts:
-            axes.axvline(time, color="0.6", linewidth=0.6)
         axes.set_ylabel(label)
         axes.grid(color="0.9")
         axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
-    named = [(0, float(runs[0][1]["time"][0])), *starts] if stages and len(runs) == 1 else []
-    for index, time in named:
-        text = plain_text(stages[index]) if index < len(stages) else ""
-        place = (time, 1.0)
-        panels[0].annotate(
-            text, place, (3, -3), xycoords=panels[0].get_xaxis_transform(), textcoords="offset points", fontsize=7,
-            color="0.4", rotation=90, va="top",
-        )  # fmt: skip
+    if len(runs) == 1:
+        mark_stages(panels, stage_starts(runs[0][1]), stages)
     panels[-1].set_xlabel("Time [s]")
     panels[0].set_title(plain_text(title), wrap=True)
     if len(runs) > 1:

@@ -17,11 +17,15 @@ hub_torque             [N m] torque of the sail on the hub about its axis; likew
 contact_force          [N] sum of the magnitudes of the forces between spool and nodes; where nodes meet a spool
 largest_cord_tension   [N] elastic tension of the tautest segment; with cords
 largest_film_stress    [Pa] largest principal stress, at least 0, see `Motion.film_stress`; with a law of the film
+motor_work             [J] work of the motor that turns the hub so far, on the sail; with a hub that turns. It is no
+                       term of the balance, which is that of the turning frame
 
 With stages the columns are those of all stages; an energy is 0 where its law is not at work. There are also
 
 stage                  index of the stage; at a boundary that of the stage that begins
 energy_of_changes      [J] put in by changes of stage so far: what is stored and moves after one, less what was before
+
+motor_work is the last column, which runs of earlier versions lack.
 """
 
 from __future__ import annotations
@@ -58,6 +62,8 @@ FIRST_COLUMNS = (
 
 OF_STAGES = ("stage", "energy_of_changes")
 """The last columns of a scene with stages."""
+MOTOR = "motor_work"
+"""The last column of a scene whose hub turns."""
 RENAMED = {"energy_turned_over": "reference_energy"}
 """New names of columns by those of version 0.1; files and tables have both."""
 
@@ -86,6 +92,8 @@ class History(Writer):
             self._write(self.columns)
             return
         table = read_history(self._path)
+        if list(table) == [name for name in self.columns if name != MOTOR]:
+            self.columns = list(table)
         if list(table) != self.columns:
             raise OutputError(f"{self._path} holds other columns than this run writes; run the scene again")
         count = int(np.searchsorted(table["time"], sim.time, side="right"))
@@ -114,6 +122,7 @@ class History(Writer):
             *(f"work_{name}" for name in self._works),
             *self._readings,
             *self._of_stages,
+            *((MOTOR,) if sim.scene.law("spin") is not None else ()),
         ]
         self.rows = []
 
@@ -147,6 +156,8 @@ class History(Writer):
         ]
         if self._of_stages:
             row += [sim.stage, math.fsum(ledger["changes"].values())]
+        if self.columns[-1] == MOTOR:
+            row.append(math.nan if ledger[MOTOR] is None else ledger[MOTOR])
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.rows.append([float(value) + 0.0 for value in row])
         self._write(self.rows[-1])

@@ -42,8 +42,8 @@ newton_iterations, factorisations, fallbacks    of an implicit method, as in `Mo
 signal                "SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1" or "SIGUSR2", where one interrupted the run
 frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
-                      fraction of the reference energy; changes, what changes of stage and jumps of schedules have put
-                      in [J], by name, where there were any
+                      fraction of the reference energy; motor_work [J], null where the hub does not turn; changes, what
+                      changes of stage and jumps of schedules have put in [J], by name, where there were any
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
@@ -311,15 +311,19 @@ def curve_features(table: Mapping[str, Floats]) -> dict[str, float | None]:
 
 
 def energy_balance(table: dict[str, Floats]) -> dict[str, float | None]:
-    """Reference energy [J]; the energy error at the end, the lowest (loss) and the highest (gain)."""
+    """Reference energy [J]; the energy error at the end, the lowest (loss) and the highest (gain); the work of the
+    motor [J], None where the hub does not turn, or it is not known.
+    """
     error, reference = table["energy_error"], table["reference_energy"]
     if not len(error):
-        return dict.fromkeys(("reference_energy", "error", "lowest_error", "highest_error"))
+        return dict.fromkeys(("reference_energy", "error", "lowest_error", "highest_error", "motor_work"))
+    motor = table.get("motor_work")
     return {
         "reference_energy": float(reference[-1]),
         "error": float(error[-1]),
         "lowest_error": float(error.min()),
         "highest_error": float(error.max()),
+        "motor_work": None if motor is None or math.isnan(motor[-1]) else float(motor[-1]),
     }
 
 

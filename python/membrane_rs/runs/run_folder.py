@@ -8,7 +8,7 @@ history.csv     a line per sample
 frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
 crossings.csv   a line per frame, where it is asked for; by that thread too
 shapes/*.npz    at the times of the snapshots, for a run that is resumed
-deployment.png, snapshots/*.png, animation.gif      at the end, unless the run was interrupted
+deployment.png, energy.png, crossings.png, snapshots/*.png, animation.gif    at the end, unless the run was interrupted
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from membrane_rs.check import audit_of_motion
 from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.animation import Animation
+from membrane_rs.plotting.crossings import CrossingsPicture
 from membrane_rs.plotting.deployment import DeploymentPicture
+from membrane_rs.plotting.energy import EnergyPicture
 from membrane_rs.plotting.snapshots import Snapshots
 from membrane_rs.results.background import Background
 from membrane_rs.results.crossing_counts import CrossingsFile
@@ -50,6 +52,8 @@ WRITERS: list[type[Writer]] = [
     Summary,
     State,
     DeploymentPicture,
+    EnergyPicture,
+    CrossingsPicture,
     Snapshots,
     Animation,
 ]
@@ -87,7 +91,7 @@ class RunFolder(KnownAttributes):
     overwrite :
         Remove the files of an earlier run in this folder, which its summary.json shows to be one. Other files stay.
     pictures :
-        Draw deployment.png, snapshots and animation when the run ends.
+        Draw the pictures of the run when it ends.
     crossings :
         Count the triangles that pass through each other at each frame, into crossings.csv.
     progress :

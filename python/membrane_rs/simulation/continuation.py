@@ -34,9 +34,9 @@ def scene_digest(scene: Scene) -> str:
 
 ENTRIES = {
     "step_count", "evaluation_count", "origin", "hub_phase", "positions", "velocities",
-    "start_kinetic", "start_internal_kinetic", "start_stored", "work", "swing", "start_shift", "scene_digest",
-    "origin_step", "changes",
-    "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count", "integrator", "dt", "is_adaptive",
+    "start_kinetic", "start_internal_kinetic", "start_stored", "work", "motor_numbers", "swing", "start_shift",
+    "scene_digest", "output_time", "adaptive_numbers", "adaptive_was_rejected", "rejected_count", "integrator", "dt",
+    "is_adaptive", "origin_step", "changes",
 }  # fmt: skip
 """Entries of a state, beside the histories of the method and of the laws."""
 

@@ -238,7 +238,9 @@ class Motion(KnownAttributes, Copies, Readings):
             "kinetic", "stored" (potential energy of all laws), "work" (done on the system, below zero where damping
             takes energy out), "reference_energy" (the largest change of a single term of the balance so far), all [J];
             "error", the residual of the balance as a share of the reference energy, negative where the method loses
-            energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}; once jumps of
+            energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}; "motor_work" [J],
+            that of the motor which turns the hub, on the sail: no term of this balance, which is that of the turning
+            frame. None where it goes on from a state of an earlier version, which did not count it. Once jumps of
             schedules have put in energy, "changes", {term: J}, where a term is "kinetic" or a law.
             "turned_over" is the old name of "reference_energy".
         """
@@ -251,6 +253,7 @@ class Motion(KnownAttributes, Copies, Readings):
             "error": balance.error,
             "stored_by_law": balance.stored_by_law,
             "work_by_law": balance.work_by_law,
+            "motor_work": balance.motor_work,
             **({"changes": balance.changes} if balance.changes else {}),
         }
         return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})

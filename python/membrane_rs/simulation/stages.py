@@ -123,9 +123,10 @@ class StagedMotion(Motion):
         Returns
         -------
         dict
-            That of `Motion.ledger`. With stages "work" and "work_by_law" are sums over the stages, "reference_energy"
-            is the largest of any stage, and "error" the sum of the residuals of all stages as a share of it. "changes"
-            is what changes of stage and jumps of schedules have put in [J], as {"<stage>: <term>": J}, where a term is
+            That of `Motion.ledger`. With stages "work", "work_by_law" and "motor_work" are sums over the stages,
+            "reference_energy" is the largest of any stage, and "error" the sum of the residuals of all stages as a
+            share of it. "changes" is what changes of stage and jumps of schedules have put in [J], as
+            {"<stage>: <term>": J}, where a term is
             "kinetic" or a law.
         """
         found = super().ledger()
@@ -140,10 +141,13 @@ class StagedMotion(Motion):
             [found["error"] * found["reference_energy"], *(r.error * r.reference_energy for r in past)]
         )
         reference = max([found["reference_energy"], *(record.reference_energy for record in past)])
+        motors = [*(record.motor_work for record in past), found["motor_work"]]
+        known = [motor for motor in motors if motor is not None]
         by_stage = [(record.name, record.changes) for record in self.stages]
         found |= {
             "work": math.fsum(work.values()),
             "work_by_law": work,
+            "motor_work": math.fsum(known) if len(known) == len(motors) else None,
             "reference_energy": reference,
             "error": residual / reference if reference > 0.0 else 0.0,
             "changes": {f"{name}: {term}": joule for name, changes in by_stage for term, joule in changes.items()},
@@ -177,6 +181,7 @@ class StagedMotion(Motion):
             work_by_law=dict(balance.work_by_law),
             reference_energy=balance.reference_energy,
             error=balance.error,
+            motor_work=balance.motor_work,
         )
 
     def _present(self) -> Timeline:
@@ -327,7 +332,8 @@ class StagedMotion(Motion):
     def _set_state(self, own: dict[str, Any], plain: dict[str, Any]) -> None:
         index = own.get("stage_index")
         methods = [self._method(k)[0] or self.scene.staged(k).run.integrator for k in range(len(self.scene.stages))]
-        line = self._timeline = self._present().loaded(own, methods)
+        is_older = "motor_numbers" not in plain
+        line = self._timeline = self._present().loaded(own, methods, is_older=is_older)
         integrator, dt = self._method(line.index)
         scene = self.scene.staged(line.index, line.starts)
         saved = plain.get("dt")
@@ -370,7 +376,7 @@ def _sums(*tables: dict[str, float]) -> dict[str, float]:
 
 
 def _without_energy(record: StageRecord) -> StageRecord:
-    return replace(record, changes={}, work_by_law={}, reference_energy=0.0, error=0.0)
+    return replace(record, changes={}, work_by_law={}, reference_energy=0.0, error=0.0, motor_work=0.0)
 
 
 @contextmanager

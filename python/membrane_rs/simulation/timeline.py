@@ -44,6 +44,8 @@ class StageRecord:
         The largest change of a single term of its energy balance [J].
     error : float
         Residual of its balance, as a share of its reference energy.
+    motor_work : float or None
+        Work of the motor that turns the hub in this stage [J]; None where a saved state of an earlier version lacks it.
     """
 
     name: str
@@ -59,6 +61,7 @@ class StageRecord:
     work_by_law: dict[str, float]
     reference_energy: float
     error: float
+    motor_work: float | None = None
 
 
 @dataclass
@@ -130,11 +133,15 @@ class Timeline:
             "stage_dt": np.array([record.dt for record in past]),
             "stage_changes": _matrix(changes, terms),
             "stage_work": _matrix([record.work_by_law for record in past], self.laws),
+            "stage_motor": np.array(
+                [(record.motor_work is not None, record.motor_work or 0.0) for record in past], np.float64
+            ).reshape(-1, 2),
             "stage_balances": np.array([(record.reference_energy, record.error) for record in past]).reshape(-1, 2),
         }
 
-    def loaded(self, saved: Mapping[str, Any], methods: Sequence[str]) -> Timeline:
-        """The timeline of entries of a saved state, of the same scene; `methods` are those of its stages.
+    def loaded(self, saved: Mapping[str, Any], methods: Sequence[str], *, is_older: bool = False) -> Timeline:
+        """The timeline of entries of a saved state, of the same scene; `methods` are those of its stages. An older
+        state may lack the work of the motor.
 
         Raises InputError.
         """
@@ -149,6 +156,7 @@ class Timeline:
         changes = _array(saved, "stage_changes", (index + 1, len(terms)))
         work = _array(saved, "stage_work", (index, len(self.laws)))
         balances = _array(saved, "stage_balances", (index, 2))
+        motors = _motors(saved, index, is_older=is_older)
         is_over = saved.get("stage_is_over")
         if is_over not in (0, 1, 2) or (is_over and index < len(self.stages) - 1):
             raise _damaged(f"stage_is_over = {show(is_over)}: must be 0, 1 or 2, and 0 before the last stage")
@@ -175,6 +183,7 @@ class Timeline:
                     work_by_law=_named(work[k], self.laws),
                     reference_energy=float(balances[k, 0]),
                     error=float(balances[k, 1]),
+                    motor_work=motors[k],
                 )
             )
         made.changes = _named(changes[index], terms)
@@ -189,6 +198,13 @@ def _matrix(rows: Sequence[Mapping[str, float]], names: Sequence[str]) -> Floats
 
 def _named(row: Floats, names: Sequence[str]) -> dict[str, float]:
     return {name: float(value) for name, value in zip(names, row, strict=True) if value != 0.0}
+
+
+def _motors(saved: Mapping[str, Any], count: int, *, is_older: bool) -> list[float | None]:
+    """The work of the motor in each past stage [J]; None where it is not known, as in states of earlier versions."""
+    if is_older and "stage_motor" not in saved:
+        return [None] * count
+    return [joule if is_known else None for is_known, joule in _array(saved, "stage_motor", (count, 2)).tolist()]
 
 
 def _array(saved: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Floats:

@@ -71,7 +71,12 @@ pub(crate) fn saved_of<'py>(py: Python<'py>, progress: Progress, laws: &[&str]) 
     saved.set_item("start_kinetic", progress.ledger.start.kinetic)?;
     saved.set_item("start_internal_kinetic", progress.ledger.start.internal_kinetic)?;
     saved.set_item("start_stored", PyArray1::from_vec(py, progress.ledger.start.stored))?;
-    saved.set_item("work", PyArray1::from_vec(py, progress.ledger.work))?;
+    let mut work = progress.ledger.work;
+    let turning_work = work.pop().unwrap_or_default();
+    saved.set_item("work", PyArray1::from_vec(py, work))?;
+    if let Some(start_turning) = progress.ledger.start_turning {
+        saved.set_item("motor_numbers", PyArray1::from_slice(py, &[start_turning, turning_work]))?;
+    }
     saved.set_item("swing", progress.ledger.largest_change)?;
     saved.set_item("start_shift", progress.ledger.start_shift)?;
     save_history(&saved, METHOD, progress.history)?;
@@ -126,6 +131,16 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
     let has_changes = saved.contains("changes")?;
     let changes = if has_changes { numbers("changes", &array("changes")?)? } else { vec![0.0; laws.len() + 1] };
     let origin_step = if saved.contains("origin_step")? { get(saved, WHAT, "origin_step")? } else { 0 };
+    // Older checkpoints lack them.
+    let motor = match saved.get_item("motor_numbers")? {
+        None => None,
+        Some(own) => match numbers("motor_numbers", &own)?.as_slice() {
+            &[start_turning, turning_work] => Some((start_turning, turning_work)),
+            _ => return Err(wrong_value("saved state: motor_numbers does not have two numbers".to_owned())),
+        },
+    };
+    let mut work = numbers("work", &array("work")?)?;
+    work.push(motor.map_or(0.0, |(_, turning_work)| turning_work));
     Ok(Progress {
         step_count: get(saved, WHAT, "step_count")?,
         origin_step,
@@ -138,7 +153,8 @@ pub(crate) fn progress_of(saved: &Bound<'_, PyDict>, laws: &[&str]) -> PyResult<
             // Follows from the scene.
             scope: Scope::default(),
             start,
-            work: numbers("work", &array("work")?)?,
+            work,
+            start_turning: motor.map(|(start_turning, _)| start_turning),
             largest_change: get(saved, WHAT, "swing")?,
             start_shift: get(saved, WHAT, "start_shift")?,
             changes,
@@ -183,14 +199,12 @@ pub(crate) fn check_values(progress: &Progress) -> PyResult<()> {
             return wrong(name, not_finite());
         }
     }
-    if !terms
-        .iter()
-        .chain(&ledger.start.stored)
-        .chain(&ledger.work)
-        .chain(&ledger.changes)
-        .all(|value| value.is_finite())
-    {
-        return wrong("the ledger (start_kinetic, start_stored, work, swing, start_shift, changes)", not_finite());
+    let works = ledger.work.iter().chain(&ledger.start_turning).chain(&ledger.changes);
+    if !terms.iter().chain(&ledger.start.stored).chain(works).all(|value| value.is_finite()) {
+        return wrong(
+            "the ledger (start_kinetic, start_stored, work, motor_numbers, swing, start_shift, changes)",
+            not_finite(),
+        );
     }
     if !of(&progress.history) {
         return wrong("history_vectors or history_numbers", not_finite());

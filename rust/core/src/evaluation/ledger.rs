@@ -100,8 +100,12 @@ pub struct Ledger {
     pub scope: Scope,
     /// The terms at the start.
     pub start: EnergyTerms,
-    /// Work of each law since the start \[J\].
+    /// Work of each law since the start, and behind them that of the loads from outside on the turning of the frame,
+    /// see `Law::turning_power` \[J\].
     pub work: Vec<f64>,
+    /// The turning energy at the start, see `Mechanics::turning_energy`; `None` where a state of an earlier version
+    /// lacks it \[J\].
+    pub start_turning: Option<f64>,
     /// Largest change of any single term at the checks so far \[J\].
     pub largest_change: f64,
     /// The modified energy of the method minus the energy, at the first step \[J\].
@@ -112,9 +116,14 @@ pub struct Ledger {
 
 impl Ledger {
     /// Opens a ledger.
-    pub fn open(scope: Scope, start: EnergyTerms) -> Self {
-        let (work, changes) = (vec![0.0; start.stored.len()], vec![0.0; start.stored.len() + 1]);
-        Self { scope, start, work, largest_change: 0.0, start_shift: 0.0, changes }
+    pub fn open(scope: Scope, start: EnergyTerms, turning: f64) -> Self {
+        let (work, changes) = (vec![0.0; start.stored.len() + 1], vec![0.0; start.stored.len() + 1]);
+        Self { scope, start, work, start_turning: Some(turning), largest_change: 0.0, start_shift: 0.0, changes }
+    }
+
+    /// Work of each law since the start \[J\].
+    pub fn of_laws(&self) -> &[f64] {
+        &self.work[..self.start.stored.len()]
     }
 
     /// Records what a jump has changed, less `work` that the ledger has \[J\]. It is no exchange: the balance goes on
@@ -135,14 +144,14 @@ impl Ledger {
     pub fn reference_energy(&self, now: &EnergyTerms) -> f64 {
         let kinetic = (self.scope.kinetic(now) - self.scope.kinetic(&self.start)).abs();
         let of_law = |k: usize| (now.stored[k] - self.start.stored[k]).abs().max(self.work[k].abs());
-        let laws = (0..self.work.len()).filter(|&k| self.scope.includes(k));
+        let laws = (0..now.stored.len()).filter(|&k| self.scope.includes(k));
         laws.map(of_law).fold(self.largest_change.max(kinetic), f64::max)
     }
 
     /// The residual E(t) - E(0) - W(t) \[J\]: positive for a gain, negative for a loss by the method.
     pub fn residual(&self, now: &EnergyTerms) -> f64 {
         let Scope::Isolated { is_internal } = &self.scope else {
-            return now.total() - self.start.total() - self.work.iter().sum::<f64>();
+            return now.total() - self.start.total() - self.of_laws().iter().sum::<f64>();
         };
         let internal = (0..is_internal.len()).filter(|&k| is_internal[k]);
         let of_laws = internal.map(|k| now.stored[k] - self.start.stored[k] - self.work[k]);

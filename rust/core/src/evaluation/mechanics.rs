@@ -41,6 +41,8 @@ pub struct Mechanics {
     history_dependent: Vec<usize>,
     /// The law of the nodes that move as prescribed.
     pub(super) moved: Option<usize>,
+    /// The loads from outside: those evaluated tile by tile, and nodal laws.
+    outside: [Vec<usize>; 2],
 }
 
 impl Mechanics {
@@ -58,7 +60,12 @@ impl Mechanics {
         let deferrals = Deferral::of_laws(&mut laws, method, nodes);
         let is_separate: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
         let history_dependent = (0..laws.len()).filter(|&row| laws[row].history_dependent().is_some()).collect();
+        let outside = [false, true].map(|is_nodal| {
+            let is_own = |law: &mut Box<dyn Law>| law.turning_power().is_some() && law.nodal().is_some() == is_nodal;
+            laws.iter_mut().enumerate().filter_map(|(row, law)| is_own(law).then_some(row)).collect()
+        });
         Self {
+            outside,
             history_dependent,
             moved: laws.iter().position(|law| law.moved().is_some()),
             pieces: FreePieces::new(&laws, &inverse_masses),
@@ -107,6 +114,21 @@ impl Mechanics {
             }
             forces
         })
+    }
+
+    /// Omega L \[J\], with L the angular momentum of all nodes about the axis in inertial space.
+    pub(crate) fn turning_energy(&self, point: PhasePoint<'_>) -> f64 {
+        let rate = self.spin.at(point.time).rate;
+        let ([x, y, _], [u, v, _]) = (columns(point.positions), columns(point.velocities));
+        let of_node = |i: usize| self.masses[i] * (x[i] * (v[i] + rate * x[i]) - y[i] * (u[i] - rate * y[i]));
+        rate * (0..self.masses.len()).map(of_node).sum::<f64>()
+    }
+
+    /// The power by which the loads from outside, of those evaluated tile by tile or of nodal ones, turn with the frame
+    /// \[W\], by their last evaluation.
+    fn turning_power(&self, is_nodal: bool) -> f64 {
+        let selected = self.outside[usize::from(is_nodal)].iter().filter(|&&row| self.is_selected[row]);
+        selected.filter_map(|&row| self.laws[row].turning_power()).sum()
     }
 
     /// The laws of a rate group.
@@ -243,11 +265,12 @@ impl System for Mechanics {
         let Self { plan, laws, is_selected, forces, deferrals, .. } = self;
         plan.add_to_tile(laws, |row| is_selected[row], tile, at, &mut Sums { forces, powers, deferrals });
         // `power_at` adds this power later. That of nodal laws is added with their rows, between the tiles.
-        for ((law, deferral), power) in laws.iter_mut().zip(deferrals).zip(powers) {
+        for ((law, deferral), power) in laws.iter_mut().zip(deferrals).zip(powers.iter_mut()) {
             if deferral.is_some() && law.nodal().is_none() {
                 *power = 0.0;
             }
         }
+        powers[self.laws.len()] += self.turning_power(false);
     }
 
     fn accelerations(
@@ -279,6 +302,7 @@ impl System for Mechanics {
                 (None, None) => {}
             }
         }
+        powers[self.laws.len()] += self.turning_power(true);
         let moves = self.moves_in(range.clone(), point.time);
         if let Some(row) = self.moved {
             powers[row] += moves.iter().map(|(node, prescribed)| self.power_of_move(*node, prescribed)).sum::<f64>();

@@ -38,6 +38,17 @@ impl Mechanics {
         }
     }
 
+    /// What the velocities of the moved nodes change of the turning energy as these are set to their motion at `time`
+    /// \[J\].
+    pub(crate) fn turning_impulse(&self, time: f64, state: &State) -> f64 {
+        let moves = self.moves_in(0..self.masses.len(), time).into_iter();
+        let torques = moves.map(|(node, Prescribed { position, velocity, .. })| {
+            let change = velocity - state.velocities.row(node).transpose();
+            self.masses[node] * (position.x * change.y - position.y * change.x)
+        });
+        self.spin.at(time).rate * torques.sum::<f64>()
+    }
+
     /// Starts the prescribed motion from where the nodes are, unless it has started.
     pub(crate) fn start_moved(&mut self, point: PhasePoint<'_>) {
         let at = self.instant(point);

@@ -12,7 +12,7 @@
 
 use nalgebra::Complex;
 
-use super::{Embedded, Endpoint, Integrator, Options, Properties, System, Tolerance, amplification_of};
+use super::{Embedded, Endpoint, Integrator, Options, Properties, System, Tolerance, amplification_of, saved_works};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns};
 use crate::simd::dispatch::{InstructionSet, Sweep};
@@ -67,8 +67,8 @@ struct Extension {
     acceleration: NodeVectors,
     /// E for position and velocity.
     e: [NodeVectors; 2],
-    /// For each law: work and power at the start, and E.
-    laws: Vec<[f64; 3]>,
+    /// For each work: work and power at the start, and E.
+    works: Vec<[f64; 3]>,
 }
 
 /// The method for a scene.
@@ -77,12 +77,12 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
 }
 
 impl Dopri5 {
-    fn new(&Options { nodes, laws, instructions, .. }: &Options) -> Self {
+    fn new(&Options { nodes, works, instructions, .. }: &Options) -> Self {
         let zeros = || std::array::from_fn(|_| NodeVectors::zeros(nodes));
         Self {
             velocities: zeros(),
             accelerations: zeros(),
-            powers: std::array::from_fn(|_| vec![0.0; laws]),
+            powers: std::array::from_fn(|_| vec![0.0; works]),
             position: NodeVectors::zeros(nodes),
             error: std::array::from_fn(|_| NodeVectors::zeros(nodes)),
             is_fresh: false,
@@ -231,8 +231,8 @@ impl Embedded for Dopri5 {
             sum(self.instructions, None, self.dt, &EXTENSION, terms, &mut e);
             e
         });
-        let laws = work.iter().enumerate();
-        let laws = laws
+        let works = work.iter().enumerate();
+        let works = works
             .map(|(law, work)| [*work, self.powers[0][law], self.dt * self.weighted_power(&EXTENSION, law)])
             .collect();
         self.extension = Some(Extension {
@@ -241,7 +241,7 @@ impl Embedded for Dopri5 {
             start: state.clone(),
             acceleration: self.accelerations[0].clone(),
             e,
-            laws,
+            works,
         });
         self.finish(state, work);
     }
@@ -250,7 +250,7 @@ impl Embedded for Dopri5 {
         let Some(extension) = &self.extension else {
             return (end.state.clone(), end.work.to_vec());
         };
-        let Extension { dt, start, acceleration, e: [e_x, e_v], laws, .. } = extension;
+        let Extension { dt, start, acceleration, e: [e_x, e_v], works, .. } = extension;
         let theta = (time - extension.time) / dt;
         let extend = |y0: f64, y1: f64, k1: f64, k7: f64, e: f64| {
             let d = y1 - y0;
@@ -271,7 +271,7 @@ impl Embedded for Dopri5 {
             velocities: extend_all(v0, v1, acceleration, last, e_v),
         };
         let work =
-            laws.iter().enumerate().map(|(law, [w0, p0, e])| extend(*w0, end.work[law], *p0, self.powers[6][law], *e));
+            works.iter().enumerate().map(|(law, [w0, p0, e])| extend(*w0, end.work[law], *p0, self.powers[6][law], *e));
         (state, work.collect())
     }
 }
@@ -311,11 +311,11 @@ impl Integrator for Dopri5 {
             return History::default();
         }
         let mut history = History { vectors: vec![self.accelerations[6].clone()], numbers: self.powers[6].clone() };
-        if let Some(Extension { time, dt, start, acceleration, e: [e_x, e_v], laws }) = &self.extension {
+        if let Some(Extension { time, dt, start, acceleration, e: [e_x, e_v], works }) = &self.extension {
             let saved = [&start.positions, &start.velocities, acceleration, e_x, e_v];
             history.vectors.extend(saved.map(Clone::clone));
             history.numbers.extend([time, dt]);
-            history.numbers.extend(laws.iter().flatten());
+            history.numbers.extend(works.iter().flatten());
         }
         history
     }
@@ -327,23 +327,27 @@ impl Integrator for Dopri5 {
         if !self.is_started {
             return numbers.is_empty();
         }
-        let laws = self.powers[6].len();
-        let fits = [(1, laws), (6, 4 * laws + 2)].contains(&(vectors.len(), numbers.len()));
-        if !fits {
+        let (all, has_extension) = (self.powers[6].len(), vectors.len() == 6);
+        let (each, others) = if has_extension { (4, 2) } else { (1, 0) };
+        let Some(works) = saved_works(all, numbers.len(), each, others) else { return false };
+        if !(has_extension || vectors.len() == 1) {
             return false;
         }
-        self.powers[6].copy_from_slice(&numbers[..laws]);
+        self.powers[6].fill(0.0);
+        self.powers[6][..works].copy_from_slice(&numbers[..works]);
+        let extended =
+            numbers.get(works + 2..).unwrap_or_default().chunks_exact(3).map(|three| [three[0], three[1], three[2]]);
         let mut saved = vectors.drain(1..);
         if let (Some(positions), Some(velocities), Some(acceleration), Some(e_x), Some(e_v)) =
             (saved.next(), saved.next(), saved.next(), saved.next(), saved.next())
         {
             self.extension = Some(Extension {
-                time: numbers[laws],
-                dt: numbers[laws + 1],
+                time: numbers[works],
+                dt: numbers[works + 1],
                 start: State { positions, velocities },
                 acceleration,
                 e: [e_x, e_v],
-                laws: numbers[laws + 2..].chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect(),
+                works: extended.chain(std::iter::repeat([0.0; 3])).take(all).collect(),
             });
         }
         drop(saved);

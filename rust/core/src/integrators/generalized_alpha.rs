@@ -28,7 +28,7 @@ mod descent;
 
 use nalgebra::Matrix3;
 
-use super::{Implicit, Integrator, Options, Properties, Stall, Statistics, System};
+use super::{Implicit, Integrator, Options, Properties, Stall, Statistics, System, saved_works};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State};
 use crate::linear::tangent::Weights;
@@ -86,7 +86,7 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
 }
 
 impl GeneralizedAlpha {
-    fn new(&Options { nodes, laws, spectral_radius: r, .. }: &Options) -> Self {
+    fn new(&Options { nodes, works, spectral_radius: r, .. }: &Options) -> Self {
         let zeros = || NodeVectors::zeros(nodes);
         let (alpha_m, alpha_f) = ((2.0 * r - 1.0) / (r + 1.0), r / (r + 1.0));
         let shift = alpha_f - alpha_m;
@@ -96,7 +96,7 @@ impl GeneralizedAlpha {
             beta: 0.25 * (1.0 + shift) * (1.0 + shift),
             gamma: 0.5 + shift,
             acceleration: zeros(),
-            powers: vec![0.0; laws],
+            powers: vec![0.0; works],
             lag: 0.0,
             is_started: false,
             statistics: Statistics::default(),
@@ -107,7 +107,7 @@ impl GeneralizedAlpha {
             velocity: zeros(),
             correction: zeros(),
             residual: zeros(),
-            new_powers: vec![0.0; laws],
+            new_powers: vec![0.0; works],
         }
     }
 
@@ -366,15 +366,16 @@ impl Integrator for GeneralizedAlpha {
         if !self.is_started {
             return numbers.is_empty();
         }
-        let laws = self.powers.len();
-        if vectors.len() != 1 || numbers.len() != laws + 4 {
+        let Some(works) = saved_works(self.powers.len(), numbers.len(), 1, 4) else { return false };
+        if vectors.len() != 1 {
             return false;
         }
         self.acceleration.copy_from(&vectors[0]);
-        self.powers.copy_from_slice(&numbers[..laws]);
-        self.lag = numbers[laws];
+        self.powers.fill(0.0);
+        self.powers[..works].copy_from_slice(&numbers[..works]);
+        self.lag = numbers[works];
         let Statistics { iterations, factorisations, fallbacks } = &mut self.statistics;
-        for (count, saved) in [iterations, factorisations, fallbacks].into_iter().zip(&numbers[laws + 1..]) {
+        for (count, saved) in [iterations, factorisations, fallbacks].into_iter().zip(&numbers[works + 1..]) {
             *count = (*count).max(*saved as u64);
         }
         true

@@ -28,7 +28,7 @@
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
-use super::{Integrator, Options, Properties, System};
+use super::{Integrator, Options, Properties, System, saved_works};
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
@@ -59,7 +59,7 @@ pub(super) const PROPERTIES: Properties = Properties {
 pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     Box::new(Leapfrog {
         acceleration: NodeVectors::zeros(options.nodes),
-        powers: vec![0.0; options.laws],
+        powers: vec![0.0; options.works],
         is_started: false,
         row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
         instructions: options.instructions,
@@ -113,10 +113,12 @@ impl Integrator for Leapfrog {
         if !self.is_started {
             return history.numbers.is_empty();
         }
-        let fits = history.vectors.len() == 1 && history.numbers.len() == self.powers.len();
+        let Some(works) = saved_works(self.powers.len(), history.numbers.len(), 1, 0) else { return false };
+        let fits = history.vectors.len() == 1;
         if fits {
             self.acceleration.copy_from(&history.vectors[0]);
-            self.powers = history.numbers;
+            self.powers.fill(0.0);
+            self.powers[..works].copy_from_slice(&history.numbers);
         }
         fits
     }

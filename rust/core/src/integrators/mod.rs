@@ -29,8 +29,8 @@ pub const SPECTRAL_RADIUS: f64 = 0.8;
 pub struct Options {
     /// Number of nodes of the scene.
     pub nodes: usize,
-    /// Number of its laws.
-    pub laws: usize,
+    /// Number of works that it integrates: those of the laws, and the one behind them (see `Ledger::work`).
+    pub works: usize,
     /// The instruction set of passes over nodes.
     pub instructions: InstructionSet,
     /// Amplification per step, from 0 to 1, of vibrations that the step of an implicit method does not resolve.
@@ -43,7 +43,7 @@ impl Default for Options {
     /// Those of no scene, sufficient for the properties of a method.
     fn default() -> Self {
         let instructions = InstructionSet::Baseline;
-        Self { nodes: 1, laws: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1 }
+        Self { nodes: 1, works: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1 }
     }
 }
 
@@ -237,4 +237,10 @@ pub fn by_name(name: &str) -> Result<Method> {
         name: name.to_owned(),
         known: known(),
     })
+}
+
+/// The number of works in a saved history of so many `numbers`, `each` for every work and `others` beside them: that of
+/// the scene, or one less in states of earlier versions, which lack the one behind those of the laws.
+fn saved_works(works: usize, numbers: usize, each: usize, others: usize) -> Option<usize> {
+    [works, works.saturating_sub(1)].into_iter().find(|count| numbers == each * count + others)
 }

@@ -15,7 +15,7 @@
 //! Storage: two vectors per node beside the state.
 
 use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
-use super::{Integrator, Options, Properties, RateGroup, System, leapfrog};
+use super::{Integrator, Options, Properties, RateGroup, System, leapfrog, saved_works};
 use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut};
@@ -45,8 +45,8 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
         count: options.substeps,
         fast: NodeVectors::zeros(options.nodes),
         slow: NodeVectors::zeros(options.nodes),
-        fast_powers: vec![0.0; options.laws],
-        slow_powers: vec![0.0; options.laws],
+        fast_powers: vec![0.0; options.works],
+        slow_powers: vec![0.0; options.works],
         is_started: false,
         row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
         instructions: options.instructions,
@@ -192,13 +192,16 @@ impl Integrator for Multirate {
         if !self.is_started {
             return history.numbers.is_empty();
         }
-        let laws = self.fast_powers.len();
-        let fits = history.vectors.len() == 2 && history.numbers.len() == 2 * laws;
+        let Some(works) = saved_works(self.fast_powers.len(), history.numbers.len(), 2, 0) else { return false };
+        let fits = history.vectors.len() == 2;
         if fits {
             self.fast.copy_from(&history.vectors[0]);
             self.slow.copy_from(&history.vectors[1]);
-            self.fast_powers.copy_from_slice(&history.numbers[..laws]);
-            self.slow_powers.copy_from_slice(&history.numbers[laws..]);
+            let (fast, slow) = history.numbers.split_at(works);
+            for (powers, saved) in [(&mut self.fast_powers, fast), (&mut self.slow_powers, slow)] {
+                powers.fill(0.0);
+                powers[..works].copy_from_slice(saved);
+            }
         }
         fits
     }

@@ -48,7 +48,7 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
         stage: State { positions: zeros(), velocities: zeros() },
         second: zeros(),
         row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
-        powers: vec![0.0; options.laws],
+        powers: vec![0.0; options.works],
         instructions: options.instructions,
     })
 }

@@ -134,6 +134,14 @@ pub trait Law: Send + Sync {
         false
     }
 
+    /// Of a load from outside, such as that of air at rest: the power \[W\] of its torque at the rate of the frame, the
+    /// sum of Omega (x F_y - y F_x) over what the last `add_to_tile` or `add_to_rows` added. `None` for forces between
+    /// nodes, for those that the hub or what turns with it exerts, and for inertial laws, whose own power is the
+    /// opposite of it.
+    fn turning_power(&self) -> Option<f64> {
+        None
+    }
+
     /// The potential energy \[J\]; 0 for a law without potential.
     fn energy(&self, _at: Instant<'_>) -> f64 {
         0.0

@@ -34,7 +34,7 @@ impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
         let (facets, instructions) = (FacetSet::new(context.assembly), context.assembly.instructions);
-        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, instructions }))
+        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, turning_power: 0.0, instructions }))
     }
 
     fn example() -> Self {
@@ -47,6 +47,8 @@ struct Pressure {
     facets: FacetSet,
     /// p/6 [Pa].
     sixth: f64,
+    /// See `Law::turning_power`.
+    turning_power: f64,
     instructions: InstructionSet,
 }
 
@@ -77,6 +79,30 @@ impl BatchKernel for LoadKernel<'_> {
     }
 }
 
+/// The torque of the load on the facets of one tile about the axis \[N m\].
+struct TorqueKernel<'a> {
+    load: &'a Pressure,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl BatchKernel for TorqueKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Pressure { facets, sixth, .. } = self.load;
+        let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let presence = pass.of(&facets.presence);
+        let mut torque = V::zero();
+        for batch in 0..pass.len() {
+            let corners = pass.read::<V, 3>(self.positions, batch);
+            let [x, y, _] = sum(corners[0], sum(corners[1], corners[2]));
+            let [fx, fy, _] = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
+            torque += x * fy - y * fx;
+        }
+        torque
+    }
+}
+
 impl Law for Pressure {
     fn properties(&self) -> Properties {
         let work_class = WorkClass::External;
@@ -90,7 +116,15 @@ impl Law for Pressure {
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let forces = ColumnsMut::of(forces);
+        self.turning_power = match at.frame.rate {
+            0.0 => 0.0,
+            rate => rate * self.instructions.run_batches(TorqueKernel { load: self, tile, positions }),
+        };
         self.instructions.run_batches(LoadKernel { load: self, tile, positions, velocities, forces })
+    }
+
+    fn turning_power(&self) -> Option<f64> {
+        Some(self.turning_power)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

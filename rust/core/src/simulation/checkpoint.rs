@@ -90,7 +90,7 @@ impl Simulation {
         let length = |what, found: usize, expected: usize, per| {
             if found == expected { Ok(()) } else { Err(Error::LengthMismatch { what, found, expected, per }) }
         };
-        length("the saved ledger", progress.ledger.work.len(), self.laws().len(), "law")?;
+        length("the saved ledger", progress.ledger.work.len().saturating_sub(1), self.laws().len(), "law")?;
         length("the saved ledger", progress.ledger.start.stored.len(), self.laws().len(), "law")?;
         length("the saved changes by jumps", progress.ledger.changes.len(), self.laws().len() + 1, "term of energy")?;
         let is_before = progress.origin_step <= progress.step_count;

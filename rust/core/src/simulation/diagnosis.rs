@@ -206,7 +206,7 @@ impl Simulation {
     /// The law whose energy or work changed most since the last good check; before it, where a change is not finite.
     pub(super) fn most_changed(&self, now: &EnergyTerms) -> Option<usize> {
         let (good_work, good) = (&self.good.work, &self.good.energy_terms);
-        let recent: Vec<f64> = (0..good_work.len())
+        let recent: Vec<f64> = (0..now.stored.len())
             .map(|k| (now.stored[k] - good.stored[k]).abs() + (self.ledger.work[k] - good_work[k]).abs())
             .collect();
         let all_finite = recent.iter().all(|change| change.is_finite());

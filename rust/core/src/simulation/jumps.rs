@@ -109,10 +109,15 @@ impl Simulation {
         self.roll_back_adaptive(jump);
         self.regular_check()?;
         let (before, rate) = (self.energy_terms(), self.hub_rate());
+        let turning = self.mechanics.turning_energy(self.state.at(jump));
         let (mut work, shift) = (vec![0.0; self.laws().len()], self.ledger.start_shift - self.energy_shift(self.dt));
         self.find_interval();
         self.keep_velocities_in_space(self.hub_rate() - rate);
+        let impulse = self.mechanics.turning_impulse(jump, &self.state);
         self.mechanics.set_moved(jump, &mut self.state, &mut work);
+        // The motor does the work of that impulse alone.
+        let turned = self.mechanics.turning_energy(self.state.at(jump)) - turning - impulse;
+        self.ledger.start_turning.iter_mut().for_each(|start| *start += turned);
         self.ledger.work.iter_mut().zip(&work).for_each(|(all, own)| *all += own);
         self.mechanics.restart_paths(self.state.at(jump));
         let after = self.energy_terms();

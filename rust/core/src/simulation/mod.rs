@@ -7,6 +7,7 @@ mod diagnosis;
 mod implicit;
 mod jumps;
 mod monitor;
+mod motor;
 mod output;
 mod rate_groups;
 mod readings;
@@ -119,7 +120,7 @@ impl Simulation {
         finite("time at which the hub is frozen [s]", settings.frozen_at.unwrap_or_default())?;
         let spin = Spin { frozen_at: settings.frozen_at, ..spin };
         let instructions = settings.instructions;
-        let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len()));
+        let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len() + 1));
         let couplings = |visit: &mut dyn FnMut(&[u32])| {
             laws.iter().filter_map(|law| law.linearisation()).for_each(|law| law.visit_couplings(visit));
         };
@@ -137,7 +138,8 @@ impl Simulation {
         mechanics.start_moved(state.at(0.0));
         mechanics.set_moved(0.0, &mut state, &mut vec![0.0; count]);
         let energy_terms = mechanics.energy_terms(0.0, &state);
-        let ledger = Ledger::open(mechanics.scope(), energy_terms.clone());
+        let turning = mechanics.turning_energy(state.at(0.0));
+        let ledger = Ledger::open(mechanics.scope(), energy_terms.clone(), turning);
         let good = GoodState {
             time: 0.0,
             origin: 0.0,
@@ -234,7 +236,7 @@ impl Simulation {
     }
 
     fn options(&self) -> Options {
-        options_of(&self.settings, self.mechanics.masses.len(), self.mechanics.laws.len())
+        options_of(&self.settings, self.mechanics.masses.len(), self.ledger.work.len())
     }
 
     fn name(&self) -> &'static str {
@@ -382,7 +384,7 @@ impl Simulation {
 }
 
 /// The options of the method.
-fn options_of(settings: &Settings, nodes: usize, laws: usize) -> Options {
+fn options_of(settings: &Settings, nodes: usize, works: usize) -> Options {
     let Settings { instructions, spectral_radius, substeps, .. } = *settings;
-    Options { nodes, laws, instructions, spectral_radius, substeps }
+    Options { nodes, works, instructions, spectral_radius, substeps }
 }

@@ -85,7 +85,8 @@ impl Simulation {
 
     /// Opens the ledger anew, with the present motion as its start and as the last good state.
     pub(super) fn open_ledger(&mut self) {
-        self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms());
+        let turning = self.mechanics.turning_energy(self.state.at(self.time()));
+        self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms(), turning);
         self.record_good(self.ledger.start.clone());
     }
 }

@@ -123,7 +123,7 @@ pub const SEMI_IMPLICIT_EULER: Method = Method {
     name: "semi_implicit_euler",
     make: |options: &Options| {
         let accelerations = NodeVectors::zeros(options.nodes);
-        Box::new(SemiImplicitEuler { accelerations, powers: vec![0.0; options.laws] })
+        Box::new(SemiImplicitEuler { accelerations, powers: vec![0.0; options.works] })
     },
 };
 
