@@ -6,12 +6,13 @@ Its folder is kept. Balances, crossings, curves and contact sheets of the page a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from deployment_reel import pull_at_tips, whole
-from kept import slug
+from kept import kept, slug
 from marked import copy_small
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -22,12 +23,14 @@ from membrane_rs.errors import MissingFileError
 from membrane_rs.plotting.figure import save_figure
 from membrane_rs.plotting.sheets import stage_prefix
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
-from membrane_rs.results import read_crossings, read_history, read_summary
+from membrane_rs.results import CrossingCounts, read_crossings, read_history, read_summary
 from membrane_rs.simulation.motion import Motion
 
 TIPS = "tips.npz"
-SHEET, COLOURS = 900, 64
-"""Width [px] of a contact sheet, and its colours."""
+SHEET, COLOURS = 0.75, 64
+"""Width of a contact sheet over its own, and the colours of curves."""
+BEGIN = 0.05
+"""Up to where the first crossing is looked for at each sample [s]."""
 MEAN = 21
 """Samples over which the torque on the hub is averaged."""
 
@@ -74,21 +77,33 @@ def stages_of(folder: Path) -> Sequence[Mapping[str, Any]]:
     return found
 
 
+def first_crossing(model: str) -> dict[str, Floats]:
+    """Time at which the first triangles cross [s], to a sample of 1 ms; NaN after the first frames."""
+    counts = CrossingCounts(samples=True)
+    Simulation(whole(model)).run(until=BEGIN, frames=2, samples=51, observers=[counts])
+    found = counts.table()
+    begun = found["time"][found["crossing"] > 0]
+    return {"time": begun[:1] if len(begun) else np.array([np.nan])}
+
+
 def crossings_table(folders: Mapping[str, Path]) -> str:
     """Pairs of triangles that cross in each stage, by model."""
-    body = []
+    body, begins = [], []
     for model, folder in folders.items():
         counts = read_crossings(folder)
+        begin = float(kept(folder / "first_crossing.npz", partial(first_crossing, model))["time"][0])
         for stage in stages_of(folder):
             inside = (counts["time"] >= stage["start"] - 1e-9) & (counts["time"] <= stage["end"] + 1e-9)
             time, own = counts["time"][inside], counts["crossing"][inside]
-            begun = time[own > 0]
+            after = time - stage["start"]
+            none = after[own == 0]
             body.append((
-                model, stage["name"], f"{own[0]:,.0f}", f"{begun[0] - stage['start']:.2f}" if len(begun) else "-",
-                f"{own.max():,.0f}", f"{time[own.argmax()] - stage['start']:.2f}", f"{own[-1]:,.0f}",
+                model, stage["name"], f"{own[0]:,.0f}", f"{own.max():,.0f}", f"{after[own.argmax()]:.2f}",
+                f"{own[-1]:,.0f}", f"{none[0]:.2f}" if len(none) and own[0] else "-",
             ))  # fmt: skip
-    heads = ("sail", "stage", "at its start", "first seen at [s]", "most", "at [s]", "at its end")
-    return table(heads, body, words=(0, 1))
+        begins.append(f"{model} after {1e3 * begin:.0f} ms")
+    heads = ("sail", "stage", "at its start", "most", "after [s]", "at its end", "none after [s]")
+    return f"{table(heads, body, words=(0, 1))}\nThe first are seen in {' and in '.join(begins)}."
 
 
 def draw_crossings(folders: Mapping[str, Path], picture: Path) -> None:
@@ -100,7 +115,7 @@ def draw_crossings(folders: Mapping[str, Path], picture: Path) -> None:
         counts = read_crossings(folder)
         axes.plot(counts["time"], counts["crossing"], color=f"C{k}", linewidth=1.2, label=model)
     axes.set_yscale("symlog", linthresh=10.0)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 2e7)
     axes.set_ylabel("Pairs of triangles that cross")
     axes.yaxis.set_major_formatter("{x:,.0f}")
     _finish(figure, [axes], next(iter(folders.values())))
@@ -126,6 +141,7 @@ def draw_curves(folders: Mapping[str, Path], picture: Path) -> None:
     )  # fmt: skip
     for axes, label in zip(panels, labels, strict=True):
         axes.set_ylabel(label)
+    panels[0].set_ylim(0.0, 1.7)
     _finish(figure, panels, next(iter(folders.values())))
     save_figure(figure, picture)
 
@@ -135,7 +151,7 @@ def copy_sheets(folder: Path, model: str) -> None:
     for index, stage in enumerate(stages_of(folder)):
         prefix = stage_prefix(index, stage["name"])
         name = f"deployment-{slug(model)}-{prefix}sheet.png"
-        copy_small(folder / "snapshots" / f"{prefix}turning.png", name, SHEET, COLOURS)
+        copy_small(folder / "snapshots" / f"{prefix}turning.png", name, share=SHEET)
     copy_small(folder / "energy.png", f"deployment-{slug(model)}-energy.png", colours=COLOURS)
 
 
@@ -153,5 +169,5 @@ def _finish(figure: Figure, panels: Sequence[Any], folder: Path) -> None:
         axes.grid(color="0.9")
         axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
-    panels[0].legend(frameon=False, loc="lower right")
+    panels[0].legend(frameon=False, loc="lower center")
     panels[-1].set_xlabel("Time [s]")

@@ -21,10 +21,11 @@ WIDTH = 1500
 """Pictures in docs/ are at most this wide [px]."""
 
 
-def copy_small(source: Path, name: str, width: int = WIDTH, colours: int = 128) -> None:
-    """A picture into docs/, not wider than `width` and in few colours, so that the repository stays small."""
+def copy_small(source: Path, name: str, *, share: float = 1.0, colours: int = 128) -> None:
+    """A picture into docs/, at most `WIDTH` wide and in few colours, so that the repository stays small."""
     with Image.open(source) as picture:
-        size = (min(width, picture.width), round(picture.height * min(1.0, width / picture.width)))
+        share = min(share, WIDTH / picture.width)
+        size = (round(picture.width * share), round(picture.height * share))
         small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     small.quantize(colours, dither=Image.Dither.NONE).save(DOCS / name, optimize=True)
 

@@ -33,4 +33,5 @@ def mark_stages(panels: Sequence[Axes], starts: Sequence[tuple[int, float]], nam
         panels[0].annotate(
             text, (time, 1.0), (3, -3), xycoords=panels[0].get_xaxis_transform(), textcoords="offset points",
             fontsize=7, color="0.4", rotation=90, va="top",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8},
         )  # fmt: skip

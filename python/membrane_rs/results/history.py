@@ -122,7 +122,7 @@ class History(Writer):
             *(f"work_{name}" for name in self._works),
             *self._readings,
             *self._of_stages,
-            *((MOTOR,) if sim.scene.law("spin") is not None else ()),
+            *((MOTOR,) if any(law.turns_hub for law in sim.scene.laws) else ()),
         ]
         self.rows = []
 
