@@ -14,6 +14,7 @@ from membrane_rs import (
     Fixed,
     Gravity,
     MassDamping,
+    Moved,
     Pressure,
     RunSettings,
     Scene,
@@ -305,3 +306,37 @@ def test_film_of_the_paper_is_held_up_by_the_motor_against_air() -> None:
     (x, y, _), (f, g, _) = sim.positions.T, sim.forces("air_drag").T
     sim.reach(0.5)
     assert sim.ledger()["motor_work"] == pytest.approx(-0.5 * 2.0 * math.pi * 3.0 * np.sum(x * g - y * f), abs=1e-15)
+
+
+JUMP = Schedule((0.05, 0.05), (2.0, 3.0))
+"""Of the rate of the hub [s, Hz]."""
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_jump_of_the_rate_is_no_work_as_at_a_boundary_of_stages(method: str) -> None:
+    """The same within a stage as between two, and after a saved state."""
+    stages = (Stage("slow", 0.05, set={"laws.spin.frequency": 2.0}), Stage("fast", 0.05))
+    staged = Simulation(whirled(Spin(3.0), MassDamping(1.0), stages=stages), method, dt=1e-4)
+    sim = Simulation(whirled(Spin(schedule=JUMP), MassDamping(1.0)), method, dt=1e-4)
+    staged.reach(0.1)
+    for time in (0.04, 0.0712):
+        sim.reach(time)
+        again = Simulation(sim.scene, method, dt=1e-4)
+        again.set_state(sim.state())
+        again.reach(0.1)
+    sim.reach(0.1)
+    assert sim.ledger()["motor_work"] == pytest.approx(staged.ledger()["motor_work"], rel=1e-9)
+    assert again.ledger()["motor_work"] == sim.ledger()["motor_work"] != 0.0
+
+
+@pytest.mark.parametrize("displaced", [0.0, 0.01])
+def test_impulse_on_moved_nodes_is_work_of_the_motor_too(displaced: float) -> None:
+    """Omega times the change of their angular momentum, not what a displacement changes."""
+    cord = Tether((0.1, 0.0, 0.0), (0.3, 0.0, 0.0), 1, 17.0, 0.0, tip_mass=0.05, strain_limit=10.0)
+    turn = Schedule((0.0, 0.05, 0.05, 0.1), (0.0, 0.0, 0.0, 0.5))
+    out = Schedule((0.05, 0.05), (0.0, displaced))
+    scene = Scene(None, None, [Spin(3.0)], [cord, Moved((1,), x=out, turn=turn)])
+    sim = Simulation(scene, "rk4", dt=1e-4)
+    sim.reach(0.05)
+    omega, speed = 2.0 * math.pi * 3.0, 0.3 * 0.5 / 0.05
+    assert sim.ledger()["motor_work"] == pytest.approx(omega * 0.05 * (0.3 + displaced) * speed, rel=1e-9)
