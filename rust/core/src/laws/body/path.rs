@@ -16,7 +16,7 @@ use crate::laws::{Excess, Instant};
 use crate::model::mesh::{dot, sub};
 
 /// The bound of the depth, and of that between ends that lie outside, as shares of the size.
-const DEPTH_BOUND: f64 = 0.5;
+pub(super) const DEPTH_BOUND: f64 = 0.5;
 const UNFELT_BOUND: f64 = 0.05;
 /// The most pieces in which a path is followed.
 const MOST_PIECES: usize = 10_000;

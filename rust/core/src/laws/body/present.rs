@@ -6,9 +6,12 @@
 //! exact stiffness of an element in contact, B + c is a bound of K where
 //!
 //!     c = max(0, largest eigenvalue of K - B)   [N/m]
+//!
+//! Beyond the bound of the depth, which stops a run, nothing is added: on the axis there is no direction.
 
 use nalgebra::DMatrix;
 
+use super::path::DEPTH_BOUND;
 use super::{BodyContact, Visitor, corners};
 use crate::bodies::real::scaled;
 use crate::bodies::rigid_body::Pose;
@@ -37,6 +40,9 @@ impl Present<'_, '_> {
             let bound = if row / 3 == column / 3 { bounds[column % 3][row % 3] } else { 0.0 };
             -forces[row / 3][row % 3].slope[column] - bound
         });
+        if !beyond.iter().all(|entry| entry.is_finite()) {
+            return 0.0;
+        }
         let largest = beyond.symmetric_eigenvalues().max();
         if largest > ROUNDING * stiffness { largest } else { 0.0 }
     }
@@ -44,8 +50,10 @@ impl Present<'_, '_> {
 
 impl Visitor for Present<'_, '_> {
     fn visit<const K: usize>(&mut self, nodes: [u32; K], x: &[[f64; 3]; K], copy: usize) {
-        let pose = &self.poses[copy];
-        if K == 1 || self.law.contacts.shape.depth(pose, x) <= 0.0 {
+        let (pose, shape) = (&self.poses[copy], &self.law.contacts.shape);
+        let bound = shape.size().map_or(f64::INFINITY, |size| DEPTH_BOUND * size);
+        let depth = shape.depth(pose, x);
+        if K == 1 || depth <= 0.0 || depth > bound {
             return;
         }
         let excess = if K == 2 { self.excess::<K, 6>(pose, x) } else { self.excess::<K, 9>(pose, x) };
