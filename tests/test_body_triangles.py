@@ -119,7 +119,7 @@ def test_film_that_an_axis_pierces_is_refused_and_stops_a_run(half_length: float
 
 
 @pytest.mark.parametrize("felt_by", ["nodes", "edges", "triangles"])
-def test_an_axis_through_a_node_is_told_as_such(felt_by: Any) -> None:
+def test_an_axis_through_a_node_is_an_error_at_the_start(felt_by: Any) -> None:
     for half_length in (None, 0.01):
         rod = Cylinder("rod", 1e-3, centre=(0.02, 0.0, 0.0), half_length=half_length, felt_by=felt_by, damping=0.1)
         scene = Scene(Mesh(CORNERS, [[0, 1, 2]]), SOFT, [Springs()], [], bodies=[rod])

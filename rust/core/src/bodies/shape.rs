@@ -14,10 +14,10 @@
 //!
 //!     m = q^2 (3 - 2 q),   q = min(1, e'^2/(0.01 e^2))
 //!
-//! A triangle that an axis does not pierce is nearest to it on an edge, or inside, beside an end of the axis. The nearest
-//! point of all would jump between edges that are equally deep, where the triangle is parallel to the axis. So edges are
-//! elements of their own, and the contacts of a triangle are those of its nearest points to both ends. A triangle that
-//! an axis pierces has the depth r and no direction.
+//! A triangle that an axis does not pierce is nearest to it on an edge, or inside, beside an end of the axis. The
+//! nearest point of all would jump between edges that are equally deep, where the triangle is parallel to the axis. So
+//! edges are elements of their own, and the contacts of a triangle are those of its nearest points to both ends. A
+//! triangle that an axis pierces has the depth r and no direction.
 //!
 //! A plane is the half-space below its normal, d = -n.(x - c) at each node, which is exact for edges and triangles too.
 

@@ -16,8 +16,8 @@
 //! the depth to which a step dips in that starts and ends outside, a twentieth of it: see `path`.
 //!
 //! Stiffness for the limit of the step: every element in contact with one copy at a time. For an edge k (w w^T) with
-//! w1 + w2 = 1 is at most k on each of its nodes; a triangle may touch both ends of a cylinder. That the place of contact
-//! moves with the nodes adds to this, for what is in contact: see `present`.
+//! w1 + w2 = 1 is at most k on each of its nodes; a triangle may touch both ends of a cylinder. That the place of
+//! contact moves with the nodes adds to this, for what is in contact: see `present`.
 
 mod contacts;
 mod parameters;

@@ -7,8 +7,8 @@
 //!               c = 2 zeta sqrt(k m_r),   omega = sqrt(k/m_r),   1/m_r = sum of w_i^2/m_i
 //!     friction  F_t = -mu N u_t / sqrt(u_t^2 + e^2),   N = m k d + |F_n|,   u_t = u - n (n.u)
 //!
-//! At first touch F_n grows with the depth, as Hunt and Crossley (1975) ask; once the depth has passed s/omega, that of an
-//! impact without damping, it is nearly c s. It never exceeds 2 zeta k d.
+//! At first touch F_n grows with the depth, as Hunt and Crossley (1975) ask; once the depth has passed s/omega, that of
+//! an impact without damping, it is nearly c s. It never exceeds 2 zeta k d.
 //!
 //! N is never negative: with the penalty, the contact never pulls. Coulomb's friction is regularised: below the speed e
 //! it is viscous, so that what is held creeps. It keeps no data from step to step.
