@@ -13,6 +13,7 @@ import pytest
 from example_of import example_of
 from membrane_rs import Cylinder, InputError, Plane, Scene, SceneError, Schedule, Simulation, Stage
 from membrane_rs.check import audit
+from membrane_rs.results.history import FIRST_COLUMNS, OF_STAGES, RENAMED
 from membrane_rs.scene.bodies import BODIES
 from small_scenes import cord
 
@@ -93,6 +94,16 @@ def test_bad_values(values: dict[str, Any], words: str) -> None:
         example_of(Cylinder, **({"name": "bar", "radius": 0.01} | values))
 
 
+def test_no_body_takes_another_column_of_the_history() -> None:
+    columns = [*FIRST_COLUMNS, *OF_STAGES, *RENAMED]
+    for column in columns:
+        for begin in ("energy_", "work_"):
+            if column.startswith(begin):
+                with pytest.raises(SceneError, match="a term of the energy too; rename it"):
+                    scene_of(Plane(column.removeprefix(begin)))
+    assert "energy_error" in columns
+
+
 @pytest.mark.parametrize(
     ("bodies", "words"),
     [
@@ -100,6 +111,7 @@ def test_bad_values(values: dict[str, Any], words: str) -> None:
         ([Plane("springs")], "springs is the name of a law too"),
         ([Plane("tethers")], "a law"),
         ([Plane("kinetic")], "kinetic"),
+        ([Plane("moved")], "moved is the name of a law too; rename it"),
         ([Plane("a", friction=0.1), Plane("a_friction")], "a_friction is the name of"),
     ],
 )

@@ -125,3 +125,18 @@ def test_wrong_numbers_are_refused(key: str, count: float) -> None:
 def test_too_many_in_all_are_refused() -> None:
     with pytest.raises(SceneError, match=r"stages: 12000000 frames in all; must be at most 10000000"):
         oscillator(Stage("one", 1.0, frames=6_000_000), Stage("two", 1.0, frames=6_000_000))
+
+
+@pytest.mark.parametrize("until", [2.22, 2.2200000000000006])
+def test_a_run_ends_at_the_end_as_it_is_printed(until: float) -> None:
+    scene = oscillator(Stage("one", 0.6), Stage("two", 1.02), Stage("three", 0.6))
+    assert scene.run.until < until  # by rounding
+    runs = [started(scene, "rk4", 1e-2) for _ in range(4)]
+    runs[0].run()
+    runs[1].run(until=until)
+    runs[2].reach(until)
+    while not runs[3].reach_within(until, 1.0):
+        pass
+    assert all(sim.is_over and sim.time == scene.run.until for sim in runs)
+    with pytest.raises(InputError, match="the last stage ends at 2.22 s"):
+        started(scene, "rk4", 1e-2).run(until=2.221)

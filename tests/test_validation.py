@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from membrane_rs import Creases, Gravity, RunSettings, Spin, SpringDamping, Tether
+from membrane_rs import Creases, Fixed, Gravity, Moved, RunSettings, Spin, SpringDamping, Tether
 from membrane_rs._other_names import OTHER_NAMES
 from membrane_rs._validation import (
     Count,
@@ -245,3 +245,9 @@ def test_every_name_of_a_hint_exists() -> None:
     known = {item.name for kind in classes for item in dataclasses.fields(kind)} | LAWS.keys() | PARTS.keys()
     known |= {"reference", "triangles", "positions", "velocities", "creases", "fold_angles"}
     assert {name for names in OTHER_NAMES.values() for name, _ in names} <= known
+
+
+@pytest.mark.parametrize("kind", [Fixed, Moved])
+def test_a_field_given_by_position_is_named(kind: type[Fixed | Moved]) -> None:
+    with pytest.raises(InputError, match=rf"^{kind.__name__}\.nodes = \(\): must hold at least one node"):
+        kind(())

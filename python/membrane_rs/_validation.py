@@ -340,10 +340,10 @@ def _as_input_error(error: ValidationError, cls: type, prefix: str) -> InputErro
 
 def _owner(place: tuple[int | str, ...], cls: type, prefix: str) -> tuple[type, str, tuple[int | str, ...]]:
     """The class that a faulty field belongs to, which may be that of a field of `cls`; its name; the place in it."""
-    known = list(getattr(cls, "__pydantic_fields__", {}))
+    by_position = getattr(cls, "__match_args__", ())
     if not place:
         return cls, prefix, place
-    name = known[place[0]] if isinstance(place[0], int) and place[0] < len(known) else str(place[0])
+    name = by_position[place[0]] if isinstance(place[0], int) and place[0] < len(by_position) else str(place[0])
     inner = checked_class(cls, name)
     if inner is None or len(place) == 1:
         return cls, prefix, (name, *place[1:])

@@ -153,7 +153,7 @@ class WoundPath:
             raise MeshError(
                 f"SquareSail: the layers of a wound arm take {stack:.3g} m, and cells of {self.cell:.4g} m along the "
                 f"inner edge and {self.row_height:.4g} m beyond it leave {gap:.3g} m for them; take more rows, fewer "
-                "columns or a smaller layer_gap"
+                "columns, or a smaller layer_gap or diagonal_gap"
             )
 
     @property

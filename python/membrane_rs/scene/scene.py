@@ -267,13 +267,20 @@ class Scene:
             return builder.assembly()
 
 
+OF_PARTS = ("tethers", "bridges", *(part.working_law for part in PARTS.values() if part.working_law is not None))
+"""Laws of the core that come with parts."""
+OF_ENERGY = ("kinetic", "error", "of_changes", "turned_over")
+"""Terms of the energy, and what else history.csv has in a column energy_<name>, by old names too."""
+
+
 def _check_names(bodies: Sequence[Body]) -> None:
     """Each body has a name of its own among laws, bodies and their frictions, and the terms of the energy."""
-    taken = dict.fromkeys((*LAWS, "tethers", "bridges", "kinetic"), "a law")
+    taken = dict.fromkeys((*LAWS, *OF_PARTS), "a law") | dict.fromkeys(OF_ENERGY, "a term of the energy")
     for k, body in enumerate(bodies):
         for name in filter(None, (body.name, body.friction_name)):
             if name in taken:
-                raise SceneError(f"bodies[{k}].name = {show(body.name)}: {name} is the name of {taken[name]} too")
+                what = f"{name} is the name of {taken[name]} too; rename it"
+                raise SceneError(f"bodies[{k}].name = {show(body.name)}: {what}")
             taken[name] = f"bodies[{k}]"
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import deepcopy
+from inspect import currentframe
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,26 @@ def stowed_turn(sim: Motion) -> float:
     return corner_turn(sim.scene.mesh) if is_stowed else 0.0
 
 
+def _evaluated(measure: Callable[[Motion], object], sim: Motion) -> object:
+    return measure(sim)
+
+
+def _evaluations() -> Iterator[tuple[object, object]]:
+    """The measures that callers of this function evaluate, and their simulations. The stack tells them: unlike a flag,
+    it is right after an interrupt.
+    """
+    frame = currentframe()
+    while frame is not None:
+        if frame.f_code is _evaluated.__code__:
+            yield frame.f_locals["measure"], frame.f_locals["sim"]
+        frame = frame.f_back
+
+
+def is_measured(sim: Motion) -> bool:
+    """Whether a measure of this simulation is being evaluated, by which this is called."""
+    return any(measured is sim for _, measured in _evaluations())
+
+
 class Follower:
     """Evaluates the measure of a stage. An angle is followed from the turn nearest to the flat shape at the start of
     the stage, of a wound sail from that of the roll, by less than half a turn from one call of `at_check` to the next.
@@ -52,8 +73,6 @@ class Follower:
     def __init__(self, stage: Stage, where: str, sim: Motion) -> None:
         self._stage, self._where = stage, f"{where}.measure = {stage.measure_name!r}"
         self._corners = Corners(sim.assembly, stowed_turn(sim)) if stage.measure == PHASE else None
-        self.is_measuring = False
-        """Whether the measure is being evaluated."""
 
     def value(self, sim: Motion) -> float:
         """The measure now.
@@ -83,14 +102,14 @@ class Follower:
 
     def _value(self, sim: Motion, corners: Corners | None) -> float:
         measure: Any = self._stage.measure
-        before, self.is_measuring = (sim._core.step_count, sim._core.time), True
-        try:
-            if corners is not None:
-                value: object = corners.phase_difference(sim.positions)
-            else:
-                value = (OF_MOTION[measure] if isinstance(measure, str) else measure)(sim)
-        finally:
-            self.is_measuring = False
+        before = sim._core.step_count, sim._core.time
+        if corners is not None:
+            value: object = corners.phase_difference(sim.positions)
+        elif any(running is measure for running, _ in _evaluations()):
+            what = "has copied the simulation, or made one that evaluates it as well; a measure only reads"
+            raise InputError(f"{self._where}: {what}")
+        else:
+            value = _evaluated(OF_MOTION[measure] if isinstance(measure, str) else measure, sim)
         if before != (sim._core.step_count, sim._core.time):
             raise InputError(f"{self._where}: has stepped the simulation; a measure only reads")
         return number_of(f"{self._where} at t = {sim.time:.6g} s", value, "it ends a stage")
@@ -99,5 +118,4 @@ class Follower:
         """A copy that follows on by itself."""
         made = Follower.__new__(Follower)
         made._stage, made._where, made._corners = self._stage, self._where, deepcopy(self._corners, memo)
-        made.is_measuring = False
         return made

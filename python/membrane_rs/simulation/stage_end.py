@@ -64,9 +64,9 @@ class StageEnd:
         self._keep()
 
     @property
-    def is_measuring(self) -> bool:
-        """Whether the measure is being evaluated."""
-        return self.follower.is_measuring
+    def ahead(self) -> float:
+        """Time of the first evaluation after the last one that was looked ahead to [s]."""
+        return self._ahead
 
     def open(self) -> None:
         """Evaluate the measure at the start of the stage."""
@@ -90,19 +90,18 @@ class StageEnd:
                 self.follower, self.is_armed = self.follower.at_check(self._sim), self._next_armed
                 self._keep()
             core.resume(self.state)
-            ahead = self._next_time()
             try:
+                ahead = self._next_time()
                 core.reach(ahead)
                 is_past = self._is_past()
-                if self.is_armed and is_past:
-                    self.event = self._found(ahead)
+                event = self._found(ahead) if self.is_armed and is_past else None
+                if ahead > goal or event is not None:
+                    core.resume(self.state)
+                self._next_armed, self._ahead, self.event = self.is_armed or not is_past, ahead, event
             except BaseException:
                 core.resume(self.state)
                 raise
-            self._next_armed, self._ahead = self.is_armed or not is_past, ahead
-            if ahead > goal or self.event is not None:
-                core.resume(self.state)
-            elif ahead < goal and seconds is not None and monotonic() - began > seconds:
+            if event is None and ahead < goal and seconds is not None and monotonic() - began > seconds:
                 return False
         return True
 
@@ -139,9 +138,10 @@ class StageEnd:
 
 def next_adaptive(core: _core.Simulation, end: float) -> float:
     """Take the next step of a method that chooses its steps; the time at its end [s], or `end` where that is before."""
-    core.reach(min(end, math.nextafter(_step_end(core), math.inf)))
-    return min(end, _step_end(core))
+    core.reach(min(end, math.nextafter(step_end(core), math.inf)))
+    return min(end, step_end(core))
 
 
-def _step_end(core: _core.Simulation) -> float:
+def step_end(core: _core.Simulation) -> float:
+    """Time at the end of the last step of a method that chooses its steps [s]."""
     return float(core.progress()["adaptive_numbers"][0])

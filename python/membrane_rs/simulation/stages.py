@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -12,9 +12,10 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene import Scene
-from membrane_rs.simulation.measures import Follower
+from membrane_rs.simulation.measures import Follower, is_measured
 from membrane_rs.simulation.motion import Motion
-from membrane_rs.simulation.stage_end import StageEnd, next_adaptive
+from membrane_rs.simulation.output_times import is_same_time
+from membrane_rs.simulation.stage_end import StageEnd, next_adaptive, step_end
 from membrane_rs.simulation.timeline import BY_DURATION, BY_MEASURE, ENTRIES, StageRecord, Timeline
 
 
@@ -86,9 +87,9 @@ class StagedMotion(Motion):
     def _check_stages_last(self, end: float) -> None:
         """Refuse a time [s] after the end of the last stage. Raises InputError."""
         line = self._timeline
-        if line is not None and end > line.latest_end:
+        if line is not None and end > line.latest_end and not is_same_time(end, line.latest_end):
             raise InputError(
-                f"until = {end} s: the last stage ends at {line.latest_end:.6g} s; give an earlier time, or make a "
+                f"until = {end} s: the last stage ends at {line.latest_end:.15g} s; give an earlier time, or make a "
                 "stage longer"
             )
 
@@ -197,7 +198,7 @@ class StagedMotion(Motion):
         if line is None:
             return core.reach(time, seconds)
         stage_end = self._stage_end
-        if stage_end is not None and stage_end.is_measuring:
+        if is_measured(self):
             raise InputError("a measure has stepped the simulation; a measure only reads")
         if line.ended_by is not None:
             raise self._over()
@@ -213,9 +214,9 @@ class StagedMotion(Motion):
             self._open_check()
             raise
         if stage_end is not None and goal == stage_end.event:
-            self._end_stage(BY_MEASURE)
+            self._wholly(lambda: self._end_stage(BY_MEASURE))
         elif goal == line.end:
-            self._end_stage(BY_DURATION)
+            self._wholly(lambda: self._end_stage(BY_DURATION))
         return True
 
     def _step(self, count: int) -> None:
@@ -226,14 +227,17 @@ class StagedMotion(Motion):
             if line.ended_by is not None:
                 raise self._over()
             before = core.step_count
-            if core.is_adaptive:
-                self._reach(next_adaptive(core, line.end))
-            else:
-                self._reach(core.time_of_step(before + count))
-            if line.index == index:
-                count -= core.step_count - before
-            else:
-                count -= line.past[-1].steps - before
+            self._reach(self._next_step_end() if core.is_adaptive else core.time_of_step(before + count))
+            line = self._present()
+            count -= (core.step_count if line.index == index else line.past[-1].steps) - before
+
+    def _next_step_end(self) -> float:
+        """Time at the end of the next step of a method that chooses its steps, or of the stage before it [s]."""
+        core, end, check = self._core, self.stage_end, self._stage_end
+        if check is None:
+            return next_adaptive(core, end)
+        check.look_ahead(min(end, math.nextafter(step_end(core), math.inf)), None)
+        return check.ahead
 
     def _over(self) -> InputError:
         return InputError(
@@ -241,15 +245,23 @@ class StagedMotion(Motion):
             "continue under another scene: Simulation(other, start=this)"
         )
 
+    def _wholly(self, change: Callable[[], None]) -> None:
+        """Make a change, or none of it where it fails or is interrupted: then a run goes on as if nothing had been."""
+        before = dict(self.__dict__)
+        try:
+            change()
+        except BaseException:
+            object.__setattr__(self, "__dict__", before)
+            raise
+
     def _end_stage(self, ended_by: str) -> None:
-        """End the present stage, and begin the next one."""
+        """End the present stage, and begin the next one. All that it changes is made anew: see `_wholly`."""
         line, core = self._present(), self._core
         if line.is_last:
-            line.ended_by, self._stage_end = ended_by, None
+            self._timeline, self._stage_end = replace(line, ended_by=ended_by), None
             return
         before = self.energies()
-        line.ended_by = ended_by
-        record, line.ended_by = self._record(), None
+        record = replace(self._record(), ended_by=ended_by)
         time, angle, rate, positions = core.time, core.hub_angle, core.hub_rate, core.positions()
         velocities = core.velocities()
         starts = [*line.starts, core.time]
@@ -260,11 +272,10 @@ class StagedMotion(Motion):
         if (jump := self._core.hub_rate - rate) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
             velocities[:, :2] += jump * positions[:, 1::-1] * (1.0, -1.0)
             self._core.start_from(time, angle, positions, velocities)
-        line.past.append(record)
-        line.starts = starts
         after = self.energies()
         changes = {name: after.get(name, 0.0) - before.get(name, 0.0) for name in before | after}
-        line.changes = {name: joule for name, joule in changes.items() if joule != 0.0}
+        changes = {name: joule for name, joule in changes.items() if joule != 0.0}
+        self._timeline = replace(line, starts=starts, past=[*line.past, record], changes=changes)
         self._open_check()
         self._core.check(False)  # what a body has swallowed might come out on its other side by the next check
 
@@ -279,7 +290,7 @@ class StagedMotion(Motion):
             self._open_check()
 
     def _set_motion(self, positions: Floats, velocities: Floats) -> None:
-        if self._stage_end is not None and self._stage_end.is_measuring:
+        if is_measured(self):
             raise InputError("a measure has set the motion; a measure only reads")
         super()._set_motion(positions, velocities)
         if self._timeline is not None:
@@ -320,14 +331,11 @@ class StagedMotion(Motion):
         if self._timeline is None or not isinstance(state, dict):
             super().set_state(state)
             return
+        if is_measured(self):
+            raise InputError("a measure has set the motion; a measure only reads")
         own = {name: value for name, value in state.items() if name in ENTRIES}
-        before = dict(self.__dict__)
-        try:
-            self._set_state(own, {name: value for name, value in state.items() if name not in own})
-        except BaseException:
-            self.__dict__.clear()
-            self.__dict__.update(before)
-            raise
+        plain = {name: value for name, value in state.items() if name not in own}
+        self._wholly(lambda: self._set_state(own, plain))
 
     def _set_state(self, own: dict[str, Any], plain: dict[str, Any]) -> None:
         index = own.get("stage_index")
@@ -362,9 +370,8 @@ class StagedMotion(Motion):
         follower.resume(self, own.get("stage_turned"))
         self._stage_end = StageEnd(self, line.stage, line.end, follower, is_armed=bool(is_armed))
         if now > self.time:
-            index = line.index
             self._reach(now)
-            if line.index != index or line.ended_by is not None:
+            if self.time != now:
                 raise InputError("saved state: its stage has ended before stage_now; it is damaged")
 
 

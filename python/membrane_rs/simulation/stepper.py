@@ -196,12 +196,16 @@ class Stepper(StagedMotion):
         """
         target = number_of("time", time)
         self._check_end(target, "time")
-        while self._advance(target, ()) and self.time < target:
+        while self._advance(target, ()) and not self._is_at(target):
             pass
 
     def reach_within(self, time: float, seconds: float) -> bool:
         """As `reach`, for about `seconds` of wall time; whether the time was reached."""
-        return seconds > 0.0 and self._reach(time, seconds) and self.time >= time
+        return seconds > 0.0 and self._reach(time, seconds) and self._is_at(time)
+
+    def _is_at(self, time: float) -> bool:
+        """Whether a time [s] is reached: at the end of the last stage, also one that is the same."""
+        return self.time >= time or (self.is_over and is_same_time(time, self.time))
 
     def _advance(self, time: float, watchers: Sequence[Callable[[Self], None]]) -> bool:
         """Step to a time [s], or to the end of the present stage before it; whether a stage has ended."""
