@@ -138,5 +138,5 @@ def test_a_run_ends_at_the_end_as_it_is_printed(until: float) -> None:
     while not runs[3].reach_within(until, 1.0):
         pass
     assert all(sim.is_over and sim.time == scene.run.until for sim in runs)
-    with pytest.raises(InputError, match="the last stage ends at 2.22 s"):
+    with pytest.raises(InputError, match=r"the last stage ends at 2\.22 s"):
         started(scene, "rk4", 1e-2).run(until=2.221)
