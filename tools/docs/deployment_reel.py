@@ -21,6 +21,8 @@ REEL = 1
 """Index of the stage in which the sail is reeled out."""
 IN_ORDER = 5e-3
 """Difference of the reach of four arms above which they are out of order [m]."""
+STICKING = 2.5e-6
+"""Step of a sail that friction holds [s]; m e/(mu N) of almost all that touches is longer."""
 FILM = ("springs", "creases")
 """The laws by which the film pulls at a tip."""
 
@@ -49,8 +51,12 @@ def not_softened(scene: Scene) -> Scene:
 
 
 def held_by_friction(scene: Scene, friction: float) -> Scene:
-    """The scene without its hold: the film is held by Coulomb's friction on the spool and on the bars."""
+    """The scene without its hold: the film is held by Coulomb's friction on the spool and on the bars, in steps that
+    resolve what sticks.
+    """
     stages = [replace(stage, without=tuple(name for name in stage.without if name != "hold")) for stage in scene.stages]
+    for k, stage in enumerate(stages[:-1]):
+        stages[k] = replace(stage, set={**stage.set, "run.dt": STICKING, "run.substeps": 1})
     return replace(
         scene,
         parts=[part for part in scene.parts if part.name != "hold"],
