@@ -113,7 +113,7 @@ def test_a_measure_that_fails_at_the_start_of_its_stage_is_asked_again() -> None
 @pytest.mark.parametrize("reached", [(), (0.0133, 0.0315)], ids=["from the start", "between steps"])
 def test_steps_end_a_stage_where_a_run_does(integrator: str, count: int, reached: tuple[float, ...]) -> None:
     fast = free("fast", 0.5, measure="kinetic_energy", above=0.05, scale={"parts.spring.axial_stiffness": 0.7})
-    scene = oscillator(STAGES[0], fast, STAGES[1], Stage("end", 0.01))
+    scene = oscillator(STAGES[0], fast, STAGES[1], Stage("end", 0.5))
     whole, sim = of(scene, integrator), of(scene, integrator)
     whole.run(frames=2, samples=2)
     assert [stage.ended_by for stage in whole.stages] == ["duration", "measure", "measure", "duration"]
@@ -124,6 +124,19 @@ def test_steps_end_a_stage_where_a_run_does(integrator: str, count: int, reached
     sim.run(frames=2, samples=2)
     assert last(sim)[:3] == last(whole)[:3]
     assert [(stage.end, stage.ended_by) for stage in sim.stages] == [(s.end, s.ended_by) for s in whole.stages]
+
+
+def test_a_measure_that_is_not_the_same_again_is_named() -> None:
+    count = 0
+
+    def measure(sim: Simulation) -> float:
+        nonlocal count
+        count += 1
+        return float(count % 3 == 0)
+
+    scene = oscillator(Stage("one", 0.1, measure, above=0.5))
+    words = r"stages\[0\]\.measure = 'python:.*measure': is not the same again at t = .* a measure must follow from"
+    refused(lambda: of(scene, "rk4").run(frames=2, samples=2), InputError, words)
 
 
 def test_a_measure_only_reads() -> None:

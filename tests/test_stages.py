@@ -97,7 +97,7 @@ def test_a_field_that_is_wrong(values: dict[str, Any], kind: type[Exception], wo
         (Stage("a", 1, without=("spring_damping",)), r"stages\[1\].without: 'spring_damping': no law of that kind"),
         (Stage("a", 1, without=("mass_dampin",)), "did you mean 'mass_damping'?"),
         (Stage("a", 1, without=("tethers",)), "no law of that kind, and no part or body of that name"),
-        (Stage("a", 1, without=("spring",)), r"stages\[1\]: parts\[0\].nodes = \(0,\): node 0 is not there"),
+        (Stage("a", 1, without=("spring",)), r"stages\[1\]: parts\[1\].nodes = \(0,\): node 0 is not there"),
         (Stage("a", 1, scale={"laws.gravity.acceleration": 2}), "is .50.0, 0.0, 0.0., no number, so it is not scaled"),
         (Stage("a", 1, scale={"parts.spring.fixed": 2}), "is False, no number"),
         (Stage("a", 1, scale={"parts.spring.length": 2}), "is None, no number"),
@@ -107,10 +107,10 @@ def test_a_field_that_is_wrong(values: dict[str, Any], kind: type[Exception], wo
         (Stage("a", 1, set={"laws.mass_damping.rat": 1}), "laws.mass_damping.rat: no such key; did you mean 'rate'?"),
         (Stage("a", 1, scale={"laws.mass_damping.rat": 1}), "laws.mass_damping.rat: no such key; did you mean 'rate'?"),
         (Stage("a", 1, set={"laws.springs.buckling": 1}), "laws has no 'springs'; known are: gravity, mass_damping"),
-        (Stage("a", 1, set={"laws.rate": 1}), "'laws.rate': laws has no ''"),
+        (Stage("a", 1, set={"laws.rate": 1}), "is no key of a value; write one such as 'laws.gravity.key'"),
         (Stage("a", 1, set={"law.mass_damping.rate": 1}), "does not begin with .*did you mean 'laws'"),
         (Stage("a", 1, set={"": 1}), "does not begin with"),
-        (Stage("a", 1, set={"parts": 1}), "parts has no ''"),
+        (Stage("a", 1, set={"parts": 1}), "'parts': is no key of a value"),
         (Stage("a", 1, set={"parts.3.mass": 1}), "parts has no '3'"),
         (Stage("a", 1, set={"material.density": 1}), "does not begin with"),
         (Stage("a", 1, set={"parts.hold.name": "b"}), "a stage renames nothing; leave it out"),
@@ -271,7 +271,22 @@ def test_a_function_is_told_in_a_file_and_refused_when_it_is_read(tmp_path: Path
     assert sim.stages[0].ended_by == "measure"
     words = "measure = 'python:.*was a function, which no file holds"
     refused(lambda: Scene.from_toml(tmp_path / "run/scene.toml"), SceneError, words)
-    refused(lambda: Simulation.restore(tmp_path / "run/state.npz"), InputError, "was a function, which no file holds")
+    state = tmp_path / "run/state.npz"
+    refused(lambda: Simulation.restore(state), InputError, r"no file holds; build .*Simulation\(scene, start=FILE\)")
+
+
+@pytest.mark.parametrize("time", [0.0, 0.0117, 0.31, 0.7])
+def test_the_motion_of_a_run_with_a_function_is_a_start(time: float, tmp_path: Path) -> None:
+    stages = free("a", 0.5, measure=lambda sim: sim.positions[1, 0], below=1.5), free("b", 0.7)
+    sim = started(with_stages(*stages), dt=1e-3)
+    sim.reach(time)
+    sim.save(tmp_path / "state.npz")
+    rest = with_stages(free("rest", 0.2))
+    for start in (sim, tmp_path / "state.npz", str(tmp_path / "state.npz")):
+        other = Simulation(rest, start=start)
+        assert other.time == sim.time == time
+        assert other.positions.tobytes() == sim.positions.tobytes()
+        assert other.velocities.tobytes() == sim.velocities.tobytes()
 
 
 def test_the_audit_names_stages() -> None:

@@ -25,6 +25,7 @@ from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.spool import sail_round_spool, spool
+from membrane_rs.check.stages import stages_together
 from membrane_rs.check.step_accuracy import accuracy_of_step
 from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
 from membrane_rs.check.stowed_energy import stowed_energy
@@ -137,10 +138,11 @@ def _audit(scene: Scene, stepping_of: Callable[[Scene], Stepping], more: Sequenc
             found.setdefault(finding, []).append(stage.name)
     at_start = {finding for check in checks if check in OF_START for finding in _found(first, check)}
     count = len(scene.stages)
-    return Audit.of(
+    of_stages = (
         finding if len(names) == count or finding in at_start else _in_stages(finding, names)
         for finding, names in found.items()
     )
+    return Audit.of([*stages_together(scene), *of_stages])
 
 
 def _of_stage(checks: Sequence[Check], index: int) -> Sequence[Check]:

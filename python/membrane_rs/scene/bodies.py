@@ -33,6 +33,10 @@ CORE_KINDS = ("body", "body_friction")
 LONGEST_NAME = 40
 """Letters of the longest name of a body."""
 MOST_COPIES = 1000
+ROUGHEST = 10.0
+"""Coefficient of friction beyond which it is hardly meant."""
+MOST_DAMPED = 100.0
+"""Ratio of damping to critical damping beyond which it is hardly meant."""
 THINNEST = 1e-4
 """Radius of a cylinder over the reach of the flat scene."""
 STIFFEST = 1000.0
@@ -161,6 +165,13 @@ class Body:
             reason = f"that is more than {STIFFEST:g} times the stiffest spring, {most / STIFFEST:.3g} N/m"
             derived = (*FILM, "parts")
             yield from implausible(place, self.stiffness, "N/m", reason, most=most, units=units, derived_from=derived)
+        reason = f"more than {ROUGHEST:g} is hardly met: rubber on rubber has about 1"
+        yield from implausible(f"{where}.friction", self.friction, "", reason, most=ROUGHEST)
+        reason = f"that is a ratio to critical damping, of which more than {MOST_DAMPED:g} only makes the step shorter"
+        yield from implausible(f"{where}.damping", self.damping, "", reason, most=MOST_DAMPED, units={"percent": 0.01})
+        if self.spin is not None and self.friction == 0.0:
+            message, remedy = f"{where}.spin: is without effect, since the body has no friction", "give it friction"
+            yield Doubt("warning", "idle_spin", 1, message, f"{remedy}, or leave spin out", place=f"{where}.spin")
 
 
 @validated

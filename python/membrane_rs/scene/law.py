@@ -114,6 +114,10 @@ class Law:
         """The law with physical lengths [m] in its `length_fields`; None: the mesh's own."""
         return replace(self, **{field: lengths[name] for name, field in self.length_fields.items()})
 
+    def within(self, start: float, end: float) -> Law:
+        """The law where a stage from `start` to `end` [s] has set values of it that are functions of time."""
+        return self
+
     def without_compression(self) -> Law:
         """The law of a film that bears no compression."""
         return self

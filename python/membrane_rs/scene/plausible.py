@@ -66,11 +66,13 @@ def implausible(
     if least <= value <= most:
         return
     meant = [(name, value * size) for name, size in (units or {}).items() if least <= value * size <= most]
-    remedy = f"check the value and its unit ({unit})"
-    if meant:
+    remedy = f"check the value and its unit ({unit})" if unit else "check the value, a ratio"
+    if meant and not unit:
+        remedy = f"was {value:g} {meant[0][0]} meant? That is {meant[0][1]:.4g}"
+    elif meant:
         remedy = f"was {value:g} {meant[0][0]} meant? That is {meant[0][1]:.4g} {unit}"
         remedy += "".join(f"; or {value:g} {name}? That is {size:.4g} {unit}" for name, size in meant[1:])
-    message = f"{place} = {value:g} {unit}: {reason}"
+    message = f"{place} = {f'{value:g} {unit}'.strip()}: {reason}"
     yield Doubt("warning", "implausible_value", 1, message, remedy, place=place, derived_from=derived_from)
 
 

@@ -45,7 +45,7 @@ def _table(value: object, info: ValidationInfo) -> object:
 
 
 def _plain(value: object, where: str, depth: int = 0) -> object:
-    """Lists and arrays as tuples, at any depth, and tables of a schedule as one: as files give them back."""
+    """Lists and arrays as tuples, at any depth, tables of a schedule as one, an empty table as None: as in files."""
     if depth > DEEPEST:
         raise InputError(f"{where[:LONGEST_NAME]}: is nested too deeply; a value is a number, a list or a schedule")
     if hasattr(value, "tolist"):
@@ -55,7 +55,7 @@ def _plain(value: object, where: str, depth: int = 0) -> object:
         if other is not None:
             raise InputTypeError(f"{where}: its key {show(other)} must be a text")
         table = {key: _plain(item, f"{where}.{key}", depth + 1) for key, item in value.items()}
-        return build(Schedule, table, where) if "times" in table else ReadOnly(table)
+        return build(Schedule, table, where) if "times" in table else (ReadOnly(table) if table else None)
     if isinstance(value, list | tuple):
         return tuple(_plain(item, f"{where}[{k}]", depth + 1) for k, item in enumerate(value))
     return value
@@ -103,7 +103,8 @@ class Stage:
         "parts.<name or index>.<key>", "bodies.<name>.<key>".
     set : dict, read-only
         Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
-        a schedule count from the start of this stage. What stands in place of a schedule holds in later stages too,
+        a schedule count from the start of this stage. None, in files {}, takes a value away. What stands
+        in place of a schedule holds in later stages too,
         until one sets another; all else holds in this stage alone.
     frames, samples : int, optional
         Shapes written, and rows of the history, evenly spaced over `duration`, both ends among them, in place of those
@@ -161,8 +162,8 @@ class Stage:
         if isinstance(self.measure, str) and self.measure not in MEASURES:
             if self.measure.startswith(self.ONLY_IN_PYTHON):
                 raise InputError(
-                    f"Stage.measure = {show(self.measure)}: was a function, which no file holds; build the scene in "
-                    "Python, and go on with Simulation(scene, start=...)"
+                    f"Stage.measure = {show(self.measure)}: was a function, which no file holds; build a scene of "
+                    "what is left to run in Python, and go on with Simulation(scene, start=FILE) from a saved state"
                 )
             hint = nearest(self.measure, MEASURES)
             raise InputError(f"Stage.measure = {show(self.measure)}: no such measure; {hint}")

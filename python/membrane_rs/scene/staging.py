@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol, TypeVar
 
@@ -127,23 +129,40 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
                     item = _rebuilt(place, _delayed(item, delay), where)
                 if (own := values.get((place.section, place.index))) is not None:
                     item = _rebuilt(replace(place, item=item), own, where)
+                    if place.section == "laws" and any(_find(places, key, where)[0] is place for key in stage.set):
+                        item = item.within(starts[index], starts[index] + stage.duration)
                 made[place.section].append(item)
         run = made["run"][0]
         until = starts[index] + stage.duration
         whole: Any = scene
-        found: S = replace(
-            whole,
-            material=next(iter(made["material"]), None),
-            laws=made["laws"],
-            parts=made["parts"],
-            bodies=made["bodies"],
-            run=replace(run, until=until, relax=run.relax if index == 0 else 0.0),
-            stages=(),
-        )
+        with _numbered_as_in_scene([place for place in places if place not in gone]):
+            found: S = replace(
+                whole,
+                material=next(iter(made["material"]), None),
+                laws=made["laws"],
+                parts=made["parts"],
+                bodies=made["bodies"],
+                run=replace(run, until=until, relax=run.relax if index == 0 else 0.0),
+                stages=(),
+            )
         return found
     except InputError as error:
         text = str(error)
         raise SceneError(text if text.startswith(where) else f"{where}: {text}") from None
+
+
+@contextmanager
+def _numbered_as_in_scene(kept: Sequence[Place]) -> Iterator[None]:
+    """Name parts and bodies in an error by their indices in the scene, of which these places are kept."""
+
+    def in_scene(found: re.Match[str]) -> str:
+        indices = [place.index for place in kept if place.section == found[1]]
+        return f"{found[1]}[{indices[int(found[2])]}]" if int(found[2]) < len(indices) else found[0]
+
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(re.sub(r"\b(parts|bodies)\[(\d+)\]", in_scene, str(error))) from None
 
 
 def _places(scene: Staged) -> Iterator[Place]:
@@ -253,6 +272,9 @@ def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:
     if not name or name not in known_names:
         hint = nearest(name, known_names) if known_names else "the scene has none"
         example = f"{section}.{next(iter(known_names), 'name')}.key"
+        if not name:
+            what = f"is no key of a value; write one such as {example!r}, in quotes in files"
+            raise SceneError(f"{where}: {key!r}: {what}")
         raise SceneError(f"{where}: {key!r}: {section} has no {name!r}; {hint}. A key is such as {example!r}")
     return known_names[name], field
 

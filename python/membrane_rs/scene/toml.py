@@ -62,8 +62,8 @@ class SceneContent:
     bodies: tuple[Body, ...] = ()
 
 
-def read_scene(path: Path) -> SceneContent:
-    """Read a scene file.
+def read_scene(path: Path, *, without_functions: bool = False) -> SceneContent:
+    """Read a scene file; where measures were functions, which no file holds, without these measures if so asked.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def read_scene(path: Path) -> SceneContent:
     except ValueError as error:
         raise SceneError(f"{path}: holds an integer of thousands of digits ({error}); shorten it") from None
     try:
-        return _content(table, path)
+        return _content(_without_functions(table) if without_functions else table, path)
     except InputError as error:
         raise SceneError(f"{path}: {error}") from None
 
@@ -127,6 +127,21 @@ def write_scene(content: SceneContent) -> str:
         lines += ["", "[[stages]]", *_table(stage)]
     lines += ["", "[run]", *_table(content.run, ("until",) if content.stages else ())]
     return "\n".join(lines) + "\n"
+
+
+def _without_functions(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene whose stages end by time alone where a function ended them."""
+    stages = table.get("stages")
+    if not isinstance(stages, list):
+        return dict(table)
+    of_measure = ("measure", "below", "above")
+    made = [
+        {key: value for key, value in stage.items() if key not in of_measure}
+        if isinstance(stage, dict) and str(stage.get("measure")).startswith(Stage.ONLY_IN_PYTHON)
+        else stage
+        for stage in stages
+    ]
+    return {**table, "stages": made}
 
 
 def pattern_name(mesh: Mesh) -> str | None:
@@ -218,8 +233,8 @@ def _table(item: Any, left_out: Sequence[str] = ()) -> list[str]:
 
 def _toml(value: object) -> str:
     """A value as TOML writes it; floats keep every bit."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
+    if value is None or isinstance(value, bool):
+        return {None: "{}", True: "true", False: "false"}[value]  # None as a stage sets it
     if isinstance(value, tuple | list):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     if isinstance(value, dict):
@@ -233,5 +248,5 @@ def _toml(value: object) -> str:
 
 
 def _inline(table: Mapping[str, Any]) -> str:
-    """An inline table, without what is not set."""
-    return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in table.items() if item is not None) + "}"
+    """An inline table."""
+    return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in table.items()) + "}"

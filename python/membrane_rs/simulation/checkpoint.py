@@ -19,7 +19,7 @@ from membrane_rs._files import replacing
 from membrane_rs.errors import InputError, MembraneError, MissingFileError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scene import SCENE_FILE
-from membrane_rs.scene.toml import MESH_FILE
+from membrane_rs.scene.toml import MESH_FILE, read_scene
 from membrane_rs.simulation.continuation import scene_digest
 
 _SCENE = "scene/"
@@ -68,8 +68,9 @@ def _is_damaged(content: bytes) -> bool:
     return has_comment and content != _sealed(content[: end - 2] + b"\0\0")
 
 
-def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
-    """Scene and state of a file that `StateFile` wrote.
+def read_state(path: Path, *, motion_alone: bool = False) -> tuple[Scene, dict[str, Any]]:
+    """Scene and state of a file that `StateFile` wrote. For the motion alone the scene is read without measures that
+    were functions, which no file holds.
 
     Raises
     ------
@@ -103,10 +104,12 @@ def read_state(path: Path) -> tuple[Scene, dict[str, Any]]:
             if name in arrays:
                 (Path(folder) / name.removeprefix(_SCENE)).write_bytes(arrays.pop(name).tobytes())
         try:
-            scene = Scene.from_toml(Path(folder) / SCENE_FILE)
+            scene = Scene(**vars(read_scene(Path(folder) / SCENE_FILE, without_functions=motion_alone)))
         except MembraneError as error:
-            raise InputError(f"{path}: its scene cannot be read ({error}); the file is damaged") from None
+            raise InputError(f"{path}: its scene cannot be read: {error}") from None
     state = {name: value.item() if value.ndim == 0 else value for name, value in arrays.items()}
+    if motion_alone:
+        state["scene_digest"] = scene_digest(scene)
     _complete(path, scene, state)
     return scene, state
 

@@ -71,7 +71,7 @@ class Follower:
     """
 
     def __init__(self, stage: Stage, where: str, sim: Motion) -> None:
-        self._stage, self._where = stage, f"{where}.measure = {stage.measure_name!r}"
+        self._stage, self.where = stage, f"{where}.measure = {stage.measure_name!r}"
         self._corners = Corners(sim.assembly, stowed_turn(sim)) if stage.measure == PHASE else None
 
     def value(self, sim: Motion) -> float:
@@ -107,15 +107,15 @@ class Follower:
             value: object = corners.phase_difference(sim.positions)
         elif any(running is measure for running, _ in _evaluations()):
             what = "has copied the simulation, or made one that evaluates it as well; a measure only reads"
-            raise InputError(f"{self._where}: {what}")
+            raise InputError(f"{self.where}: {what}")
         else:
             value = _evaluated(OF_MOTION[measure] if isinstance(measure, str) else measure, sim)
         if before != (sim._core.step_count, sim._core.time):
-            raise InputError(f"{self._where}: has stepped the simulation; a measure only reads")
-        return number_of(f"{self._where} at t = {sim.time:.6g} s", value, "it ends a stage")
+            raise InputError(f"{self.where}: has stepped the simulation; a measure only reads")
+        return number_of(f"{self.where} at t = {sim.time:.6g} s", value, "it ends a stage")
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Follower:
         """A copy that follows on by itself."""
         made = Follower.__new__(Follower)
-        made._stage, made._where, made._corners = self._stage, self._where, deepcopy(self._corners, memo)
+        made._stage, made.where, made._corners = self._stage, self.where, deepcopy(self._corners, memo)
         return made

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs import _core
+from membrane_rs.errors import InputError
 from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation.measures import Follower
 from membrane_rs.simulation.methods import integrators
@@ -129,7 +130,13 @@ class StageEnd:
             core.reach(time)
             return self.follower.value(self._sim) - level
 
-        found: float = brentq(excess, self.time, ahead, xtol=2.0 * rounding * abs(ahead), rtol=4.0 * rounding)
+        try:
+            found: float = brentq(excess, self.time, ahead, xtol=2.0 * rounding * abs(ahead), rtol=4.0 * rounding)
+        except ValueError:  # no change of sign
+            raise InputError(
+                f"{self.follower.where}: is not the same again at t = {self.time:.6g} s or {ahead:.6g} s, between "
+                "which it passes its value; a measure must follow from the state of the simulation alone"
+            ) from None
         return ahead if is_jump and ahead - found <= near_jump else found
 
     def _is_past(self) -> bool:

@@ -356,19 +356,20 @@ class StagedMotion(Motion):
                 f"saved state: it is at {self.time:.6g} s, which is not in {line.stage.name!r}, from "
                 f"{line.starts[-1]:.6g} to {line.end:.6g} s; it is damaged: give one that a simulation gave"
             )
-        if line.stage.measure is not None and line.ended_by is None:
+        if line.ended_by is None and (line.stage.measure is not None or "stage_now" in own):
             self._resume_check(own)
 
     def _resume_check(self, own: dict[str, Any]) -> None:
         line = self._present()
         is_armed, now = own.get("stage_is_armed"), number_of("saved state: stage_now", own.get("stage_now"))
-        if is_armed not in (0, 1):
+        if not isinstance(is_armed, int) or is_armed not in (0, 1):
             raise InputTypeError(f"saved state: stage_is_armed = {show(is_armed)}: must be 0 or 1")
         if not self.time <= now <= line.end:
             raise InputError(f"saved state: stage_now = {now:.6g} s: must be from {self.time:.6g} to {line.end:.6g} s")
-        follower = Follower(line.stage, f"stages[{line.index}]", self)
-        follower.resume(self, own.get("stage_turned"))
-        self._stage_end = StageEnd(self, line.stage, line.end, follower, is_armed=bool(is_armed))
+        if line.stage.measure is not None:  # else it was a function, and its file is read for the motion alone
+            follower = Follower(line.stage, f"stages[{line.index}]", self)
+            follower.resume(self, own.get("stage_turned"))
+            self._stage_end = StageEnd(self, line.stage, line.end, follower, is_armed=bool(is_armed))
         if now > self.time:
             self._reach(now)
             if self.time != now:

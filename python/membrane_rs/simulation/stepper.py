@@ -42,7 +42,7 @@ class Stepper(StagedMotion):
         *,
         start: Motion | str | Path | None = None,
     ) -> None:
-        other = Stepper.restore(start) if isinstance(start, str | Path) else start
+        other = Stepper._of_file(start, motion_alone=True) if isinstance(start, str | Path) else start
         super().__init__(scene, integrator, dt, start=other)
 
     until: float | None = None
@@ -274,14 +274,19 @@ class Stepper(StagedMotion):
         UserWarning
             An entry that this version does not know, and ignores.
         """
+        return cls._of_file(path)
+
+    @classmethod
+    def _of_file(cls, path: str | Path, *, motion_alone: bool = False) -> Self:
+        """The same; for its motion alone, without measures that were functions."""
         path = path_of(path)
-        scene, state = read_state(path)
+        scene, state = read_state(path, motion_alone=motion_alone)
         try:
             sim = cls._with_method_of(scene, state)
             sim.is_relaxed = bool(state.pop("is_relaxed"))
             own = ENTRIES if scene.stages else ()
             for name, words in unknown_entries([name for name in state if name not in own], sim.law_names).items():
-                warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=2)
+                warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=3)
                 del state[str(name)]
             sim.set_state(state)
         except ValueError as error:

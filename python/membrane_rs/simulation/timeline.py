@@ -151,18 +151,22 @@ class Timeline:
         terms = ["kinetic", *self.potentials]
         starts = _array(saved, "stage_starts", (index + 1,))
         reasons = _array(saved, "stage_ended_by_measure", (index,))
-        counts = _array(saved, "stage_counts", (index, 3))
+        counts = _array(saved, "stage_counts", (index, 3), kinds="i")
         steps = _array(saved, "stage_dt", (index,))
         changes = _array(saved, "stage_changes", (index + 1, len(terms)))
         work = _array(saved, "stage_work", (index, len(self.laws)))
         balances = _array(saved, "stage_balances", (index, 2))
         motors = _motors(saved, index, is_older=is_older)
         is_over = saved.get("stage_is_over")
-        if is_over not in (0, 1, 2) or (is_over and index < len(self.stages) - 1):
+        if not isinstance(is_over, int) or is_over not in (0, 1, 2) or (is_over and index < len(self.stages) - 1):
             raise _damaged(f"stage_is_over = {show(is_over)}: must be 0, 1 or 2, and 0 before the last stage")
-        for name, values in (("stage_ended_by_measure", reasons), ("stage_counts", counts), ("stage_dt", steps)):
+        for name, values in (("stage_counts", counts), ("stage_balances", balances[:, 0])):
             if (values < 0).any():
                 raise _damaged(f"{name}: holds a value below 0")
+        if (steps <= 0).any():
+            raise _damaged("stage_dt: holds a step that is not above 0 (s)")
+        if not np.isin(reasons, (0, 1)).all():
+            raise _damaged("stage_ended_by_measure: holds a value that is neither 0 nor 1")
         made = Timeline(self.stages, self.laws, self.potentials, starts.tolist())
         for k, stage in enumerate(self.stages[:index]):
             end, slack = made.starts[k + 1], 1e-12 * abs(made.starts[k + 1])
@@ -207,10 +211,11 @@ def _motors(saved: Mapping[str, Any], count: int, *, is_older: bool) -> list[flo
     return [joule if is_known else None for is_known, joule in _array(saved, "stage_motor", (count, 2)).tolist()]
 
 
-def _array(saved: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Floats:
+def _array(saved: Mapping[str, Any], name: str, shape: tuple[int, ...], *, kinds: str = "fi") -> Floats:
     array = np.asarray(saved.get(name))
-    if array.dtype.kind not in "fi" or array.shape != shape:
-        raise _damaged(f"{name}: is no array of numbers of shape {shape}")
+    if array.dtype.kind not in kinds or array.shape != shape:
+        what = "numbers" if "f" in kinds else "whole numbers"
+        raise _damaged(f"{name}: is no array of {what} of shape {shape}")
     if not np.isfinite(array).all():
         raise _damaged(f"{name}: holds a value that is not finite")
     return array.astype(np.float64) if array.dtype.kind == "f" else array

@@ -36,7 +36,7 @@ class Spin(Law):
     frequency : float or None
         Turns per second at t = 0 [Hz]; the sign gives the sense. Default: 3, or none with a schedule.
     acceleration : float
-        Its rate of change [Hz/s].
+        Its rate of change [Hz/s], from t = 0, or from the start of the stage that sets it.
     schedule : Schedule or None
         Turns per second [Hz] as a function of time, for spin-up, hold and ramp, in place of the other two.
 
@@ -71,6 +71,13 @@ class Spin(Law):
     def replaced_by(self, name: str) -> tuple[str, ...]:
         """A schedule by the other two, and they by it."""
         return ("frequency", "acceleration") if name == "schedule" else ("schedule",)
+
+    def within(self, start: float, end: float) -> Spin:
+        """An acceleration counts from the start of the stage that sets it, or the frequency beside it."""
+        if self.acceleration == 0.0 or not start < end:
+            return self
+        change = self.acceleration * (end - start)
+        return Spin(schedule=Schedule((start, end), (self._at_start, self._at_start + change)))
 
     @property
     def hub_frequency(self) -> float:
