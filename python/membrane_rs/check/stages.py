@@ -1,4 +1,4 @@
-"""Stages as a whole: what is at work in none of them, and measures that have no value."""
+"""Stages as a whole: bodies at work in none of them, and measures that have no value."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from membrane_rs.scene import Scene
 
 def stages_together(scene: Scene) -> Iterator[Finding]:
     """Findings about a scene with stages that no stage by itself shows."""
-    names = [*(law.kind for law in scene.laws), *(part.name or "" for part in scene.parts)]
-    for name in filter(None, [*names, *(body.name for body in scene.bodies)]):
+    for name in (body.name for body in scene.bodies):
         if all(name in stage.without for stage in scene.stages):
             message = f"{name} is at work in no stage: each is without it"
             yield Finding("warning", "idle_in_all", 1, message, f"leave {name} out, or take it out of one `without`")
