@@ -24,12 +24,14 @@ from membrane_rs import (
     integrators,
 )
 from membrane_rs.check import audit
+from membrane_rs.cli import app
 from membrane_rs.results import read_summary
 from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.runs import resume
 from membrane_rs.scene.bodies import Body
 from small_scenes import cord
 from test_resume import run_copied
+from typer.testing import CliRunner
 
 
 def lying(*bodies: Body, until: float = 0.1, stages: tuple[Stage, ...] = (), **run: Any) -> Scene:
@@ -59,6 +61,16 @@ def test_a_body_that_touches_nothing_is_described_at_the_end(tmp_path: Path) -> 
     assert bodies["bar"]["first_contact"] is None
     assert bodies["floor"]["first_contact"] == 0.0
     assert bodies["floor"]["largest_force"] == pytest.approx(9.81, rel=1e-3)
+
+
+def test_the_command_line_and_the_audit_of_the_run_say_it(tmp_path: Path) -> None:
+    lying(FLOOR, FAR).save(tmp_path)
+    words = ["run", tmp_path / "scene.toml", "--out", tmp_path / "run", "--no-pictures"]
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == 0, result.output
+    assert "Warning: the body bar touches nothing at any sample" in result.output
+    kinds = [finding["kind"] for finding in read_summary(tmp_path / "run")["audit"]]
+    assert kinds.count("body_without_contact") == 1
 
 
 def test_a_run_that_ends_before_its_scene_does_not_say_so() -> None:

@@ -63,6 +63,22 @@ def reported_errors() -> Iterator[None]:
         raise typer.Exit(FAILED) from None
 
 
+@contextmanager
+def warnings_of_run() -> Iterator[None]:
+    """Report what a run warns of when it is over: what its stages begin with, and what its bodies did."""
+    from membrane_rs.errors import AuditWarning
+
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", AuditWarning)
+            yield
+    finally:
+        for warning in caught:
+            text = str(warning.message).removeprefix("warning: ")
+            warnings.showwarning(text, warning.category, warning.filename, warning.lineno)
+
+
 def print_anything() -> None:
     """Let names of files that are no text, or that the terminal's encoding lacks, be shown by escapes."""
     for stream in (sys.stdout, sys.stderr):

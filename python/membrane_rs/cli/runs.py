@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from membrane_rs.cli.application import FAILED, app, exit_code, reported_errors
+from membrane_rs.cli.application import FAILED, app, exit_code, reported_errors, warnings_of_run
 from membrane_rs.cli.options import (
     Checkpoint,
     Dt,
@@ -233,7 +233,8 @@ def _run(
         results = RunFolder(folder, overwrite, pictures=pictures, crossings=crossings, progress=show.pictures)
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
-        sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
+        with warnings_of_run():
+            sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
     typer.echo(f"Results are in {folder}")
 
 
@@ -250,7 +251,7 @@ def _resume(folder: Path, until: float | None, *, no_pictures: bool) -> None:
     process = "process {pid} on {host}, since {start}".format(**NOBODY | before.get("process", {}))
     typer.echo(f"{folder}: {before['outcome']} ({process}); its last checkpoint is at {come:.6g} s", err=True)
     end = before.get("request", {}).get("until", come) if until is None else until
-    with progress_bar(terminal(), come, end) as show, _stopped(show, folder):
+    with progress_bar(terminal(), come, end) as show, _stopped(show, folder), warnings_of_run():
         resume(folder, until, pictures=False if no_pictures else None, progress=show.steps, drawing=show.pictures)
     typer.echo(f"Results are in {folder}")
 

@@ -162,6 +162,10 @@ class Summary(Writer):
             "pictures": "none",
         }
         self._contacts.finish(sim, error)
+        if error is None:
+            known = self._record.summary.setdefault("audit", [])
+            found = [finding.as_dict() for finding in self._contacts.findings(sim)]
+            known += [finding for finding in found if finding not in known]
 
     def close(self, error: BaseException | None) -> None:
         """Say how the run ended, when all outputs have. Raises OutputError."""
