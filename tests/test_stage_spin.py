@@ -49,16 +49,24 @@ def test_the_last_that_was_set_holds(first: Spin, of_stages: Sequence[dict[str, 
         elif isinstance(wanted, Schedule):
             assert spin == Spin(schedule=wanted)
         elif "acceleration" in values:
-            assert spin == replace(first, acceleration=wanted)
+            begin = first.frequency or 0.0
+            assert spin == Spin(schedule=Schedule((0.0, 0.1), (begin, begin + 0.1 * wanted)))
+        elif spin.schedule is not None:
+            assert (first.acceleration, spin.schedule.at(0.0)) == (0.5, wanted)
         else:
-            assert (spin.frequency, spin.schedule) == (wanted, None)
+            assert spin == Spin(wanted)
 
 
 def test_a_frequency_in_place_of_the_schedule_of_a_scene_holds_later_too() -> None:
     found = spins(turned(Spin(schedule=UP), {}, {"frequency": 2.0}, {}, {"acceleration": 1.0}, {}))
-    assert found == [Spin(schedule=UP), Spin(2.0), Spin(2.0), Spin(2.0, 1.0), Spin(2.0, 1.0)]
-    # An acceleration in place of a schedule is that of the frequency of the scene.
-    assert spins(turned(Spin(1.0), {"schedule": UP}, {"acceleration": 2.0}, {}))[1:] == [Spin(1.0, 2.0)] * 2
+    assert [*found[:3], found[4]] == [Spin(schedule=UP), Spin(2.0), Spin(2.0), Spin(2.0)]
+    assert found[3].schedule.values == pytest.approx((2.0, 2.1))
+    # An acceleration alone has no frequency to begin with.
+    words = r"spin\.acceleration = 2.0: is not used with a schedule; leave it out, or set a frequency"
+    refused(lambda: turned(Spin(1.0), {"schedule": UP}, {"acceleration": 2.0}), SceneError, words)
+    again = spins(turned(Spin(1.0), {"schedule": UP}, {"acceleration": 2.0, "frequency": 1.0}, {}))
+    assert again[1].schedule.values == pytest.approx((1.0, 1.2))
+    assert again[2] == Spin(1.0)
     # Of a scene without a schedule it holds in its own stage alone.
     assert spins(turned(Spin(1.0), {"frequency": 2.0}, {})) == [Spin(2.0), Spin(1.0)]
 

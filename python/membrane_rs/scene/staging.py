@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol, TypeVar
@@ -195,8 +195,8 @@ class Changes:
     place: Place
     values: dict[str, Any] = field(default_factory=dict)
     """By the names of fields."""
-    replaced: dict[str, str] = field(default_factory=dict)
-    """Fields that have their defaults, each with the field that stands in place of it."""
+    replaced: set[str] = field(default_factory=set)
+    """Fields in whose place another one stands: they have their defaults."""
 
     def now(self, name: str) -> Any:
         """The value of a field."""
@@ -204,13 +204,12 @@ class Changes:
 
     def all(self) -> dict[str, Any]:
         """All values that are not those of the scene."""
-        return _defaults(self.place.item, tuple(self.replaced)) | self.values
+        return _defaults(self.place.item, self.replaced) | self.values
 
     def set(self, name: str, value: Any, others: Sequence[str]) -> None:
         """Set a field, in place of others."""
-        self.replaced = {other: by for other, by in self.replaced.items() if other != name and by not in others}
         self.values = {other: own for other, own in self.values.items() if other not in others} | {name: value}
-        self.replaced |= dict.fromkeys(others, name)
+        self.replaced = (self.replaced - {name}) | set(others)
 
 
 def _values(
@@ -220,18 +219,24 @@ def _values(
     found = {(place.section, place.index): Changes(place) for place in places}
     for k, stage in enumerate(scene.stages[: index + 1]):
         where, is_last = f"stages[{k}]", k == index
-        own = [_find(places, key, f"{where}.set") for key in stage.set]
-        for (place, name), value in zip(own, stage.set.values(), strict=True):
-            changes = found[place.section, place.index]
-            replaced = place.item.replaced_by(name) if place.section == "laws" else ()
-            made = getattr(_rebuilt(place, {name: value, **_defaults(place.item, replaced)}, where), name, value)
-            names = (name, *replaced)
-            holds = _is_schedule(made) or any(
-                _is_schedule(changes.now(other)) or other in changes.all() for other in names
-            )
-            if is_last or holds:
-                others = [other for other in replaced if (place, other) not in own]
-                changes.set(name, made.delayed(starts[k]) if _is_schedule(made) else made, others)
+        own: dict[tuple[str, int], dict[str, Any]] = {}
+        for key, value in stage.set.items():
+            place, name = _find(places, key, f"{where}.set")
+            own.setdefault((place.section, place.index), {})[name] = value
+        for key_of_place, values in own.items():
+            changes = found[key_of_place]
+            place = changes.place
+            replaced = {name: place.item.replaced_by(name) if place.section == "laws" else () for name in values}
+            others = {name: [other for other in replaced[name] if other not in values] for name in values}
+            defaults = _defaults(place.item, [other for of_name in others.values() for other in of_name])
+            made = _rebuilt(place, changes.all() | defaults | values, where)
+            for name in values:
+                value, names = getattr(made, name), (name, *replaced[name])
+                holds = _is_schedule(value) or any(
+                    _is_schedule(changes.now(other)) or other in changes.values for other in names
+                )
+                if is_last or holds:
+                    changes.set(name, value.delayed(starts[k]) if _is_schedule(value) else value, others[name])
     for key, factor in scene.stages[index].scale.items():
         place, name = _find(places, key, f"stages[{index}].scale")
         where = f"stages[{index}].scale: {key!r}"
@@ -247,7 +252,7 @@ def _values(
     return {key: changes.all() for key, changes in found.items() if changes.all()}
 
 
-def _defaults(item: Any, names: Sequence[str]) -> dict[str, Any]:
+def _defaults(item: Any, names: Collection[str]) -> dict[str, Any]:
     """The defaults of fields."""
     return {entry.name: entry.default for entry in fields(item) if entry.name in names}
 

@@ -60,7 +60,8 @@ class Spin(Law):
                 object.__setattr__(self, "frequency", FREQUENCY)
             return
         if self.acceleration != 0.0:
-            raise InputError(f"Spin.acceleration = {self.acceleration!r}: is not used with a schedule; leave it out")
+            what = "is not used with a schedule; leave it out, or set a frequency in place of the schedule"
+            raise InputError(f"Spin.acceleration = {self.acceleration!r}: {what}")
         if self.frequency is not None:
             raise InputError(f"Spin.frequency = {self.frequency!r}: is not used with a schedule; leave it out")
 
@@ -69,8 +70,8 @@ class Spin(Law):
         return super().core_parameters() | {"frequency": self._at_start}
 
     def replaced_by(self, name: str) -> tuple[str, ...]:
-        """A schedule by the other two, and they by it."""
-        return ("frequency", "acceleration") if name == "schedule" else ("schedule",)
+        """A schedule by a frequency, and frequency and acceleration by a schedule."""
+        return {"schedule": ("frequency", "acceleration"), "frequency": ("schedule",)}.get(name, ())
 
     def within(self, start: float, end: float) -> Spin:
         """An acceleration counts from the start of the stage that sets it, or the frequency beside it."""
