@@ -58,6 +58,8 @@ STACK = 6.8e-4
 """Largest offset of a row over the spool's radius by default, for a strain of 0.25 %: 17 um on one of 25 mm."""
 STACK_OF_CELL = 0.002
 """The same over the shortest cell: in their last one rows come to the middle line, after up to 90 degrees of turn."""
+UNLIKE, SHARE_OF_UNLIKE = 1.5, 0.7
+"""Ratio of the cells' lengths from which the sharper corners between them strain more, and what it leaves of this."""
 NEAREST = 1e-9
 """Distance of layers over the spool's radius, at least: below it, rounding of positions would let them cross."""
 THICKEST = 7.5e-6
@@ -236,9 +238,14 @@ class WoundPath:
         return corners
 
 
-def default_gap(spool_radius: float, shortest_cell: float, strips: int) -> float:
-    """Distance of layers [m] at which the outermost row keeps the strain within 0.25 %; at most `THICKEST`."""
-    return min(THICKEST, min(STACK * spool_radius, STACK_OF_CELL * shortest_cell) / (strips + 0.5))
+def default_gap(spool_radius: float, cells: tuple[float, float], strips: int) -> float:
+    """Distance of layers [m] at which the outermost row keeps the strain within 0.25 %; at most `THICKEST`. With the
+    lengths of the cells of the inner edge and of those beyond it.
+    """
+    stack = min(STACK * spool_radius, STACK_OF_CELL * min(cells))
+    if max(cells) > UNLIKE * min(cells):
+        stack *= SHARE_OF_UNLIKE
+    return min(THICKEST, stack / (strips + 0.5))
 
 
 def wound_petal(petal: FlatPetal, path: WoundPath, height: Floats) -> Floats:

@@ -284,7 +284,7 @@ class SquareSail(StowedPattern):
         columns = int(self._columns())
         gap = self.layer_gap
         if gap is None:
-            gap = default_gap(self.spool_radius, min(self.inner_width / columns, self.row_height), self.strips)
+            gap = default_gap(self.spool_radius, (self.inner_width / columns, self.row_height), self.strips)
         first = 0.5 * gap if self.diagonal_gap is None else self.diagonal_gap
         return WoundPath(
             spool_radius=self.spool_radius,
