@@ -25,17 +25,13 @@ from membrane_rs import (
     Spin,
     Stage,
     UnstableError,
-    integrators,
 )
 from membrane_rs.results import read_summary
 from membrane_rs.runs import resume
+from methods import METHODS, ORDER, WAYS
 from small_scenes import Floats, cord, hanging_strip, rates
 from test_resume import contents, run_copied
 
-METHODS = list(integrators())
-ORDER = {name: facts.order for name, facts in integrators().items()}
-WAYS = [(name, 1) for name in METHODS] + [("leapfrog", 4)]
-"""Methods and substeps."""
 AT = 0.0312345
 """Time of a jump [s], at the end of no step."""
 DEPTH, PENALTY = 0.01, 1000.0

@@ -25,16 +25,13 @@ from membrane_rs import (
     Springs,
     Stage,
     Tether,
-    integrators,
     resume,
 )
 from membrane_rs.folding import Disc, Strip
 from membrane_rs.results import read_history, read_summary
+from methods import METHODS, ORDER, WAYS
 from small_scenes import FILM, RUBBER
 
-METHODS = list(integrators())
-ORDER = {name: facts.order for name, facts in integrators().items()}
-WAYS = [(name, 1) for name in METHODS] + [("leapfrog", 4)]
 UP = Schedule((0.02, 0.12), (1.0, 4.0), 0.5)
 """A spin-up [s, Hz]."""
 

@@ -27,15 +27,11 @@ from membrane_rs import (
     Stage,
     Tether,
     UnstableError,
-    integrators,
 )
 from membrane_rs.folding import Strip
 from membrane_rs.results.history import read_history
+from methods import METHODS, ORDER, WAYS
 
-METHODS = list(integrators())
-ORDER = {name: facts.order for name, facts in integrators().items()}
-WAYS = [(name, 1) for name in METHODS] + [("leapfrog", 4)]
-"""Methods and substeps."""
 SHAKEN = Schedule((0.0, 0.05, 0.15, 0.2), (0.0, 1e-3, -1e-3, 0.0), 0.5)
 G, EA, LENGTH, TIP = 9.81, 17.0, 0.1, 0.05
 FILM = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)

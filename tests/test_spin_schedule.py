@@ -21,15 +21,12 @@ from membrane_rs import (
     SpringDamping,
     Springs,
     Tether,
-    integrators,
 )
 from membrane_rs.check import audit
 from membrane_rs.folding import Strip
 from membrane_rs.scene.scales import hub_frequency
+from methods import METHODS, ORDER, WAYS
 
-METHODS = list(integrators())
-ORDER = {name: facts.order for name, facts in integrators().items()}
-WAYS = [(name, 1) for name in METHODS] + [("leapfrog", 4)]
 UP = Schedule((0.02, 0.1, 0.2, 0.3), (1.0, 4.0, 4.0, -2.0), 0.4)
 FILM = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)
 

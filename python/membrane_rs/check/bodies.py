@@ -13,6 +13,7 @@ from membrane_rs.errors import MembraneError, UnstableError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Body
+from membrane_rs.scene.scales import node_masses
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.stepper import Stepper
@@ -47,9 +48,10 @@ def inside_bodies(scene: Scene) -> Iterator[Finding]:
         if error.law in {body.name for body in scene.bodies}:
             message = f"at the start, {str(error).partition(': ')[2].partition('. ')[0]}"
             yield Finding("error", "start_inside", 1, message, remedy)
+    energies, reach = sim.energies(), _reach(sim)
     for body in scene.bodies:
-        depth = _depth(body, sim.energies())
-        if depth > ROUNDING * _reach(sim):
+        depth = _depth(body, energies)
+        if depth > ROUNDING * reach:
             yield _inside(sim, body, depth, "start", remedy)
 
 
@@ -59,11 +61,11 @@ def inside_at_stage_start(sim: Stepper) -> Iterator[Finding]:
     """
     record, before = sim.stages[-1], sim.scene.staged(sim.stage - 1, [stage.start for stage in sim.stages[:-1]])
     stiffness = {body.name: body.stiffness for body in before.bodies}
+    energies, reach = sim.energies(), _reach(sim)
     for body in sim.stage_scene.bodies:
-        energies = sim.energies()
         depth, change = _depth(body, energies), record.changes.get(body.name, 0.0)
         earlier = math.sqrt(2.0 * max(energies[body.name] - change, 0.0) / stiffness.get(body.name, body.stiffness))
-        if depth > earlier + ROUNDING * _reach(sim):
+        if depth > earlier + ROUNDING * reach:
             begins = f"start the stage {record.name!r}, at {record.start:.6g} s,"
             remedy = "put the body where nothing is when the stage begins, or let the stage before end elsewhere"
             yield _inside(sim, body, depth, begins, remedy)
@@ -79,12 +81,9 @@ def fast_bodies(scene: Scene) -> Iterator[Finding]:
     sizes = {body.name: getattr(body, "radius", None) for body, *_ in fast}
     if not any(sizes.values()):
         return
-    try:
-        sim = Motion(replace(scene, laws=(), run=replace(scene.run, dt=None)), dt=SHORTEST)
-    except MembraneError:
-        return
-    free = np.setdiff1d(np.arange(sim.node_count), sim.assembly.fixed)
-    mass = float(np.median(sim.masses[free])) if len(free) else 0.0
+    assembly, masses = scene.assemble(), node_masses(scene)
+    free = np.setdiff1d(np.arange(assembly.node_count), assembly.fixed)
+    mass = float(np.median(masses[free])) if len(free) else 0.0
     for body, speed, time in fast:
         radius, depth = sizes[body.name], speed * math.sqrt(mass / body.stiffness)
         if radius is not None and depth > DEEPEST * radius:
@@ -104,12 +103,12 @@ def _fastest(body: Body) -> tuple[float, float]:
     """The largest speed of the centre of a body [m/s], and when [s]; jumps have none."""
     schedules = [schedule for schedule in vars(body).values() if isinstance(schedule, Schedule)]
     knots = sorted({time for schedule in schedules for time in schedule.times})
-    most, when = 0.0, 0.0
+    one, most, when = replace(body, copies=1), 0.0, 0.0  # all copies move alike
     pieces = max(2, INSTANTS // max(1, len(knots)))
     for first, last in pairwise(knots):
         times = np.linspace(first, last, pieces + 1)
         times[-1] = math.nextafter(last, first)
-        centres = np.array([body.solids(float(time))[0].centre for time in times])
+        centres = np.array([one.solids(float(time))[0].centre for time in times])
         speeds = np.linalg.norm(np.diff(centres, axis=0), axis=1) / np.diff(times)
         k = int((speeds > (1.0 - ROUNDING) * speeds.max()).argmax())
         if speeds[k] > most:

@@ -12,6 +12,7 @@ from membrane_rs.mesh import Finding
 from membrane_rs.mesh.gaps import groups
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.scene import Scene
+from membrane_rs.scene.scales import node_masses
 
 CENTRED = 0.01
 """Distance of the centre of mass from the axis, over the size, up to which a free body stays on the axis."""
@@ -37,9 +38,7 @@ def supports(scene: Scene) -> Iterator[Finding]:
         return
     turns = any(law.hub_frequency for law in scene.laws)
     falls = any(law.accelerates_all and law.why_idle(scene) is None for law in scene.laws)
-    masses = assembly.extra_masses.copy()
-    if mesh is not None and scene.material is not None:
-        masses[: mesh.node_count] += mesh.masses(scene.material)
+    masses = node_masses(scene)
     total, x, y = (np.bincount(label, masses * values) for values in (1.0, *assembly.positions[:, :2].T))
     off_axis = np.hypot(x, y) / np.maximum(total, np.finfo(float).tiny)
     goes_outward = (off_axis > CENTRED * span(assembly.positions))[label]

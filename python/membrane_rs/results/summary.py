@@ -3,8 +3,8 @@
 At the start:
 
 audit                 what the audit of the scene found, errors first: for each finding its severity ("error",
-                      "warning" or "info"), kind, count, message and remedy; behind them, of a scene with stages, what
-                      began a later stage inside a body
+                      "warning" or "info"), kind, count, message and remedy; behind them what
+                      the run found: what began a later stage inside a body, and what its bodies did
 scene                 name of the scene
 outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ...". `read_summary`
                       gives "killed" in place of "running" where no process goes on with the run
@@ -60,7 +60,7 @@ import json
 import math
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from dataclasses import asdict
 from importlib import metadata
@@ -74,6 +74,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, read_text, reading_errors, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import Interrupted, MissingFileError, OutputError, UnstableError
+from membrane_rs.mesh.findings import Finding
 from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.results.lock import is_locked, this_process
 from membrane_rs.results.record import Record
@@ -163,9 +164,7 @@ class Summary(Writer):
         }
         self._contacts.finish(sim, error)
         if error is None:
-            known = self._record.summary.setdefault("audit", [])
-            found = [finding.as_dict() for finding in self._contacts.findings(sim)]
-            known += [finding for finding in found if finding not in known]
+            add_findings(self._record.summary, self._contacts.findings(sim))
 
     def close(self, error: BaseException | None) -> None:
         """Say how the run ended, when all outputs have. Raises OutputError."""
@@ -346,6 +345,13 @@ def versions() -> dict[str, str]:
         "numpy": version("numpy"),
         "platform": platform.platform(),
     }
+
+
+def add_findings(summary: dict[str, Any], findings: Iterable[Finding]) -> None:
+    """Add to the audit in a summary what a run has found, each finding once."""
+    known = summary.setdefault("audit", [])
+    found = [finding.as_dict() for finding in findings]
+    known += [finding for finding in found if finding not in known]
 
 
 def write_summary(path: Path, summary: dict[str, Any]) -> None:

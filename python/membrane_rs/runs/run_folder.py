@@ -37,7 +37,7 @@ from membrane_rs.results.pvd import PVD
 from membrane_rs.results.record import Progress, Record
 from membrane_rs.results.scene_file import SceneFile
 from membrane_rs.results.state import State
-from membrane_rs.results.summary import Summary
+from membrane_rs.results.summary import Summary, add_findings
 from membrane_rs.results.writer import Writer
 from membrane_rs.runs import signals
 from membrane_rs.runs.place import Place
@@ -218,9 +218,7 @@ class RunFolder(KnownAttributes):
         """Add what begins a stage inside a body to the audit in the summary."""
         if sim.boundaries[-1:] != [sim.time]:
             return
-        known = self._record.summary.setdefault("audit", [])
-        found = [finding.as_dict() for finding in inside_at_stage_start(sim)]
-        known += [finding for finding in found if finding not in known]
+        add_findings(self._record.summary, inside_at_stage_start(sim))
 
     def frame(self, sim: Stepper) -> None:
         """Show a frame to all outputs. Raises OutputError."""

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from membrane_rs._arrays import Floats
 from membrane_rs.analysis.extent import span
 from membrane_rs.scene.law import Surroundings
 
@@ -57,10 +58,16 @@ def hub_frequency(scene: Surroundings) -> float:
 
 def pull_of_spin(scene: Surroundings) -> float:
     """(2 pi f)^2 sum m r [N]: the outward pull of the flat membrane, or of cords alone, as they turn at the start."""
-    assembly = scene.assemble()
-    masses, points = assembly.extra_masses, assembly.reference
+    points = scene.assemble().reference
     if scene.mesh is not None and scene.material is not None:
         points = scene.mesh.reference
-        masses = masses[: len(points)] + scene.mesh.masses(scene.material)
     radii = np.hypot(points[:, 0], points[:, 1])
-    return (2.0 * math.pi * hub_frequency(scene)) ** 2 * float(masses @ radii)
+    return (2.0 * math.pi * hub_frequency(scene)) ** 2 * float(node_masses(scene)[: len(points)] @ radii)
+
+
+def node_masses(scene: Surroundings) -> Floats:
+    """(N,) masses of all nodes, of membrane, cords and tips [kg]."""
+    masses: Floats = scene.assemble().extra_masses.copy()
+    if scene.mesh is not None and scene.material is not None:
+        masses[: scene.mesh.node_count] += scene.mesh.masses(scene.material)
+    return masses
