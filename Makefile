@@ -107,5 +107,5 @@ $(VENV)/tools: pyproject.toml | $(VENV)/made
 	@touch $@
 
 $(VENV)/built: $(VENV)/tools $(RUST)
-	MAKEFLAGS= $(BIN)/maturin develop --release
+	MAKEFLAGS= $(BIN)/maturin develop --release --extras docs
 	@touch $@
