@@ -113,6 +113,9 @@ class FakeSimulation:
     def largest_film_stress(self) -> float:
         return float(self.film_stress().principal.max())
 
+    def film_states(self) -> NDArray[np.int8]:
+        return np.full(len(self.assembly.triangles), -1, np.int8)
+
     def cord_tensions(self) -> Floats:
         return 0.01 * np.arange(len(self.assembly.cords), dtype=np.float64)
 

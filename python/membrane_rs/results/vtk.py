@@ -14,6 +14,7 @@ the stress only with a law of the film, and the tension only with cords, both in
     stress_1, stress_2    triangles  [Pa] principal stresses, larger first, see `Motion.film_stress`
     stress_direction      triangles  (3,) direction of stress_1 in the present shape
     von_mises             triangles  [Pa] von Mises's equivalent stress
+    film_state            triangles  0 taut, 1 wrinkled, 2 slack, with `Triangles`, see `Motion.film_states`
     tension               lines      [N] elastic tension of the segments of cords
 """
 
@@ -41,7 +42,7 @@ class Frame:
     """What a frame shows of a simulation at `time` [s], copied: the simulation may go on while it is written.
 
     positions (N, 3) [m], velocities (N, 3) [m/s], spring_strains (S,), buckled (S,), crease_angles (c,) [rad],
-    film_stress of m triangles [Pa], cord_tensions (s,) [N].
+    film_stress of m triangles [Pa], film_states (m,), cord_tensions (s,) [N].
     """
 
     time: float
@@ -51,6 +52,7 @@ class Frame:
     buckled: NDArray[np.bool_]
     crease_angles: Floats
     film_stress: FilmStress
+    film_states: NDArray[np.int8]
     cord_tensions: Floats
 
     @classmethod
@@ -64,6 +66,7 @@ class Frame:
             buckled=sim.buckled(),
             crease_angles=sim.crease_angles(),
             film_stress=sim.film_stress(),
+            film_states=sim.film_states(),
             cord_tensions=sim.cord_tensions(),
         )
 
@@ -107,6 +110,7 @@ class FrameWriter:
             "buckled": (np.full(self._triangle_count, -1, np.int8), frame.buckled.astype(np.int8)),
             "petal": (self._petals, np.full(self._spring_count, -1, np.int8)),
             **self._stress(frame.film_stress),
+            **self._states(frame.film_states),
             **self._tension(frame.cord_tensions),
         }
         mesh = meshio.Mesh(
@@ -133,6 +137,12 @@ class FrameWriter:
             name: (values.astype(np.float32), np.full(on_lines[name], np.nan, np.float32))
             for name, values in on_triangles.items()
         }
+
+    def _states(self, states: NDArray[np.int8]) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
+        """The field of the state of the film, and -1 on lines; none where the law at work has no states."""
+        if not (states >= 0).any():
+            return {}
+        return {"film_state": (states, np.full(self._spring_count, -1, np.int8))}
 
     def _tension(self, tensions: Floats) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
         """The field of the tension on cords, the last of the lines, and NaN elsewhere; none without cords."""
