@@ -37,6 +37,23 @@ class MissingFileError(MembraneError, FileNotFoundError):
     """A file that was named is not there."""
 
 
+class MissingExtraError(MembraneError, ImportError):
+    """A library that comes with an extra of the package is not installed.
+
+    Attributes
+    ----------
+    extra : str
+        The extra to install, such as "plot".
+    """
+
+    def __init__(self, message: str, extra: str = "") -> None:
+        super().__init__(message)
+        self.extra = extra
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
+        return type(self), (str(self), self.extra)
+
+
 class OutputError(MembraneError, OSError):
     """A result that cannot be written."""
 

@@ -1,0 +1,71 @@
+"""Libraries that come with an extra: imported where they are needed, and named with their extra where they are missing.
+
+The extras are those of the package's metadata: `pip install "membrane_rs[plot]"`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+
+from membrane_rs.errors import MissingExtraError
+
+EXTRAS = {
+    "matplotlib": "plot",
+    "PIL": "plot",
+    "pyvista": "plot",
+    "k3d": "view",
+    "trame": "view",
+    "trame_vtk": "view",
+    "trame_vuetify": "view",
+    "distributed": "sweep",
+    "pyarrow": "sweep",
+    "pandas": "sweep",
+    "xarray": "notebook",
+}
+"""The smallest extra that brings a library, by the name under which that is imported."""
+
+
+def need(*modules: str, use: str = "") -> None:
+    """See that libraries of extras are installed, without importing them.
+
+    Parameters
+    ----------
+    *modules : str
+        Names under which they are imported.
+    use : str, optional
+        What they are for, as the beginning of the message. Default: the library's own name.
+
+    Raises
+    ------
+    MissingExtraError
+        One is not installed; the message says which extra to install.
+    """
+    for module in modules:
+        if not _is_installed(module):
+            raise missing(module, use)
+
+
+def extra(module: str, use: str = "") -> ModuleType:
+    """A library of an extra, imported. Raises MissingExtraError where it is not installed."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] not in EXTRAS:
+            raise
+        raise missing(error.name.partition(".")[0], use) from None
+
+
+def missing(module: str, use: str = "") -> MissingExtraError:
+    """The error that a library is not installed."""
+    name = EXTRAS[module]
+    reason = f"{use}: this needs {module}" if use else f"{module} is not installed"
+    return MissingExtraError(f'{reason}, which comes with the extra {name!r}; pip install "membrane_rs[{name}]"', name)
+
+
+def _is_installed(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):  # a module that was blocked has no specification
+        return False
