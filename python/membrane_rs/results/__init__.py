@@ -6,6 +6,7 @@ meshio is imported where it is used, not here.
 from __future__ import annotations
 
 from membrane_rs.results.crossing_counts import CrossingCounts, read_crossings
+from membrane_rs.results.experiment import Experiment, read_experiment
 from membrane_rs.results.history import read_history
 from membrane_rs.results.measures import deployment_rate, peak_stress
 from membrane_rs.results.pvd import read_pvd, write_pvd
@@ -14,9 +15,11 @@ from membrane_rs.results.vtk import read_frame, write_frame
 
 __all__ = [
     "CrossingCounts",
+    "Experiment",
     "deployment_rate",
     "peak_stress",
     "read_crossings",
+    "read_experiment",
     "read_frame",
     "read_history",
     "read_pvd",
