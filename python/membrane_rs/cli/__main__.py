@@ -1,4 +1,4 @@
-"""`python -m membrane_rs.cli` is the command `membrane-rs`."""
+"""`python -m membrane_rs.cli` is the command `membrane-rs`, as `python -m membrane_rs` is."""
 
 from membrane_rs.cli import main
 

@@ -1,107 +1,197 @@
-"""The application that holds the commands, and the reports of their errors."""
+"""The application that holds the commands: their panels in the help, their common options, their results as JSON.
+
+A command is a function with the decorator `command`, in a file of cli/ that `cli/__init__.py` imports. Its parameters
+are its arguments and options, the first line of its docstring says what it does.
+"""
 
 from __future__ import annotations
 
-import errno
-import os
-import sys
-import traceback
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+import inspect
+import json
+import re
+from collections.abc import Callable
+from copy import copy
+from functools import wraps
+from typing import Annotated, Any, get_args, get_origin
 
 import typer
+from typer.core import TyperGroup
+
+from membrane_rs.cli.reporting import (
+    FAILED,
+    INTERRUPTED,
+    TRACEBACK,
+    USAGE,
+    exit_code,
+    print_anything,
+    report_output,
+    reported_errors,
+    show_error,
+    tell,
+    warnings_of_run,
+    wordiness,
+)
+
+__all__ = [
+    "FAILED",
+    "INTERRUPTED",
+    "LOOKING",
+    "MANY_RUNS",
+    "RUNS",
+    "SCENES",
+    "STUDIES",
+    "TRACEBACK",
+    "USAGE",
+    "Json",
+    "app",
+    "command",
+    "exit_code",
+    "print_anything",
+    "print_json",
+    "report_output",
+    "reported_errors",
+    "show_error",
+    "tell",
+    "warnings_of_run",
+]
+
+SCENES, RUNS, LOOKING, MANY_RUNS, STUDIES = "Scenes", "Runs", "Looking", "Many runs", "Studies"
+PANELS = (SCENES, RUNS, LOOKING, MANY_RUNS, STUDIES)
+"""Panels of `membrane-rs --help`, in their order."""
+EXIT_CODES = (
+    "Exit codes: 0 success; 1 the run failed, or check found errors; 2 wrong usage, or an invalid scene or file; "
+    "128 and the number of the signal that ended it, such as 130 for Ctrl-C."
+)
+
+Json = Annotated[
+    bool, typer.Option("--json", help="Print the result as one JSON document; all else goes to the standard error.")
+]
+_Verbose = Annotated[
+    bool, typer.Option("--verbose", "-v", help="Show with an error the lines of Python that led to it.")
+]
+_Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Neither progress nor remarks; warnings and errors remain.")
+]
+
+
+class Commands(TyperGroup):
+    """The commands in the order of their panels."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Their names."""
+        panels = {name: getattr(each, "rich_help_panel", None) for name, each in self.commands.items()}
+        return sorted(panels, key=lambda name: PANELS.index(panels[name]) if panels[name] in PANELS else len(PANELS))
+
+
+def literal(words: str) -> str:
+    """Text for typer's help, in which `[s]` would be taken for markup of rich."""
+    return re.sub(r"\[(?=[a-zA-Z#/@])", r"\\[", words)
+
 
 app = typer.Typer(
     name="membrane-rs",
+    cls=Commands,
     help="Simulate the folding, spinning and deployment of thin membranes.",
+    epilog=f"membrane-rs COMMAND --help shows the options of a command, and an example.\n\n{EXIT_CODES}",
     no_args_is_help=True,
-    add_completion=False,
+    rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
 
-TRACEBACK = "MEMBRANE_RS_TRACEBACK"
-"""The environment variable with which an unexpected error shows where it arose."""
+
+def _show_versions(wanted: bool) -> None:
+    """The versions of what takes part in the numbers, and the vector instructions of the core."""
+    if wanted:
+        from membrane_rs import Scene, Simulation, Tether
+        from membrane_rs.results.summary import versions
+
+        smallest = Simulation(Scene(None, None, parts=[Tether((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1, 10.0, 1e-4)]))
+        found = versions()
+        typer.echo(f"membrane-rs {found.pop('membrane_rs')}")
+        for name, version in {**found, "instructions": smallest.instructions}.items():
+            typer.echo(f"{name} {version}")
+        raise typer.Exit
 
 
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    typer.secho(f"Warning: {message}", fg="yellow", err=True)
+@app.callback()
+def _root(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_versions, is_eager=True, help="Show versions and processor, and end."),
+    ] = False,
+    verbose: _Verbose = False,
+    quiet: _Quiet = False,
+) -> None:
+    wordiness.verbose, wordiness.quiet = verbose, quiet
 
 
-FAILED, USAGE, INTERRUPTED = 1, 2, 130
+def command(
+    panel: str, *, example: str, name: str | None = None, hidden: bool = False
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make a function a command: its errors are reported, and it takes `--verbose` and `--quiet`.
 
-
-def exit_code(stop: KeyboardInterrupt) -> int:
-    """128 and the number of the signal, as a shell has it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
-    return 128 + int(getattr(stop, "signum", INTERRUPTED - 128))
-
-
-@contextmanager
-def reported_errors() -> Iterator[None]:
-    """Report an error of membrane_rs in one red line, and any other one as a fault of the program."""
-    from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
-    from membrane_rs.runs import signals
-
-    print_anything()
-    try:
-        with signals.interruptible(), warnings.catch_warnings():
-            warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
-            warnings.simplefilter("ignore", AuditWarning)  # the commands report the audit themselves
-            warnings.showwarning = _show_warning
-            yield
-    except MembraneError as error:
-        typer.secho(f"Error: {' '.join(str(error).split())}", fg="red", err=True)
-        raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
-    except KeyboardInterrupt as stop:
-        typer.echo("Stopped; nothing was written.", err=True)
-        raise typer.Exit(exit_code(stop)) from None
-    except Exception as error:
-        if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
-            raise
-        _report(error)
-        raise typer.Exit(FAILED) from None
-
-
-@contextmanager
-def warnings_of_run() -> Iterator[None]:
-    """Report what a run warns of when it is over: what its stages begin with, and what its bodies did."""
-    from membrane_rs.errors import AuditWarning
-
-    caught: list[warnings.WarningMessage] = []
-    try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", AuditWarning)
-            yield
-    finally:
-        for warning in caught:
-            text = str(warning.message).removeprefix("warning: ")
-            warnings.showwarning(text, warning.category, warning.filename, warning.lineno)
-
-
-def print_anything() -> None:
-    """Let names of files that are no text, or that the terminal's encoding lacks, be shown by escapes."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="backslashreplace")
-
-
-def report_output(error: OSError) -> None:
-    """Report that the standard output cannot be written, and write to it no more.
-
-    Raises the error where it is another one, or that of a reader that has seen enough (`| head`).
+    Parameters
+    ----------
+    panel :
+        One of `PANELS`, under which the help lists it.
+    example :
+        One line that runs, without the program's name: "run spinning-tether --until 0.01".
+    name :
+        The command's name. Default: the function's, with hyphens.
+    hidden :
+        Whether the help leaves it out, as it does an old name.
     """
-    if error.filename is not None or error.errno == errno.EPIPE:
-        raise error
-    # What waits in the stream's buffer would fail once more when Python ends.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    typer.secho(f"Error: cannot write to the standard output: {error.strerror}", fg="red", err=True)
+
+    def register(function: Callable[..., None]) -> Callable[..., None]:
+        @wraps(function)
+        def call(*, verbose: bool, quiet: bool, **options: Any) -> None:
+            wordiness.verbose |= verbose
+            wordiness.quiet |= quiet
+            with reported_errors():
+                function(**options)
+
+        given = inspect.signature(function, eval_str=True)
+        kinds = {key: each.annotation for key, each in given.parameters.items()} | {
+            "verbose": _Verbose, "quiet": _Quiet
+        }  # fmt: skip
+        kinds = {key: _with_literal_help(kind) for key, kind in kinds.items()}
+        common = [
+            inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kinds[key])
+            for key in ("verbose", "quiet")
+        ]
+        own = [each.replace(annotation=kinds[key]) for key, each in given.parameters.items()]
+        call.__signature__ = given.replace(parameters=[*own, *common])  # type: ignore[attr-defined]
+        call.__annotations__ = kinds
+        app.command(
+            name,
+            help=literal(inspect.getdoc(function) or ""),
+            epilog=literal(f"Example: membrane-rs {example}"),
+            rich_help_panel=panel,
+            hidden=hidden,
+        )(call)
+        return function
+
+    return register
 
 
-def _report(error: Exception) -> None:
-    """Ask to report a fault of this program."""
-    if os.environ.get(TRACEBACK):
-        traceback.print_exception(error)
-    text = f"Error: unexpected {type(error).__name__}: {' '.join(str(error).split())}. This is a fault of membrane_rs"
-    how = f"please report it with the scene; {TRACEBACK}=1 in the environment shows where it arose"
-    typer.secho(f"{text}; {how}", fg="red", err=True)
+def _with_literal_help(kind: Any) -> Any:
+    """An annotated type whose help is shown letter by letter."""
+    if get_origin(kind) is not Annotated:
+        return kind
+    plain, *notes = get_args(kind)
+    shown = []
+    for note in map(copy, notes):
+        if isinstance(getattr(note, "help", None), str):
+            note.help = literal(note.help)
+        shown.append(note)
+    annotated: Any = Annotated
+    both = (plain, *shown)
+    return annotated[both]
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on the standard output; NaN and infinities become null."""
+    from membrane_rs.results.summary import plain
+
+    typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))

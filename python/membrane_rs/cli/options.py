@@ -57,10 +57,10 @@ def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
 
 
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
-Until = Annotated[float | None, numeric_option(help="Simulated time at the end (s). Default: the scene's.")]
+Until = Annotated[float | None, numeric_option(help="Simulated time at the end [s]. Default: the scene's.")]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
 Dt = Annotated[
-    float | None, numeric_option(help="Step (s). Default: from stability and slow motion; dopri5: by its error.")
+    float | None, numeric_option(help="Step [s]. Default: from stability and slow motion; dopri5: by its error.")
 ]
 Tolerance = Annotated[float | None, numeric_option(help="Tolerance for the error of dopri5. Default: the scene's.")]
 SpectralRadius = Annotated[

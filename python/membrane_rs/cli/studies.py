@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from membrane_rs._renamed import deprecated
-from membrane_rs.cli.application import app, reported_errors
+from membrane_rs.cli.application import STUDIES, command, tell
 from membrane_rs.cli.options import (
     Ensemble,
     Integrator,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from membrane_rs.study import Ablation, WorkPrecision
 
 
-@app.command()
+@command(STUDIES, example="stability spinning-tether --values 0,0.02 --steps 0.5,1.05 --until 0.001")
 def stability(
     scene: SceneArgument,
     *,
@@ -46,29 +46,28 @@ def stability(
     out: Out = None,
 ) -> None:
     """Map the outcome of runs over step and one parameter: fine, inaccurate, energy injected, blown up."""
-    with reported_errors():
-        from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
+    from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
-        chosen = load(scene)
-        report_audit(chosen)
-        names = integrator.split(",") if integrator else explicit_integrators(chosen)
-        cells = stability_map(
-            chosen,
-            parameter,
-            numbers(values, "--values"),
-            methods=names,
-            shares=numbers(steps, "--steps"),
-            until=until,
-            progress=lambda cell: typer.echo(
-                f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
-                f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
-            ),
-        )
-        for path in write_map(cells, parameter, out or Path("runs") / f"{chosen.name}-stability", chosen.name):
-            typer.echo(f"Wrote {path}")
+    chosen = load(scene)
+    report_audit(chosen)
+    names = integrator.split(",") if integrator else explicit_integrators(chosen)
+    cells = stability_map(
+        chosen,
+        parameter,
+        numbers(values, "--values"),
+        methods=names,
+        shares=numbers(steps, "--steps"),
+        until=until,
+        progress=lambda cell: typer.echo(
+            f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
+            f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
+        ),
+    )
+    for path in write_map(cells, parameter, out or Path("runs") / f"{chosen.name}-stability", chosen.name):
+        typer.echo(f"Wrote {path}")
 
 
-@app.command("work-precision")
+@command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1")
 def work_precision(
     scene: SceneArgument,
     *,
@@ -84,41 +83,39 @@ def work_precision(
     ] = "",
     error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
     repeats: Annotated[int | None, count_option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
-    budget: Annotated[float | None, numeric_option(help="Leave out runs that take longer on one core (s).")] = None,
+    budget: Annotated[float | None, numeric_option(help="Leave out runs that take longer on one core [s].")] = None,
     mesh: Annotated[bool, typer.Option("--mesh", help="Refine the mesh instead of the step: see mesh-study.")] = False,
     rows: Rows = "8,16",
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Draw a work-precision diagram: error against cost of each method, over a series of steps."""
-    with reported_errors():
-        from membrane_rs.study import work_precision as study
+    from membrane_rs.study import work_precision as study
 
-        if mesh:
-            _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
-            return
+    if mesh:
+        _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+        return
 
-        chosen = load(scene)
-        report_audit(chosen)
-        names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
-        meshes = numbers(density, "--density") if density else []
-        found = study(
-            chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
-            repeats=repeats, budget=budget, jobs=jobs, progress=_tell,
-        )  # fmt: skip
-        _save(found, out or Path("runs") / f"{chosen.name}-work-precision")
+    chosen = load(scene)
+    report_audit(chosen)
+    names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
+    meshes = numbers(density, "--density") if density else []
+    found = study(
+        chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
+        repeats=repeats, budget=budget, jobs=jobs, progress=tell,
+    )  # fmt: skip
+    _save(found, out or Path("runs") / f"{chosen.name}-work-precision")
 
 
-@app.command("chart", help="The old name of work-precision.")
-@wraps(work_precision)
+@command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1", hidden=True)
+@wraps(work_precision, assigned=())
 def chart(**options: Any) -> None:
     """The old name of work-precision."""
-    with reported_errors():
-        deprecated("membrane-rs chart", "use membrane-rs work-precision")
+    deprecated("membrane-rs chart", "use membrane-rs work-precision")
     work_precision(**options)
 
 
-@app.command()
+@command(STUDIES, example="ablate spinning-tether --until 0.01 --ensemble 1")
 def ablate(
     scene: SceneArgument,
     *,
@@ -130,24 +127,23 @@ def ablate(
     ensemble: Ensemble = None,
     integrator: Integrator = None,
     share: Annotated[float | None, numeric_option(help="Steps in multiples of the stability limit.")] = None,
-    dense_until: Annotated[float | None, numeric_option(help="End of the run on the denser mesh (s).")] = None,
+    dense_until: Annotated[float | None, numeric_option(help="End of the run on the denser mesh [s].")] = None,
     jobs: Jobs = None,
     out: Out = None,
 ) -> None:
     """Leave out each law and part in turn, and write the smallest scene that keeps the tolerance."""
-    with reported_errors():
-        from membrane_rs.study import ablate as study
+    from membrane_rs.study import ablate as study
 
-        chosen, members = load(scene), 5 if ensemble is None else ensemble
-        report_audit(chosen)
-        found = study(
-            chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
-            dense_until=dense_until, jobs=jobs, progress=_tell,
-        )  # fmt: skip
-        _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+    chosen, members = load(scene), 5 if ensemble is None else ensemble
+    report_audit(chosen)
+    found = study(
+        chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
+        dense_until=dense_until, jobs=jobs, progress=tell,
+    )  # fmt: skip
+    _save(found, out or Path("runs") / f"{chosen.name}-ablation")
 
 
-@app.command("mesh-study")
+@command(STUDIES, example="mesh-study okuizumi-model-1 --rows 2,4 --until 0.0001 --jobs 1")
 def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
@@ -159,16 +155,15 @@ def mesh_study(
     out: Out = None,
 ) -> None:
     """Run a square sail at several mesh densities, and measure the order of convergence of its curves."""
-    with reported_errors():
-        _study_meshes(
-            scene,
-            rows=rows,
-            forms=forms.split(",") if forms else None,
-            ensemble=ensemble,
-            until=until,
-            jobs=jobs,
-            out=out,
-        )
+    _study_meshes(
+        scene,
+        rows=rows,
+        forms=forms.split(",") if forms else None,
+        ensemble=ensemble,
+        until=until,
+        jobs=jobs,
+        out=out,
+    )
 
 
 def _study_meshes(
@@ -189,14 +184,9 @@ def _study_meshes(
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]
     made = study(
-        chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=_tell
+        chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=tell
     )
     typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
-
-
-def _tell(words: str) -> None:
-    """Report the progress of a study on the standard error, apart from its result."""
-    typer.echo(words, err=True)
 
 
 def _save(study: Ablation | WorkPrecision, folder: Path) -> None:

@@ -356,17 +356,17 @@ def add_findings(summary: dict[str, Any], findings: Iterable[Finding]) -> None:
 
 def write_summary(path: Path, summary: dict[str, Any]) -> None:
     """Write `summary` as JSON onto the disk, whole or absent; NaN and infinities become null. Raises OutputError."""
-    write_text(path, json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n", synced=True)
+    write_text(path, json.dumps(plain(summary), indent=2, allow_nan=False) + "\n", synced=True)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """`value` with numpy's types as Python's, and null for what JSON cannot say."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -285,6 +285,11 @@ class Motion(KnownAttributes, Copies, Readings):
         return self._stability()[0]
 
     @property
+    def instructions(self) -> str:
+        """The vector instructions that the core computes with: "baseline", "avx2" or "avx512"."""
+        return self._core.instructions
+
+    @property
     def limiting_part(self) -> str:
         """The law and node that set `stable_dt`, and the node set it lies in."""
         return self._stability()[1]

@@ -1,0 +1,5 @@
+"""`python -m membrane_rs` is the command `membrane-rs`."""
+
+from membrane_rs.cli import main
+
+main()

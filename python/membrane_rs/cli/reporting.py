@@ -1,0 +1,125 @@
+"""What the commands say beside their results, all on the standard error: remarks, warnings, errors.
+
+`--verbose` adds to each error the Python lines that led to it, `--quiet` leaves out remarks and progress.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import typer
+
+FAILED, USAGE, INTERRUPTED = 1, 2, 130
+"""Exit codes: the run failed; wrong usage or input; ended by Ctrl-C."""
+TRACEBACK = "MEMBRANE_RS_TRACEBACK"
+"""The environment variable that does what `--verbose` does."""
+
+
+@dataclass
+class Wordiness:
+    """How much a command says."""
+
+    verbose: bool = False
+    quiet: bool = False
+
+
+wordiness = Wordiness()
+"""Of the command that runs: there is one in a process."""
+
+
+def tell(words: str) -> None:
+    """A remark on the standard error, apart from the results; nothing with `--quiet`."""
+    if not wordiness.quiet:
+        typer.echo(words, err=True)
+
+
+def exit_code(stop: KeyboardInterrupt) -> int:
+    """128 and the number of the signal, as a shell has it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
+    return 128 + int(getattr(stop, "signum", INTERRUPTED - 128))
+
+
+@contextmanager
+def reported_errors() -> Iterator[None]:
+    """Report an error of membrane_rs in one red line, and any other one as a fault of the program."""
+    from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
+    from membrane_rs.runs import signals
+
+    print_anything()
+    try:
+        with signals.interruptible(), warnings.catch_warnings():
+            warnings.filterwarnings("default", ".* is deprecated and is removed in version ", DeprecationWarning)
+            warnings.simplefilter("ignore", AuditWarning)  # the commands report the audit themselves
+            warnings.showwarning = _show_warning
+            yield
+    except MembraneError as error:
+        _show_traceback(error)
+        show_error(str(error))
+        raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
+    except KeyboardInterrupt as stop:
+        typer.echo("Stopped; nothing was written.", err=True)
+        raise typer.Exit(exit_code(stop)) from None
+    except Exception as error:
+        if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
+            raise
+        _show_traceback(error)
+        what = f"unexpected {type(error).__name__}: {error}. This is a fault of membrane_rs"
+        show_error(f"{what}; please report it with the scene, and with what --verbose shows")
+        raise typer.Exit(FAILED) from None
+
+
+@contextmanager
+def warnings_of_run() -> Iterator[None]:
+    """Report what a run warns of when it is over: what its stages begin with, and what its bodies did."""
+    from membrane_rs.errors import AuditWarning
+
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", AuditWarning)
+            yield
+    finally:
+        for warning in caught:
+            text = str(warning.message).removeprefix("warning: ")
+            warnings.showwarning(text, warning.category, warning.filename, warning.lineno)
+
+
+def show_error(words: str) -> None:
+    """An error in one red line."""
+    typer.secho(f"Error: {' '.join(words.split())}", fg="red", err=True)
+
+
+def print_anything() -> None:
+    """Let names of files that are no text, or that the terminal's encoding lacks, be shown by escapes."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def report_output(error: OSError) -> None:
+    """Report that the standard output cannot be written, and write to it no more.
+
+    Raises the error where it is another one, or that of a reader that has seen enough (`| head`).
+    """
+    if error.filename is not None or error.errno == errno.EPIPE:
+        raise error
+    # What waits in the stream's buffer would fail once more when Python ends.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    show_error(f"cannot write to the standard output: {error.strerror}")
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    typer.secho(f"Warning: {message}", fg="yellow", err=True)
+
+
+def _show_traceback(error: Exception) -> None:
+    """The lines of Python that led to an error, where they are asked for."""
+    if wordiness.verbose or os.environ.get(TRACEBACK):
+        traceback.print_exception(error)

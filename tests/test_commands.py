@@ -1,0 +1,70 @@
+"""Every command: its help, its example, its options, its exit codes."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from typing import Any
+
+import pytest
+from membrane_rs.cli import app
+from membrane_rs.cli.application import PANELS, literal
+from typer.main import get_command
+from typer.testing import CliRunner
+
+ROOT: Any = get_command(app)
+COMMANDS: dict[str, Any] = ROOT.commands
+WIDTH = 80
+
+
+def shown(*words: str, code: int = 0, width: int = WIDTH) -> str:
+    """What a command prints at the width of a common terminal."""
+    result = CliRunner(env={"COLUMNS": str(width), "TERMINAL_WIDTH": str(width)}).invoke(app, list(words))
+    assert result.exit_code == code, result.output
+    return result.output
+
+
+def examples(name: str) -> list[list[str]]:
+    """The examples in the help of a command, as words behind the program's name."""
+    lines = re.findall(r"^Example: membrane-rs (.+)$", COMMANDS[name].epilog or "", re.MULTILINE)
+    return [shlex.split(line) for line in lines]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_of_a_command(name: str) -> None:
+    text = shown(name, "--help")
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert f"Example: membrane-rs {name}" in text or COMMANDS[name].hidden
+    for option in COMMANDS[name].params:
+        assert option.help, option.name
+        assert option.help.endswith("."), option.help
+    assert COMMANDS[name].rich_help_panel in PANELS
+    assert {"verbose", "quiet"} <= {option.name for option in COMMANDS[name].params}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_example_of_a_command_parses(name: str) -> None:
+    assert examples(name)
+    for command, *words in examples(name):
+        assert command == name or COMMANDS[name].hidden
+        COMMANDS[command].make_context(command, words)
+
+
+def test_the_help_lists_all_commands_and_exit_codes() -> None:
+    text = shown("--help")
+    used = {command.rich_help_panel for command in COMMANDS.values()}
+    places = [text.index(f" {panel} ─") for panel in PANELS if panel in used]
+    assert places == sorted(places)
+    for name, command in COMMANDS.items():
+        assert (f"│ {name} " in text) != command.hidden
+    assert "Exit codes: 0 success" in text
+
+
+def test_units_in_brackets_are_no_markup() -> None:
+    assert "[s]" in shown("run", "--help")
+    assert literal("[s] [1/s] [-] [N m]") == r"\[s] [1/s] [-] \[N m]"
+
+
+def test_versions() -> None:
+    words = [line.split()[0] for line in shown("--version").splitlines()]
+    assert words == ["membrane-rs", "python", "numpy", "platform", "instructions"]
