@@ -1,0 +1,191 @@
+"""A membrane and what is around it, as actors of a pyvista plotter: off-screen, in a window, in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs.plotting.camera import ANGLE_DEG, Camera
+from membrane_rs.plotting.picture import (
+    BODY,
+    CORD,
+    CREASE,
+    EDGE,
+    EDGE_SHARE,
+    MARK,
+    PLANE_OPACITY,
+    SPOOL,
+    TIP,
+    Color,
+    Subject,
+    turned,
+)
+from membrane_rs.plotting.scenery import cylinder_ends, plane_corners, turned_solid
+from membrane_rs.scene.solid import Solid
+
+Colors = NDArray[np.uint8]
+"""(k, 3), 0 to 255."""
+
+LIFT = 0.004
+"""How far lines stand before the faces, as a share of what the picture reaches."""
+LIGHTS = (((-0.70, 0.70, 0.75), 0.85), ((0.45, -0.20, 0.90), 0.40))
+"""Direction (to the right, upwards, to the camera) and intensity: a bright light from the left, a weak one from the
+right.
+"""
+
+
+class MembraneActors:
+    """The actors of one subject in a `pyvista.Plotter` that has no lights; `size` of its pictures [pixels]."""
+
+    def __init__(self, plotter: Any, subject: Subject, size: int) -> None:
+        self._plotter, self._subject = plotter, subject
+        self._points = np.zeros((_highest_node(subject) + 1, 3))
+        self._moving: list[Any] = []
+        self._faces: list[tuple[Any, Any]] = []
+        self._lines: list[Any] = []
+        self._solids: list[Any] = []
+        if len(subject.triangles):
+            self._add_membrane(subject)
+        self._add_lines(subject.creases, CREASE, max(1.5, size / 280.0))
+        self._add_lines(subject.cords, CORD, max(1.5, size / 300.0))
+        if len(subject.tips):
+            tips = self._cloud(np.column_stack([np.ones(len(subject.tips), np.int64), subject.tips]), "verts")
+            plotter.add_mesh(
+                tips,
+                color=TIP,
+                style="points",
+                point_size=size / 55.0,
+                render_points_as_spheres=True,
+                ambient=0.5,
+            )
+        self._spool = [] if subject.spool is None else self._add_spool(subject.spool)
+
+    def show(self, positions: Floats, hub_angle: float, solids: Sequence[Solid], camera: Camera) -> None:
+        """Move all to positions (N, 3) [m], turned about z by `hub_angle` [rad]; `camera` bounds what is endless."""
+        points = turned(positions, hub_angle)
+        for cloud in self._moving:
+            cloud.points = points[: cloud.n_points]
+        for actor in self._spool:
+            actor.orientation = (0.0, 0.0, float(np.degrees(hub_angle)))
+        self._place(solids, hub_angle, camera)
+
+    def lift(self, reach: float, view: Floats) -> None:
+        """Lift lines from the faces they lie in towards a camera in the direction `view` (3,), which reaches so far
+        [m].
+        """
+        for actor in self._lines:
+            actor.position = tuple(LIFT * reach * view)
+
+    def _cloud(self, cells: Ints, kind: str) -> Any:
+        """Points that move, with cells (k, 1 + nodes) of one kind: "faces", "lines" or "verts"."""
+        import pyvista
+
+        named: dict[str, Any] = {kind: cells.ravel()}
+        cloud = pyvista.PolyData(self._points.copy(), **named)
+        self._moving.append(cloud)
+        return cloud
+
+    def _add_membrane(self, subject: Subject) -> None:
+        """The two faces, each drawn where the other is hidden, flat shaded so that folds show."""
+        faces = np.column_stack([np.full(len(subject.triangles), 3), subject.triangles])
+        for back in (False, True):
+            cloud = self._cloud(faces, "faces")
+            actor = self._plotter.add_mesh(
+                cloud,
+                scalars=film_colors(subject, back),
+                rgb=True,
+                culling="front" if back else "back",
+                diffuse=0.75,
+                ambient=0.38,
+                specular=0.15,
+                specular_power=12.0,
+                smooth_shading=False,
+                show_scalar_bar=False,
+                show_edges=subject.has_edges,
+                edge_color=EDGE,
+                edge_opacity=EDGE_SHARE,
+                line_width=1.0,
+            )
+            self._faces.append((cloud, actor))
+
+    def _add_lines(self, pairs: Ints, color: Color, width: float) -> None:
+        """Straight lines between pairs of nodes, lifted towards the camera from the faces they lie in."""
+        if not len(pairs):
+            return
+        lines = self._cloud(np.column_stack([np.full(len(pairs), 2), pairs]), "lines")
+        self._lines.append(self._plotter.add_mesh(lines, color=color, line_width=width, lighting=False))
+
+    def _add_spool(self, spool: tuple[float, float, float]) -> list[Any]:
+        """The spool, and a bar on its top that shows how far it has turned."""
+        import pyvista
+
+        radius, low, high = spool
+        body = pyvista.Cylinder(
+            center=(0.0, 0.0, 0.5 * (low + high)),
+            direction=(0.0, 0.0, 1.0),
+            radius=radius,
+            height=high - low,
+            resolution=60,
+        )
+        (left, near), (right, far) = MARK[0], MARK[2]
+        bar = np.array((left, right, near, far, 0.0, 0.05)) * radius + (0.0, 0.0, 0.0, 0.0, high, high)
+        mark = pyvista.Box(bounds=tuple(bar))
+        return [
+            self._plotter.add_mesh(body, color=SPOOL, diffuse=0.7, ambient=0.35),
+            self._plotter.add_mesh(mark, color=CORD),
+        ]
+
+    def _place(self, solids: Sequence[Solid], hub_angle: float, camera: Camera) -> None:
+        """Bodies as they stand, in place of those shown before."""
+        import pyvista
+
+        for actor in self._solids:
+            self._plotter.remove_actor(actor, render=False)
+        self._solids = []
+        for solid in (turned_solid(solid, hub_angle) for solid in solids):
+            if solid.radius is None:
+                mesh = pyvista.PolyData(plane_corners(solid, camera), faces=np.array([4, 0, 1, 2, 3]))
+            else:
+                low, high = cylinder_ends(solid)
+                mesh = pyvista.Cylinder(
+                    center=0.5 * (low + high),
+                    direction=solid.direction,
+                    radius=solid.radius,
+                    height=float(np.linalg.norm(high - low)),
+                    resolution=24,
+                )
+            opacity = PLANE_OPACITY if solid.radius is None else 1.0
+            actor = self._plotter.add_mesh(
+                mesh, color=BODY, diffuse=0.7, ambient=0.35, opacity=opacity, reset_camera=False, render=False
+            )
+            self._solids.append(actor)
+
+
+def film_colors(subject: Subject, back: bool) -> Colors:
+    """(m, 3) colour of each triangle of the bare film, of its upper or lower face."""
+    return np.round(255.0 * subject.colors(back)).astype(np.uint8)
+
+
+def aim(plotter: Any, seen: Camera) -> None:
+    """Set the camera of a plotter."""
+    camera, centre, distance = plotter.camera, seen.centre, seen.distance
+    camera.position, camera.focal_point = tuple(centre + distance * seen.view), tuple(centre)
+    camera.up, camera.view_angle = tuple(seen.up), ANGLE_DEG
+    camera.clipping_range = (0.4 * distance, 1.6 * distance)
+
+
+def silence_vtk() -> None:
+    """Keep VTK from writing warnings about missing displays to the terminal."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+
+
+def _highest_node(subject: Subject) -> int:
+    """The highest node index that is drawn."""
+    parts = (subject.triangles, subject.creases, subject.cords, subject.tips)
+    return max(int(part.max()) for part in parts if len(part))
