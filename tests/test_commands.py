@@ -19,7 +19,7 @@ WIDTH = 80
 
 def shown(*words: str, code: int = 0, width: int = WIDTH) -> str:
     """What a command prints at the width of a common terminal."""
-    result = CliRunner(env={"COLUMNS": str(width), "TERMINAL_WIDTH": str(width)}).invoke(app, list(words))
+    result = CliRunner(env={"COLUMNS": str(width)}).invoke(app, list(words))
     assert result.exit_code == code, result.output
     return result.output
 
