@@ -141,7 +141,7 @@ def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
         assert sim.step_count == 0
     sim.run(until=0.001, checkpoint=5.0, observers=[RunFolder(tmp_path / "run", pictures=False)])
     refused(lambda: varied(SCENE, "run.frames", "8"), InputError, "must be a whole number")
-    refused(lambda: varied(SCENE, 3, 8), InputTypeError, "parameter = 3: must be a name such as")  # type: ignore[arg-type]
+    refused(lambda: varied(SCENE, 3, 8), InputTypeError, "key 3: must be a name such as")  # type: ignore[arg-type]
     assert varied(SCENE, "run.frames", 8.0).run.frames == 8
     refused(lambda: RunSettings(short_steps=4, substeps=2), InputError, "is the old name of substeps")  # type: ignore[call-arg]
 

@@ -123,11 +123,11 @@ def test_check_prints_both() -> None:
 @pytest.mark.parametrize(
     ("parameter", "value", "kind", "words"),
     [
-        ("laws.crease.stiffness", 1.0, SceneError, "did you mean 'creases'"),
+        ("laws.crease.stiffness", 1.0, SceneError, "did you mean 'laws.creases.stiffness'"),
         ("laws.springs.bucklin", 1.0, SceneError, "did you mean 'buckling'"),
-        ("springs", 1.0, SceneError, "this scene has none of that name"),
+        ("springs", 1.0, SceneError, "this scene has no value of that name; did you mean 'laws.springs"),
         ("laws.springs.buckling", -1.0, InputError, "buckling = -1"),
-        ("parts.7.nodes", 1.0, SceneError, "no such key"),
+        ("parts.7.nodes", 1.0, SceneError, "no value of that name; did you mean 'parts.0.nodes'"),
     ],
 )
 def test_wrong_parameters(parameter: str, value: float, kind: type[Exception], words: str) -> None:

@@ -304,7 +304,12 @@ def range_of(cls: type, name: str) -> str:
     return " and ".join(f"{word} {bound:g}" for word, bound in found.items())
 
 
-def _is_table(cls: type, name: str) -> bool:
+def is_whole(cls: type, name: str) -> bool:
+    """Whether a field holds a whole number."""
+    return any(isinstance(item, BeforeValidator) and item.func is _whole for item in _metadata(cls, name))
+
+
+def is_table(cls: type, name: str) -> bool:
     """Whether a field is a table, whose entries have keys."""
     info = getattr(cls, "__pydantic_fields__", {}).get(name)
     return info is not None and get_origin(info.annotation) is dict
@@ -369,7 +374,7 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
         return f"{prefix}.{name}: no such key; {nearest(name, known)}"
     if kind == "unexpected_positional_argument":
         return f"{prefix}: too many values ({show(detail['input'])}); it takes {', '.join(known)}"
-    kinds = (int, str) if _is_table(cls, name) else (int,)
+    kinds = (int, str) if is_table(cls, name) else (int,)
     where = f"{prefix}.{name}" + "".join(f"[{show(i)}]" for i in place[1:] if isinstance(i, kinds))
     unit = unit_of(cls, name)
     suffix = f" ({unit})" if unit else ""

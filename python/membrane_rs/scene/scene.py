@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TypeVar, overload
+from typing import Any, TypeVar, overload
 
 from membrane_rs._files import output_errors, path_of, write_text
 from membrane_rs._validation import check_text, computable, show
@@ -23,6 +23,7 @@ from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
 from membrane_rs.scene.staging import check_same_nodes, check_stages, planned_starts, staged
 from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
+from membrane_rs.scene.values import with_values
 
 SCENE_FILE = "scene.toml"
 LONGEST_NAME = 100
@@ -146,6 +147,41 @@ class Scene:
         if index not in self._staged:
             self._staged[index] = staged(self, index, planned)
         return self._staged[index]
+
+    def with_values(self, values: Mapping[str, Any]) -> Scene:
+        """The scene with other values, by dotted keys.
+
+        Parameters
+        ----------
+        values : mapping of str to object
+            Values, in SI units, by keys as in scene files: "material.thickness", "laws.creases.stiffness",
+            "parts.<name or index>.mass", "bodies.<name>.radius", "stages.<name or index>.duration", "run.dt", "name",
+            and "mesh.fold_lines", of the pattern that made the mesh, which is then made anew. A key of a law that the
+            scene lacks adds the law, with defaults for all else. A law, part or body by itself ("laws.creases") takes
+            True (with its defaults, unless it is there), False (without it), or a table of several keys. Keys go into
+            schedules and into what stages set: "laws.spin.schedule.ease", "stages.deploy.set.laws.creases.stiffness".
+            None takes an optional value away.
+
+        Returns
+        -------
+        Scene
+            A new one; this one is as it was.
+
+        Raises
+        ------
+        SceneError
+            No such key, with the nearest one; two values for one key; values that the rest of the scene refuses.
+        InputError, InputTypeError
+            A value outside its range, or of a wrong type.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scene = scenes.load("okuizumi-model-1").with_values({"laws.creases.stiffness": 20, "mesh.fold_lines": 3})
+        >>> scene.law("creases").stiffness, scene.mesh.source.strips
+        (20.0, 4)
+        """
+        return with_values(self, values)
 
     @cached_property
     def _staged(self) -> dict[int, Scene]:

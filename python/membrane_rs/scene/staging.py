@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from membrane_rs._validation import build, nearest, show
+from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
-from membrane_rs.material import Material
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.bodies import Body
-from membrane_rs.scene.law import Law
-from membrane_rs.scene.part import Part
-from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, RunSettings
+from membrane_rs.scene.places import SINGLE, Changeable, Place, located, names_of, places_of
+from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS
 from membrane_rs.scene.stage import Stage
 
 MOST_STAGES = 100
@@ -31,46 +28,7 @@ SECTIONS = ("material", "laws", "parts", "bodies", "run")
 """What dotted keys begin with."""
 
 
-class Staged(Protocol):
-    """What of a scene its stages need."""
-
-    @property
-    def material(self) -> Material | None:
-        """Of the membrane."""
-
-    @property
-    def laws(self) -> Sequence[Law]:
-        """All laws."""
-
-    @property
-    def parts(self) -> Sequence[Part]:
-        """All parts."""
-
-    @property
-    def bodies(self) -> Sequence[Body]:
-        """All bodies."""
-
-    @property
-    def run(self) -> RunSettings:
-        """How it is run."""
-
-    @property
-    def stages(self) -> Sequence[Stage]:
-        """The stages."""
-
-
-S = TypeVar("S", bound=Staged)
-
-
-@dataclass(frozen=True)
-class Place:
-    """Something of a scene that a stage may change."""
-
-    section: str
-    index: int
-    item: Any
-    name: str
-    """Of the law, part or body; empty where it has none."""
+S = TypeVar("S", bound=Changeable)
 
 
 def planned_starts(stages: Sequence[Stage]) -> list[float]:
@@ -78,7 +36,7 @@ def planned_starts(stages: Sequence[Stage]) -> list[float]:
     return [math.fsum(stage.duration for stage in stages[:k]) for k in range(len(stages) + 1)]
 
 
-def check_stages(scene: Staged) -> None:
+def check_stages(scene: Changeable) -> None:
     """Refuse stages that contradict each other or the scene. Raises SceneError."""
     stages = scene.stages
     if len(stages) > MOST_STAGES:
@@ -113,7 +71,7 @@ def check_same_nodes(first: Assembly, other: Assembly, where: str) -> None:
 def staged(scene: S, index: int, starts: Sequence[float]) -> S:
     """The scene of a stage, without stages, from the start times [s] of all stages up to it. Raises SceneError."""
     stage, where = scene.stages[index], f"stages[{index}]"
-    places = list(_places(scene))
+    places = list(places_of(scene))
     try:
         gone = _gone(places, stage, where)
         values = _values(scene, places, index, starts)
@@ -126,9 +84,9 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
             if place not in gone:
                 item, delay = place.item, starts[0]
                 if delay:
-                    item = _rebuilt(place, _delayed(item, delay), where)
+                    item = place.rebuilt(_delayed(item, delay), where)
                 if (own := values.get((place.section, place.index))) is not None:
-                    item = _rebuilt(replace(place, item=item), own, where)
+                    item = replace(place, item=item).rebuilt(own, where)
                     if place.section == "laws" and any(_find(places, key, where)[0] is place for key in stage.set):
                         item = item.within(starts[index], starts[index] + stage.duration)
                 made[place.section].append(item)
@@ -165,18 +123,6 @@ def _numbered_as_in_scene(kept: Sequence[Place]) -> Iterator[None]:
         raise type(error)(re.sub(r"\b(parts|bodies)\[(\d+)\]", in_scene, str(error))) from None
 
 
-def _places(scene: Staged) -> Iterator[Place]:
-    if scene.material is not None:
-        yield Place("material", 0, scene.material, "")
-    for k, law in enumerate(scene.laws):
-        yield Place("laws", k, law, law.kind)
-    for k, part in enumerate(scene.parts):
-        yield Place("parts", k, part, part.name or "")
-    for k, body in enumerate(scene.bodies):
-        yield Place("bodies", k, body, body.name)
-    yield Place("run", 0, scene.run, "")
-
-
 def _gone(places: Sequence[Place], stage: Stage, where: str) -> list[Place]:
     """What is not at work in a stage."""
     named = {place.name: place for place in places if place.name}
@@ -204,7 +150,7 @@ class Changes:
 
     def all(self) -> dict[str, Any]:
         """All values that are not those of the scene."""
-        return _defaults(self.place.item, self.replaced) | self.values
+        return self.place.defaults(self.replaced) | self.values
 
     def set(self, name: str, value: Any, others: Sequence[str]) -> None:
         """Set a field, in place of others."""
@@ -213,7 +159,7 @@ class Changes:
 
 
 def _values(
-    scene: Staged, places: Sequence[Place], index: int, starts: Sequence[float]
+    scene: Changeable, places: Sequence[Place], index: int, starts: Sequence[float]
 ) -> dict[tuple[str, int], dict[str, Any]]:
     """The values of a stage in place of those of the scene, by place and key."""
     found = {(place.section, place.index): Changes(place) for place in places}
@@ -226,10 +172,10 @@ def _values(
         for key_of_place, values in own.items():
             changes = found[key_of_place]
             place = changes.place
-            replaced = {name: place.item.replaced_by(name) if place.section == "laws" else () for name in values}
+            replaced = {name: place.replaced_by(name) for name in values}
             others = {name: [other for other in replaced[name] if other not in values] for name in values}
-            defaults = _defaults(place.item, [other for of_name in others.values() for other in of_name])
-            made = _rebuilt(place, changes.all() | defaults | values, where)
+            defaults = place.defaults([other for of_name in others.values() for other in of_name])
+            made = place.rebuilt(changes.all() | defaults | values, where)
             for name in values:
                 value, names = getattr(made, name), (name, *replaced[name])
                 holds = _is_schedule(value) or any(
@@ -243,7 +189,7 @@ def _values(
         if place.section == "run":
             raise SceneError(f"{where}: settings of the run are not scaled; set them")
         if name not in {item.name for item in fields(place.item)}:
-            _rebuilt(place, {name: factor}, f"stages[{index}]")  # raises, and says which keys there are
+            place.rebuilt({name: factor}, f"stages[{index}]")  # raises, and says which keys there are
         changes = found[place.section, place.index]
         value = changes.now(name)
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -252,44 +198,26 @@ def _values(
     return {key: changes.all() for key, changes in found.items() if changes.all()}
 
 
-def _defaults(item: Any, names: Collection[str]) -> dict[str, Any]:
-    """The defaults of fields."""
-    return {entry.name: entry.default for entry in fields(item) if entry.name in names}
-
-
 def _find(places: Sequence[Place], key: str, where: str) -> tuple[Place, str]:
     """What a dotted key names, and the name of its field. Raises SceneError."""
     section, _, rest = key.partition(".")
-    if section not in {place.section for place in places} | {"run"}:
-        known = sorted({place.section for place in places})
+    known = sorted({place.section for place in places})
+    if section not in known:
         raise SceneError(f"{where}: {key!r}: does not begin with {', '.join(known)}; {nearest(section, known)}")
-    if section in ("material", "run"):
-        if section == "run" and rest not in OF_A_STAGE:
-            raise SceneError(f"{where}: {key!r}: is no setting of a stage; {nearest(rest, OF_A_STAGE)}")
-        return next(place for place in places if place.section == section), rest
-    name, _, field = rest.rpartition(".")
-    if field == "name":
-        raise SceneError(f"{where}: {key!r}: a stage renames nothing; leave it out")
-    of_section = [place for place in places if place.section == section]
-    known_names = {place.name: place for place in of_section if place.name}
-    if section != "laws":
-        known_names |= {str(place.index): place for place in of_section}
-    if not name or name not in known_names:
-        hint = nearest(name, known_names) if known_names else "the scene has none"
-        example = f"{section}.{next(iter(known_names), 'name')}.key"
+    place, field = located(places, key) or (None, "")
+    if place is None or not field:
+        named = names_of([place for place in places if place.section == section])
+        name, example = rest.rpartition(".")[0], f"{section}.{next(iter(named), 'name')}.key"
         if not name:
             what = f"is no key of a value; write one such as {example!r}, in quotes in files"
             raise SceneError(f"{where}: {key!r}: {what}")
+        hint = nearest(name, named) if named else "the scene has none"
         raise SceneError(f"{where}: {key!r}: {section} has no {name!r}; {hint}. A key is such as {example!r}")
-    return known_names[name], field
-
-
-def _rebuilt(place: Place, values: Mapping[str, Any], where: str) -> Any:
-    """What stands at a place, with other values of its fields, checked by its own class. Raises InputError."""
-    item = place.item
-    own = {field.name: getattr(item, field.name) for field in fields(item)}
-    label = place.section if place.section in ("material", "run") else f"{place.section}.{place.name or place.index}"
-    return build(type(item), own | dict(values), f"{where}: {label}")
+    if section == "run" and field not in OF_A_STAGE:
+        raise SceneError(f"{where}: {key!r}: is no setting of a stage; {nearest(field, OF_A_STAGE)}")
+    if section not in SINGLE and field == "name":
+        raise SceneError(f"{where}: {key!r}: a stage renames nothing; leave it out")
+    return place, field
 
 
 def _delayed(item: Any, by: float) -> dict[str, Any]:

@@ -1,0 +1,199 @@
+"""A scene with other values, by dotted keys: for studies, `--set` and sweeps."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+from membrane_rs._other_names import OTHER_NAMES
+from membrane_rs._renamed import deprecated, new_names
+from membrane_rs._validation import build, computable, is_table, is_whole, nearest, show
+from membrane_rs.errors import InputError, InputTypeError, SceneError
+from membrane_rs.scene.laws import LAWS
+from membrane_rs.scene.places import Changeable, Place, located, places_of
+
+S = TypeVar("S", bound=Changeable)
+
+OPTIONAL = ("laws", "parts", "bodies")
+"""Sections whose entries a scene may be without."""
+EXAMPLES = "laws.creases.stiffness, parts.0.mass, material.thickness, run.dt or mesh.rows (of a pattern)"
+MOST_NAMED = 3
+"""Keys, at most, that a message about an unknown one names."""
+LONGEST_KEY, LONGEST_SHOWN = 1000, 80
+
+
+@dataclass
+class Change:
+    """What is changed at one place."""
+
+    place: Place
+    values: dict[str, Any] = field(default_factory=dict)
+    """New values by the names of fields."""
+    is_gone: bool = False
+
+
+def with_values(scene: S, values: Mapping[str, Any]) -> S:
+    """`Scene.with_values`."""
+    if not isinstance(values, Mapping):
+        raise InputTypeError(f"values = {show(values)}: must be a table of values by keys such as {EXAMPLES}")
+    places = [*_places(scene)]
+    changes: dict[str, Change] = {}
+    top: dict[str, Any] = {}
+    given: dict[tuple[str, str], str] = {}
+    for key, value in _singly(places, values):
+        place, rest = _located(scene, places, key, value)
+        if (place.label, rest) in given:
+            other = given[place.label, rest]
+            raise SceneError(f"{_shown(key, value)}: {other} sets the same value; leave out one of them")
+        given[place.label, rest] = key
+        if place.section == "name":
+            top["name"] = value
+            continue
+        change = changes.setdefault(place.label, Change(place))
+        if not rest:
+            change.is_gone = value is False
+        else:
+            name, new = _field(change, rest, _shown(key, value), value)
+            change.values[name] = new
+        if change.is_gone and change.values:
+            raise SceneError(f"{change.place.label} = False: keys of it are set too; leave out one of them")
+    for section in dict.fromkeys(change.place.section for change in changes.values()):
+        top |= _changed(scene, section, [change for change in changes.values() if change.place.section == section])
+    whole: Any = scene
+    try:
+        made: S = replace(whole, **top)
+    except InputError as error:
+        several = ", ".join(_shown(key, value) for key, value in list(values.items())[:MOST_NAMED])
+        raise type(error)(f"with {several}: {error}") from None
+    return made
+
+
+def _places(scene: Changeable) -> Iterator[Place]:
+    """All of a scene that has values."""
+    yield from places_of(scene)
+    if scene.mesh is not None and is_dataclass(scene.mesh.source):
+        yield Place("mesh", 0, scene.mesh.source, "")
+    for k, stage in enumerate(scene.stages):
+        yield Place("stages", k, stage, stage.name)
+    yield Place("name", 0, None, "")
+
+
+def _singly(places: list[Place], values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Keys of single values: a table of several keys of one place is taken apart."""
+    for key, value in values.items():
+        if not isinstance(key, str) or len(key) > LONGEST_KEY:
+            raise InputTypeError(f"key {show(key)}: must be a name such as {EXAMPLES}")
+        is_whole_place = (found := located([*places, *_absent(places)], key)) is not None and not found[1]
+        if isinstance(value, Mapping) and is_whole_place:
+            if key.startswith("laws."):
+                yield key, True
+            for name, item in value.items():
+                yield f"{key}.{name}", item
+        else:
+            yield key, value
+
+
+def _absent(places: list[Place]) -> Iterator[Place]:
+    """Laws that the scene lacks; each would stand behind the others."""
+    there = {place.name for place in places if place.section == "laws"}
+    for kind, law in LAWS.items():
+        if kind not in there:
+            yield Place("laws", len(there), law, kind)
+
+
+def _located(scene: Changeable, places: list[Place], key: str, value: object) -> tuple[Place, str]:
+    """What a key names, and the rest of the key. Raises SceneError."""
+    place, rest = located([*places, *_absent(places)], key) or (None, "")
+    what = _shown(key, value)
+    if place is None and key == "name":
+        return places[-1], ""
+    if place is None or place.section == "name":
+        raise SceneError(f"{what}: this scene has no value of that name; {_hint(places, key)}")
+    if not rest and (place.section not in OPTIONAL or not isinstance(value, bool)):
+        off = ", true or false" if place.section in OPTIONAL else ""
+        raise SceneError(f"{what}: must be a table of its keys{off}; or set one key, such as {_keys(place)[0]}")
+    if place.section == "run" and rest == "until" and scene.stages:
+        last = scene.stages[-1].name
+        raise SceneError(f"{what}: the run ends with the last of the stages; set stages.{last}.duration")
+    return place, rest
+
+
+def _field(change: Change, rest: str, what: str, value: Any) -> tuple[str, Any]:
+    """The name of a field and its new value, from what a key says behind its place. Raises SceneError."""
+    name, _, inside = rest.partition(".")
+    item = change.place.item
+    kind = item if isinstance(item, type) else type(item)
+    renamed = new_names(kind)
+    if name in renamed:
+        deprecated(f"{change.place.label}.{name}", f"use {renamed[name]}", depth=3)
+        name = renamed[name]
+    known = [entry.name for entry in fields(kind)]
+    if name not in known:
+        raise SceneError(f"{what}: no such key; {nearest(name, known)}")
+    if not inside:
+        if value == {} and not is_table(kind, name):
+            return name, None
+        is_count = isinstance(value, float) and value.is_integer() and is_whole(kind, name)
+        return name, int(value) if is_count else value
+    now = change.values.get(name, None if isinstance(item, type) else getattr(item, name))
+    if isinstance(now, Mapping):
+        return name, {**now, inside: value}
+    if not is_dataclass(now):
+        raise SceneError(f"{what}: {change.place.label}.{name} is no table; leave .{inside} out")
+    own = {entry.name: getattr(now, entry.name) for entry in fields(now)}
+    if inside not in own:
+        raise SceneError(f"{what}: no such key; {nearest(inside, own)}")
+    return name, {**own, inside: value}
+
+
+def _changed(scene: Changeable, section: str, changes: list[Change]) -> dict[str, Any]:
+    """The field of a scene that holds a section, with its changes."""
+    if section == "mesh":
+        (change,) = changes
+        with computable("mesh"):
+            return {"mesh": _rebuilt(change).mesh()}
+    if section in ("material", "run"):
+        return {section: _rebuilt(changes[0])}
+    items = list(getattr(scene, section))
+    for change in changes:
+        made = None if change.is_gone else _rebuilt(change)
+        if change.place.index < len(items):
+            items[change.place.index] = made
+        else:
+            items.append(made)
+    return {section: [item for item in items if item is not None]}
+
+
+def _rebuilt(change: Change) -> Any:
+    """What stands at a place, changed."""
+    place, values = change.place, change.values
+    if isinstance(place.item, type):
+        return build(place.item, values, place.label)
+    replaced = place.defaults([other for name in values for other in place.replaced_by(name)])
+    return place.rebuilt({**replaced, **values})
+
+
+def _hint(places: list[Place], key: str) -> str:
+    """What may have been meant by a key that names nothing."""
+    known = ["name"]
+    for place in [*places, *_absent(places)]:
+        known += _keys(place) if place.section != "name" else []
+    last = key.rpartition(".")[2]
+    others = [name for name, _ in OTHER_NAMES.get(last.lower(), ())]
+    alike = [other for other in known if last in other.split(".") or other.split(".")[-1] in others]
+    close = difflib.get_close_matches(key, alike or known, MOST_NAMED) or alike[:MOST_NAMED]
+    if close:
+        return "did you mean " + " or ".join(repr(other) for other in close) + "?"
+    return f"give one such as {EXAMPLES}"
+
+
+def _shown(key: str, value: object) -> str:
+    """A key with its value, in messages."""
+    return f"{key if key.isprintable() and 0 < len(key) <= LONGEST_SHOWN else show(key)} = {show(value)}"
+
+
+def _keys(place: Place) -> list[str]:
+    """The keys of a place."""
+    return [f"{place.label}.{entry.name}" for entry in fields(place.item)]
