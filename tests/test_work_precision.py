@@ -19,7 +19,8 @@ from membrane_rs.study import WorkPrecision, ablation, accuracy, work_precision
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import position_error
 from membrane_rs.study.common.executor import run_parallel
-from membrane_rs.study.common.run import SHIFT, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.run import StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.refinement import Point, cheapest, measured_order, refinement_levels
 from PIL import Image
 from small_scenes import hanging_strip, refused

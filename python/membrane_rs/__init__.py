@@ -14,6 +14,7 @@ from importlib.metadata import version
 from membrane_rs import folding, scenes
 from membrane_rs.errors import (
     AuditWarning,
+    ExecutorError,
     InputError,
     InputTypeError,
     Interrupted,
@@ -57,6 +58,7 @@ __all__ = [
     "Bridges",
     "Creases",
     "Cylinder",
+    "ExecutorError",
     "Fixed",
     "Gravity",
     "InputError",

@@ -58,6 +58,10 @@ class OutputError(MembraneError, OSError):
     """A result that cannot be written."""
 
 
+class ExecutorError(MembraneError, RuntimeError):
+    """Runs that cannot be made where they were sent: processes that do not start, or an executor that has broken."""
+
+
 class UnstableError(MembraneError, ArithmeticError):
     """A run that stopped itself: a spurious gain of energy, a value not finite, a strain over its limit.
 

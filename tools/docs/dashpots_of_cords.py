@@ -17,7 +17,7 @@ from membrane_rs import Gravity, RunSettings, Scene, Simulation, SpringDamping, 
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.plotting.figure import save_figure
-from membrane_rs.study.common.run import SHIFT
+from membrane_rs.study.common.perturbation import SHIFT
 from scipy.integrate import solve_ivp
 
 GRAVITY, STIFFNESS, TIP, LENGTH = 9.81, 100.0, 1.0, 1.0

@@ -13,7 +13,7 @@ from membrane_rs._markdown import table
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.folding import SquareSail
 from membrane_rs.results.summary import curve_features
-from membrane_rs.study.common.run import SHIFT
+from membrane_rs.study.common.perturbation import SHIFT
 
 RATE, PHASE = "deployment_rate", "phase_difference_deg"
 STARTS, INSTANTS = 8, 800

@@ -32,7 +32,8 @@ from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
 from membrane_rs.study.common.executor import Tell, run_parallel
-from membrane_rs.study.common.run import SHIFT, StudyCase, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.run import StudyCase, StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.refinement import (
     COARSEST,
     Best,

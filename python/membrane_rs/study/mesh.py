@@ -27,7 +27,8 @@ from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, run_parallel
-from membrane_rs.study.common.run import SHIFT, study_case
+from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.run import study_case
 from membrane_rs.study.common.stages import refuse_stages
 from membrane_rs.study.length_scales import FORMS, LengthScales
 

@@ -8,19 +8,36 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from threading import Event
 from typing import TypeVar
 
-from membrane_rs.errors import InputError
+from membrane_rs._validation import show
+from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.study.common.lanes import completed, thread_lanes
 
 Result = TypeVar("Result")
 Tell = Callable[[str], None]
+MOST_JOBS = 1000
+"""More runs at a time are taken as an input error: each has a thread or a process of its own."""
 
 
 def cores() -> int:
     """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers_of(jobs: int | None) -> int:
+    """The number of runs at a time: as given, or one for each core.
+
+    Raises InputError for fewer than one or more than `MOST_JOBS`, and InputTypeError for no whole number.
+    """
+    if jobs is None:
+        return cores()
+    if isinstance(jobs, bool) or not isinstance(jobs, int):
+        raise InputTypeError(f"jobs = {show(jobs)}: must be a whole number")
+    if not 1 <= jobs <= MOST_JOBS:
+        raise InputError(f"jobs = {show(jobs)}: must be 1 or above, and at most {MOST_JOBS}")
+    return jobs
 
 
 def run_parallel(
@@ -54,18 +71,17 @@ def run_parallel(
     InputError
         Fewer than one worker.
     """
-    count = cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"jobs = {count}: must be 1 or above")
-    with ThreadPoolExecutor(max_workers=count) as pool:
-        waiting = {pool.submit(job): k for k, job in enumerate(jobs)}
-        try:
-            for done, future in enumerate(as_completed(waiting), start=1):
-                words = outcome(future.result())
-                if tell is not None:
-                    tell(f"[{done}/{len(jobs)}] {names[waiting[future]]}{words and ': ' + words}")
-        except BaseException:
-            stop.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-    return [future.result() for future in waiting]
+    found: dict[int, Result] = {}
+    with thread_lanes(workers_of(workers), stop.set) as lanes:
+        for done, (k, result) in enumerate(completed(lanes, _called, jobs), start=1):
+            if isinstance(result, BaseException):
+                raise result
+            found[k] = result
+            words = outcome(result)
+            if tell is not None:
+                tell(f"[{done}/{len(jobs)}] {names[k]}{words and ': ' + words}")
+    return [found[k] for k in range(len(jobs))]
+
+
+def _called(job: Callable[[], Result]) -> Result:
+    return job()

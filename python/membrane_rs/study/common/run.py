@@ -15,10 +15,9 @@ from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.perturbation import perturbation
 from membrane_rs.study.common.stages import refuse_stages
 
-SHIFT = 1e-12
-"""Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
 BUDGET_CHECK = 0.02
 """Share of a run after which its cost is extrapolated and compared with the budget."""
 
@@ -78,9 +77,7 @@ class StudyCase:
 
     def perturbed(self, seed: int) -> StudyCase:
         """The same case with a random displacement of standard deviation `SHIFT` at every free node of the start."""
-        shift = SHIFT * np.random.default_rng(seed).standard_normal(self.start.shape)
-        shift[self.scene.assemble().fixed] = 0.0
-        return replace(self, start=self.start + shift)
+        return replace(self, start=self.start + perturbation(self.scene, seed))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,21 @@
+"""Perturbed starts: runs of one scene that differ by no more than rounding, and so show how far chaos spreads them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.scene import Scene
+
+SHIFT = 1e-12
+"""Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
+
+
+def perturbation(scene: Scene, seed: int, shift: float = SHIFT) -> Floats:
+    """(N, 3) random displacements [m] of the start: normal, of standard deviation `shift`, and 0 at nodes that are
+    held or move as prescribed.
+    """
+    assembly = scene.assemble()
+    found: Floats = shift * np.random.default_rng(seed).standard_normal((assembly.node_count, 3))
+    found[assembly.fixed] = 0.0
+    return found
