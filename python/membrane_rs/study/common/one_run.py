@@ -25,7 +25,6 @@ from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.measures import stowed_turn
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
-from membrane_rs.study.common.variation import varied
 
 FINISHED, UNSTABLE, REFUSED, FAILED = "finished", "unstable", "refused", "failed"
 TIME_LIMIT, CRASHED = "time limit", "crashed"
@@ -148,13 +147,6 @@ def stop_runs(ticket: str) -> None:
     _stopped.add(ticket)
 
 
-def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with values by dotted key."""
-    for key, value in values.items():
-        scene = varied(scene, key, value)
-    return scene
-
-
 def make_run(task: RunTask) -> RunResult:
     """Make a run. Raises RunStopped where `stop_runs` has ended it."""
     began, table = time.perf_counter(), _Table(task.setup.record)
@@ -170,7 +162,7 @@ def make_run(task: RunTask) -> RunResult:
 
     try:
         watch()
-        scene = with_values(_unpacked(task.scene), task.point.values)
+        scene = _unpacked(task.scene).with_values(task.point.values)
         sim = Simulation(replace(scene, run=replace(scene.run, snapshots=())))
         if scene.run.relax > 0:
             sim.relax()
