@@ -13,7 +13,7 @@ import pytest
 from fake_simulation import FakeSimulation
 from membrane_rs import InputError, Scene, Simulation, scenes
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.plotting import deployment, plot_deployment
+from membrane_rs.plotting import plot_deployment
 from membrane_rs.plotting.camera import Camera, bar_length, direction_of
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
@@ -176,15 +176,11 @@ def test_no_curve_of_rounding(tmp_path: Path, phase: float, hub: float, panels: 
         (0.5, 0.5, True),
     ],
 )
-def test_the_scale_of_the_rate_fits_the_curve(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, low: float, high: float, shows_level: bool
-) -> None:
-    figures: list[Any] = []
-    monkeypatch.setattr(deployment, "save_figure", lambda figure, *_: figures.append(figure))
+def test_the_scale_of_the_rate_fits_the_curve(low: float, high: float, shows_level: bool) -> None:
     rate = np.linspace(low, high, 50)
     rate[7] = math.nan
-    plot_deployment(table(0.0, 0.0) | {"deployment_rate": rate}, tmp_path / "one.png")
-    bottom, top = figures[0].axes[0].get_ylim()
+    figure = plot_deployment(table(0.0, 0.0) | {"deployment_rate": rate})
+    bottom, top = figure.axes[0].get_ylim()
     assert bottom < low <= high < top
     assert (bottom < 1.0 < top) == shows_level
     if high > low:

@@ -146,6 +146,6 @@ def test_what_are_no_counts_is_refused(table: object, words: str, tmp_path: Path
     with pytest.raises(InputTypeError, match=words):
         plot_crossings(table, tmp_path / "counts.png")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="format"):
-        plot_crossings({"time": [0.0], "crossing": [0]}, tmp_path / "counts.jpg")  # type: ignore[dict-item]
+        plot_crossings({"time": [0.0], "crossing": [0]}, tmp_path / "counts.jpg")
     with pytest.raises(OutputError):
-        plot_crossings({"time": [0.0], "crossing": [0]}, tmp_path / "none" / "counts.png")  # type: ignore[dict-item]
+        plot_crossings({"time": [0.0], "crossing": [0]}, tmp_path / "none" / "counts.png")

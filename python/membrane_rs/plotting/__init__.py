@@ -2,7 +2,23 @@
 
 from __future__ import annotations
 
+from membrane_rs.plotting.comparison import plot_comparison
 from membrane_rs.plotting.crossings import plot_crossings
 from membrane_rs.plotting.deployment import compare_runs, plot_deployment
+from membrane_rs.plotting.energy import plot_energy
+from membrane_rs.plotting.figure import save_figure
+from membrane_rs.plotting.history import plot_history
+from membrane_rs.plotting.style import PAPER, SCREEN, Style
 
-__all__ = ["compare_runs", "plot_crossings", "plot_deployment"]
+__all__ = [
+    "PAPER",
+    "SCREEN",
+    "Style",
+    "compare_runs",
+    "plot_comparison",
+    "plot_crossings",
+    "plot_deployment",
+    "plot_energy",
+    "plot_history",
+    "save_figure",
+]

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import path_of
 from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputTypeError
 from membrane_rs.plotting.drawing import Drawing
-from membrane_rs.plotting.figure import plain_text, save_figure
+from membrane_rs.plotting.figure import add_title, finished, new_figure, save_figure
+from membrane_rs.plotting.panels import add_legend, line_look
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
+from membrane_rs.plotting.style import INCH, SCREEN, Style, style_of
 from membrane_rs.results.crossing_counts import CROSSINGS, read_crossings
 from membrane_rs.simulation.stepper import Stepper
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from membrane_rs.plotting.styled_figure import StyledFigure
+
 KINDS = ("crossing", "overlapping", "touching")
+SCREEN_CROSSINGS = replace(SCREEN, panel_height=3.4 * INCH)
 
 
 class CrossingsPicture(Drawing):
@@ -30,23 +39,38 @@ class CrossingsPicture(Drawing):
             counts = read_crossings(self.record.path)
             if len(counts["time"]) > 1:
                 marks = stage_starts(self.record.table), [record.name for record in sim.stages]
-                _picture(counts, self.record.path / "crossings.png", sim.scene.name, None, marks)
+                figure = _figure(counts, sim.scene.name, SCREEN_CROSSINGS, marks)
+                save_figure(figure, self.record.path / "crossings.png")
 
 
-def plot_crossings(table: Mapping[str, Floats], path: Path | str, title: str = "", dpi: float | None = None) -> None:
-    """Draw the crossings of a run against time as a PNG, PDF or SVG figure, by the ending of `path`.
+def plot_crossings(
+    table: Mapping[str, Any],
+    path: Path | str | None = None,
+    title: str = "",
+    dpi: float | None = None,
+    *,
+    style: Style | str | Path | Mapping[str, Any] | None = None,
+) -> Figure:
+    """Crossings of a run against time: pairs of triangles that pass through each other.
 
     Parameters
     ----------
     table : mapping of str to (samples,) arrays
         "time" [s] and "crossing"; drawn too where one is above 0, "overlapping" and "touching": what
         `membrane_rs.results.read_crossings` reads, and `CrossingCounts.table` gives.
-    path : path
-        The figure.
+    path : path, optional
+        A PNG, PDF or SVG file, by its ending. Default: none is written.
     title : str
-        Above it.
-    dpi : float
-        Pixels per inch; default 200.
+        Where the style has one.
+    dpi : float, optional
+        Resolution of a PNG file [1/inch]. Default: the style's.
+    style : Style, str, path or mapping, optional
+        "screen" (the default), "paper", a `Style`, a style sheet of matplotlib, or its parameters.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: nothing has to be closed.
 
     Raises
     ------
@@ -56,6 +80,13 @@ def plot_crossings(table: Mapping[str, Floats], path: Path | str, title: str = "
         Another ending of `path`, or `dpi` that is not from 10 to 2400.
     OutputError
         `path` cannot be written.
+
+    Examples
+    --------
+    >>> from membrane_rs.plotting import plot_crossings
+    >>> figure = plot_crossings({"time": [0.0, 0.1, 0.2], "crossing": [0, 3, 1]}, style="paper")
+    >>> figure.axes[0].get_ylabel()
+    'Pairs of triangles'
     """
     check_kind(title, str, "title", "a text")
     check_kind(table, Mapping, "table", "counts by name, as read_crossings gives them")
@@ -66,35 +97,32 @@ def plot_crossings(table: Mapping[str, Floats], path: Path | str, title: str = "
         found[name] = numeric(table[name], f"table[{name!r}]", "fiu", "numbers")
         if found[name].shape != found["time"].shape or found[name].ndim != 1:
             raise InputTypeError(f"table: the columns {', '.join(found)} must be lists of equal length")
-    _picture(found, path_of(path), title, dpi)
+    return finished(_figure(found, title, style_of(style, SCREEN_CROSSINGS)), path, dpi)
 
 
-def _picture(
+def _figure(
     table: Mapping[str, Floats],
-    path: Path,
     title: str,
-    dpi: float | None,
+    style: Style,
     marks: tuple[Sequence[tuple[int, float]], Sequence[str]] = ((), ()),
-) -> None:
+) -> StyledFigure:
     """Counts in one panel; `marks` are index and start [s] of each stage, and the names of stages."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
-    figure = Figure(figsize=(7.0, 3.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots()
-    shown = [kind for kind in KINDS if kind == KINDS[0] or (kind in table and table[kind].any())]
-    for k, kind in enumerate(shown):
-        axes.plot(table["time"], table[kind], color=f"C{k}", linewidth=1.2, marker=".", markersize=3.0, label=kind)
-    mark_stages([axes], *marks)
-    axes.set_ylim(bottom=0.0)
-    axes.margins(x=0.0)
-    axes.set_xlabel("Time [s]")
-    axes.set_ylabel("Pairs of triangles")
-    axes.yaxis.set_major_formatter("{x:,.0f}")
-    axes.grid(color="0.9")
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.set_title(plain_text(title), wrap=True)
-    if len(shown) > 1:
-        axes.legend(frameon=False)
-    save_figure(figure, path, dpi)
+    with style.context():
+        figure = new_figure(style, style.size(1))
+        axes = figure.subplots()
+        shown = [kind for kind in KINDS if kind == KINDS[0] or (kind in table and table[kind].any())]
+        for k, kind in enumerate(shown):
+            axes.plot(table["time"], table[kind], marker=".", label=kind, **line_look(k))
+        mark_stages([axes], *marks)
+        axes.set_ylim(bottom=0.0)
+        axes.margins(x=0.0)
+        axes.set_xlabel("Time [s]")
+        axes.set_ylabel("Pairs of triangles")
+        axes.yaxis.set_major_formatter("{x:,.0f}")
+        axes.yaxis.set_major_locator(MaxNLocator("auto", integer=True))
+        add_title(axes, title, style)
+        if len(shown) > 1:
+            add_legend(figure, [axes], style)
+    return figure

@@ -8,20 +8,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import NoneType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
-from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.drawing import Drawing
-from membrane_rs.plotting.figure import plain_text, save_figure
-from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
+from membrane_rs.plotting.figure import finished, save_figure
+from membrane_rs.plotting.panels import Content, Panel, draw_panels, line_look, values_of
+from membrane_rs.plotting.sources import Source, sources_of
+from membrane_rs.plotting.style import SCREEN, Style, style_of
 from membrane_rs.results.history import read_history
 from membrane_rs.results.summary import LEAST_PHASE, curve_features
 from membrane_rs.simulation.stepper import Stepper
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from membrane_rs.plotting.styled_figure import StyledFigure
 
 # Column, label, and the level that is full deployment.
 PANELS = (
@@ -43,28 +50,113 @@ class DeploymentPicture(Drawing):
         """Draw it."""
         if len(self.record.table["time"]) > 1:
             names = [record.name for record in sim.stages]
-            _picture([("", self.record.table)], self.record.path / "deployment.png", sim.scene.name, None, names)
+            content = Content([Source("", self.record.table, names)])
+            with SCREEN.context():
+                figure = draw_deployment(content, deployment_panels(content), SCREEN, sim.scene.name)
+            save_figure(figure, self.record.path / "deployment.png")
 
 
-def plot_deployment(table: Mapping[str, Floats], path: Path | str, title: str = "", dpi: float | None = None) -> None:
-    """Draw one run's deployment rate and phase difference as a PNG, PDF or SVG figure, by the ending of `path`.
+def plot_deployment(
+    table: Any,
+    path: Path | str | None = None,
+    title: str = "",
+    dpi: float | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    style: Style | str | Path | Mapping[str, Any] | None = None,
+) -> Figure:
+    """Deployment rate and phase difference against time, of one run or several.
 
-    `table` holds the columns of a history; without a hub that turns, or corners that turn relative to it, the phase
-    is left out. `dpi` are pixels per inch. Raises InputError for another ending, OutputError where `path` cannot be
-    written.
+    Without a hub that turns, or corners that turn relative to it by more than rounding, the phase is left out.
+
+    Parameters
+    ----------
+    table : history, run, sequence or mapping of them
+        A history is a mapping of names of columns to (samples,) arrays, with "time" [s]; what has a `history` is a run.
+        A mapping gives each its label.
+    path : path, optional
+        A PNG, PDF or SVG file, by its ending. Default: none is written.
+    title : str
+        Where the style has one.
+    dpi : float, optional
+        Resolution of a PNG file [1/inch]. Default: the style's.
+    labels : sequence of str, optional
+        Of several runs.
+    style : Style, str, path or mapping, optional
+        "screen" (the default), "paper", a `Style`, a style sheet of matplotlib, or its parameters.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: nothing has to be closed.
+
+    Raises
+    ------
+    InputTypeError
+        What is no history with these columns.
+    InputError
+        Another ending of `path`; a style or resolution that does not exist.
+    OutputError
+        `path` cannot be written.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.plotting import plot_deployment
+    >>> time = np.linspace(0.0, 1.0, 50)
+    >>> table = {"time": time, "deployment_rate": time, "phase_difference_deg": -9.0 * np.sin(time)}
+    >>> figure = plot_deployment(table, style="paper")
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['Deployment rate', 'Phase difference [deg]']
     """
+    look = style_of(style)
     check_kind(title, str, "title", "a text")
-    _check_table(table)
-    _picture([("", table)], path_of(path), title, dpi)
+    content = Content(sources_of(table, labels, [column for column, _, _ in PANELS]))
+    with look.context():
+        figure = draw_deployment(content, deployment_panels(content), look, title)
+    return finished(figure, path, dpi)
 
 
 def compare_runs(
-    folders: Sequence[Path | str], path: Path | str, labels: Sequence[str] | None = None, dpi: float | None = None
-) -> None:
-    """Draw the curves of several runs on one picture, as `plot_deployment` does.
+    folders: Sequence[Path | str],
+    path: Path | str | None = None,
+    labels: Sequence[str] | None = None,
+    dpi: float | None = None,
+    *,
+    style: Style | str | Path | Mapping[str, Any] | None = None,
+) -> Figure:
+    """Deployment rate and phase difference of several runs by their folders, as `plot_deployment` draws them.
 
-    `labels` are the folders' names where not given. Raises InputError where their number differs from the
-    folders', MissingFileError for a folder without history, OutputError where `path` cannot be written.
+    Parameters
+    ----------
+    folders : sequence of paths
+        Of the runs.
+    path, dpi, style
+        As for `plot_deployment`.
+    labels : sequence of str, optional
+        One for each folder. Default: their names.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: nothing has to be closed.
+
+    Raises
+    ------
+    InputError
+        Another number of labels than of folders.
+    MissingFileError
+        A folder without history.
+    OutputError
+        `path` cannot be written.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.plotting import compare_runs
+    >>> for dt in (1e-5, 2e-5):
+    ...     folder = Simulation(scenes.load("spinning-tether"), dt=dt).run(0.01, out=f"runs/{dt:g}", pictures=False)
+    >>> figure = compare_runs(["runs/1e-05", "runs/2e-05"], labels=["10 us", "20 us"])
     """
     if isinstance(folders, str | Path) or not isinstance(folders, Sequence) or not folders:
         raise InputTypeError(f"folders = {folders!r:.60}: must be a list of one or more folders of runs")
@@ -76,28 +168,14 @@ def compare_runs(
     if len(names) != len(folders):
         raise InputError(f"{len(names)} labels for {len(folders)} runs; give one for each, or none at all")
     tables = [read_history(path) for path in paths]
-    _picture(list(zip(names, tables, strict=True)), path_of(path), "", dpi)
+    return plot_deployment(list(tables), path, dpi=dpi, labels=names, style=style)
 
 
-def _check_table(table: Mapping[str, Floats]) -> None:
-    """Refuse what is no table of a history. Raises InputTypeError."""
-    check_kind(table, Mapping, "table", "the columns of a history by name, as read_history gives them")
-    names = ("time", *(column for column, _, _ in PANELS))
-    lengths = set()
-    for name in names:
-        if name not in table:
-            raise InputTypeError(f"table: has no column {name!r}; give what read_history gives")
-        column = numeric(table[name], f"table[{name!r}]", "fiu", "numbers")
-        lengths.add(column.shape)
-    if len(lengths) > 1 or len(lengths.pop()) != 1:
-        raise InputTypeError(f"table: the columns {', '.join(names)} must be lists of equal length, one entry a sample")
-
-
-def _turns(table: Mapping[str, Floats]) -> bool:
+def turns(table: Mapping[str, Floats]) -> bool:
     """Whether a hub turns, where the table says so, and corners turn relative to it by more than rounding."""
-    angle, phase = table.get("hub_angle"), table["phase_difference_deg"]
+    angle, phase = table.get("hub_angle"), np.asarray(table["phase_difference_deg"], dtype=np.float64)
     known = phase[np.isfinite(phase)]
-    return (angle is None or bool(np.any(angle != 0.0))) and bool(np.any(np.abs(known) > LEAST_PHASE))
+    return (angle is None or bool(np.any(np.asarray(angle) != 0.0))) and bool(np.any(np.abs(known) > LEAST_PHASE))
 
 
 def _scale(curves: Sequence[Floats], level: float) -> tuple[float, float]:
@@ -114,40 +192,33 @@ def _scale(curves: Sequence[Floats], level: float) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _picture(
-    runs: Sequence[tuple[str, Mapping[str, Floats]]],
-    path: Path,
-    title: str,
-    dpi: float | None,
-    stages: Sequence[str] = (),
-) -> None:
-    """Runs, as (label, table), in one or two panels above each other that share the time axis; the names of stages
-    stand at their starts.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+def deployment_panels(content: Content) -> list[Panel]:
+    """The panels: of the rate, and of the phase where that of any run is more than rounding."""
+    rate, phase = (column for column, _, _ in PANELS)
+    panels = []
+    if any(rate in table for table in content.tables):
+        panels.append(Panel((rate,), levels=(1.0,)))
+    still = frozenset(
+        k for k, source in enumerate(content.runs) if phase not in source.table or not turns(source.table)
+    )
+    others = [table for table in content.tables if phase in table and turns(table)]
+    if others:
+        panels.append(Panel((phase,), levels=(0.0,), without=still))
+    if not panels:
+        raise InputError(f"no table has a column {rate!r} or {phase!r}; say which columns to draw")
+    return panels
 
-    shown = PANELS if any(_turns(table) for _, table in runs) else PANELS[:1]
-    figure = Figure(figsize=(7.0, 0.4 + 3.0 * len(shown)), layout="constrained")
-    FigureCanvasAgg(figure)
-    panels = list(figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0])
-    for axes, (column, label, level) in zip(panels, shown, strict=True):
-        for k, (name, table) in enumerate(runs):
-            axes.plot(table["time"], table[column], color=f"C{k}", linewidth=1.5, label=plain_text(name))
-        axes.set_ylim(*_scale([table[column] for _, table in runs], level))
-        axes.axhline(level, color="0.5", linewidth=0.8)
-        for k, (_, table) in enumerate(runs):
-            crossing = curve_features(table)["zero_crossing_time"]
-            if crossing is not None and len(shown) > 1:
-                axes.axvline(crossing, color=f"C{k}", linewidth=0.8, linestyle=":")
-        axes.set_ylabel(label)
-        axes.grid(color="0.9")
-        axes.margins(x=0.0)
-        axes.spines[["top", "right"]].set_visible(False)
-    if len(runs) == 1:
-        mark_stages(panels, stage_starts(runs[0][1]), stages)
-    panels[-1].set_xlabel("Time [s]")
-    panels[0].set_title(plain_text(title), wrap=True)
-    if len(runs) > 1:
-        panels[0].legend(frameon=False, loc="lower center")
-    save_figure(figure, path, dpi)
+
+def draw_deployment(content: Content, panels: Sequence[Panel], style: Style, title: str) -> StyledFigure:
+    """The figure, with a dotted line where the phase of a run comes back through zero; inside the style's context."""
+    figure, places = draw_panels(content, panels, style, title)
+    for axes, panel in zip(places, panels, strict=True):
+        axes.set_ylim(*_scale(values_of(content, panel), panel.levels[0]))
+    first = len(content.ensembles)
+    for k, source in enumerate(content.runs if len(panels) > 1 else ()):
+        if k not in panels[-1].without and PANELS[0][0] in source.table:
+            crossing = curve_features(source.table)["zero_crossing_time"]
+            for axes in places:
+                if crossing is not None:
+                    axes.axvline(crossing, color=line_look(first + k)["color"], linewidth=0.8, linestyle=":")
+    return figure

@@ -9,26 +9,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._validation import check_kind
+from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.drawing import Drawing
-from membrane_rs.plotting.figure import plain_text, save_figure
+from membrane_rs.plotting.figure import add_letters, add_title, finished, new_figure, plain_text
+from membrane_rs.plotting.panels import add_legend
+from membrane_rs.plotting.sources import check_table, sources_of
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
+from membrane_rs.plotting.style import INCH, SCREEN, Style, style_of
 from membrane_rs.simulation.stepper import Stepper
 from membrane_rs.simulation.timeline import StageRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from membrane_rs.plotting.styled_figure import StyledFigure
 
 KINETIC, MOTOR, CHANGES, RESIDUAL = "kinetic_energy", "motor_work", "energy_of_changes", "residual"
 LEAST = 5e-3
 """Terms of the balance that stay below this share of the largest one are not drawn."""
-COLUMNS, MOST_STAGES = 4, 12
-UNITS = ((1.0, "J"), (1e-3, "mJ"), (1e-6, "uJ"))
+ROUNDING = 1e-12
+"""Changes below this share of an energy's own size are of rounding."""
+MOST_COLUMNS, MOST_STAGES = 4, 12
+LEAST_WIDTH = 2.25 * INCH
+"""Of a column of bars [mm]."""
+WIDE = 150.0
+"""From this width on [mm] the legend stands at the right."""
+SCREEN_ENERGY = replace(SCREEN, width=9.0 * INCH, panel_height=3.6 * INCH)
 
 
 class EnergyPicture(Drawing):
@@ -42,50 +57,111 @@ class EnergyPicture(Drawing):
             draw_energy(self.record.table, self.record.path / "energy.png", sim.scene.name, sim.stages)
 
 
+def plot_energy(
+    table: Any,
+    path: Path | str | None = None,
+    title: str = "",
+    dpi: float | None = None,
+    *,
+    stages: Sequence[StageRecord] | None = None,
+    style: Style | str | Path | Mapping[str, Any] | None = None,
+) -> Figure:
+    """The terms of the energy balance since the start against time, and below them what each stage has exchanged.
+
+    Energies are solid, works dashed, the motor's work black. Terms that stay below 0.5 % of the largest one are left
+    out, and so are changes that are rounding of an energy.
+
+    Parameters
+    ----------
+    table : history or run
+        A history is a mapping of names of columns to (samples,) arrays: "time" [s], "kinetic_energy",
+        "energy_<law>" and "work_<law>" [J]. What has a `history` is a run.
+    path : path, optional
+        A PNG, PDF or SVG file, by its ending. Default: none is written.
+    title : str
+        Where the style has one.
+    dpi : float, optional
+        Resolution of a PNG file [1/inch]. Default: the style's.
+    stages : sequence of StageRecord, optional
+        Of the run, as `Simulation.stages` gives them. Default: those of a run.
+    style : Style, str, path or mapping, optional
+        "screen" (the default), "paper", a `Style`, a style sheet of matplotlib, or its parameters.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: nothing has to be closed.
+
+    Raises
+    ------
+    InputTypeError
+        What is no history with these columns.
+    InputError
+        Another ending of `path`; a style or resolution that does not exist.
+    OutputError
+        `path` cannot be written.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.plotting import plot_energy
+    >>> time = np.linspace(0.0, 1.0, 50)
+    >>> table = {"time": time, "kinetic_energy": 2e-3 * time, "energy_springs": -1e-3 * time, "work_spin": 1e-3 * time}
+    >>> figure = plot_energy(table, style="paper")
+    >>> figure.axes[0].get_ylabel()
+    'Energy since the start [mJ]'
+    """
+    (source,) = sources_of([table], None, ("time", KINETIC))
+    terms = [name for name in source.table if name.startswith(("energy_", "work_")) or name == MOTOR]
+    check_table(source.table, terms)
+    check_kind(title, str, "title", "a text")
+    records = getattr(table, "stages", ()) if stages is None else stages
+    known = [record for record in records if hasattr(record, "work_by_law")]
+    return draw_energy(source.table, path, title, known, dpi, style=style_of(style, SCREEN_ENERGY))
+
+
 def draw_energy(
     table: Mapping[str, Floats],
-    path: Path,
+    path: Path | str | None,
     title: str = "",
     stages: Sequence[StageRecord] = (),
     dpi: float | None = None,
-) -> None:
-    """Draw the terms of the balance since the start against time, and below it what each of `stages` has exchanged.
-
-    `table` holds the columns of a history. Raises as `save_figure` does.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
+    *,
+    style: Style = SCREEN_ENERGY,
+) -> Figure:
+    """As `plot_energy`, of a table that is known to be a history. Raises as `save_figure` does."""
     curves = since_start(table)
     spans = [term_changes(table, stages, k) for k in range(len(stages))][:MOST_STAGES]
     sizes = {name: _largest([*values, *(span.get(name, 0.0) for span in spans)]) for name, values in curves.items()}
     most = max(size for name, size in sizes.items() if name != MOTOR)
-    shown = [name for name, size in sizes.items() if name == MOTOR or size > LEAST * most]
-    unit, symbol = next((pair for pair in UNITS if max(sizes.values()) >= pair[0]), UNITS[-1])
-    rows = -(-len(spans) // COLUMNS) if len(spans) > 1 else 0
-    height = 0.75 + 0.22 * (len(shown) + 1)
-    figure = Figure(figsize=(9.0, 3.6 + rows * height), layout="constrained")
-    FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[3.6, *[height] * rows])
-    axes = figure.add_subplot(grid[0, :])
-    for name in shown:
-        axes.plot(
-            table["time"], curves[name] / unit, label=plain_text(label(name)), linewidth=1.3, **style(name, shown)
-        )
-    mark_stages([axes], stage_starts(table), [stage.name for stage in stages])
-    axes.axhline(0.0, color="0.5", linewidth=0.8)
-    axes.margins(x=0.0)
-    axes.set_xlabel("Time [s]")
-    axes.set_ylabel(f"Since the start [{symbol}]")
-    axes.grid(color="0.9")
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.set_title(plain_text(title), wrap=True)
-    axes.legend(frameon=False, fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    for k, span in enumerate(spans if rows else ()):
-        place = figure.add_subplot(grid[1 + k // COLUMNS, k % COLUMNS])
-        _bars(place, sorted([*shown, RESIDUAL], key=_order), span, unit, is_first=k % COLUMNS == 0)
-        place.set_title(plain_text(f"{stages[k].name} [{symbol}]"), fontsize=8)
-    save_figure(figure, path, dpi)
+    shown = [name for name, size in sizes.items() if size > 0.0 and (name == MOTOR or size > LEAST * most)]
+    factor, unit = prefixed("J", [np.array(list(sizes.values()))])
+    with style.context():
+        columns = min(MOST_COLUMNS, max(1, int(style.millimetres / LEAST_WIDTH)))
+        rows = -(-len(spans) // columns) if len(spans) > 1 else 0
+        height = INCH * (0.75 + 0.22 * (len(shown) + 1))
+        figure = new_figure(style, style.size(1, extra=rows * height))
+        grid = figure.add_gridspec(1 + rows, columns, height_ratios=[style.height_of_panel, *[height] * rows])
+        axes = figure.add_subplot(grid[0, :])
+        for name in shown:
+            axes.plot(table["time"], curves[name] / factor, label=plain_text(label(name)), **line_of(name, shown))
+        mark_stages([axes], stage_starts(table), [stage.name for stage in stages])
+        axes.axhline(0.0, color="0.5", linewidth=0.8)
+        axes.margins(x=0.0)
+        axes.set_xlabel("Time [s]")
+        axes.set_ylabel(f"Energy since the start [{unit}]")
+        if not shown:
+            axes.set_ylim(-1.0, 1.0)
+        add_title(axes, title, style)
+        places = [axes]
+        for k, span in enumerate(spans if rows else ()):
+            place = figure.add_subplot(grid[1 + k // columns, k % columns])
+            _bars(place, sorted([*shown, RESIDUAL], key=_order), span, factor, is_first=k % columns == 0)
+            place.set_title(plain_text(f"{stages[k].name} [{unit}]"), fontsize="small")
+            places.append(place)
+        _legend(figure, axes, style, is_beside=rows > 0 or style.millimetres >= WIDE)
+        add_letters(places, style)
+    return finished(figure, path, dpi)
 
 
 def since_start(table: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -93,7 +169,14 @@ def since_start(table: Mapping[str, Floats]) -> dict[str, Floats]:
     of_laws = [name for name in table if name.startswith("energy_") and name not in ("energy_error", CHANGES)]
     works = [name for name in table if name.startswith("work_")]
     others = [name for name in (CHANGES, MOTOR) if name in table and np.isfinite(table[name]).all()]
-    return {name: table[name] - table[name][0] for name in (KINETIC, *of_laws, *works, *others)}
+    return {name: _without_rounding(table[name]) for name in (KINETIC, *of_laws, *works, *others)}
+
+
+def _without_rounding(values: Floats) -> Floats:
+    """Values since the first one; 0 where all changes are rounding of the values themselves."""
+    since = values - values[0]
+    is_rounding = _largest(since) <= ROUNDING * _largest(values)
+    return np.zeros_like(since) if is_rounding else since
 
 
 def term_changes(table: Mapping[str, Floats], stages: Sequence[StageRecord], index: int) -> dict[str, float]:
@@ -128,12 +211,21 @@ def label(name: str) -> str:
     return {"work": f"work of {words}", "energy": f"energy of {words}"}.get(kind, name.replace("_", " "))
 
 
-def style(name: str, shown: Sequence[str]) -> dict[str, Any]:
+def line_of(name: str, shown: Sequence[str]) -> dict[str, Any]:
     """Colour and line of a term: energies solid, works dashed, the motor black."""
     if name in (MOTOR, RESIDUAL):
         return {"color": "black" if name == MOTOR else "0.6", "linestyle": "-."}
     same = [other for other in shown if other.startswith("work_") == name.startswith("work_") and other != MOTOR]
     return {"color": f"C{same.index(name) % 10}", "linestyle": "--" if name.startswith("work_") else "-"}
+
+
+def _legend(figure: StyledFigure, axes: Axes, style: Style, *, is_beside: bool) -> None:
+    """At the right of the curves, or above all."""
+    handles, names = axes.get_legend_handles_labels()
+    if handles and is_beside:
+        axes.legend(handles, names, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    elif handles:
+        add_legend(figure, [axes], style)
 
 
 def _order(name: str) -> int:
@@ -148,7 +240,7 @@ def _bars(axes: Axes, names: Sequence[str], span: Mapping[str, float], unit: flo
     for name, value, place in zip(names, values, places, strict=True):
         is_work = name.startswith("work_")
         axes.barh(
-            place, value, height=0.7, color=style(name, names)["color"], alpha=0.55 if is_work else 1.0,
+            place, value, height=0.7, color=line_of(name, names)["color"], alpha=0.55 if is_work else 1.0,
             hatch="////" if is_work else None, edgecolor="white" if is_work else None, linewidth=0.0,
         )  # fmt: skip
         axes.annotate(
@@ -163,5 +255,5 @@ def _bars(axes: Axes, names: Sequence[str], span: Mapping[str, float], unit: flo
     axes.spines[["top", "right", "left"]].set_visible(False)
 
 
-def _largest(values: Sequence[float]) -> float:
+def _largest(values: Sequence[float] | Floats) -> float:
     return float(np.max(np.abs(np.asarray(values, dtype=np.float64)), initial=0.0))

@@ -1,0 +1,120 @@
+"""Runs, experiments and ensembles in one figure: lines, marks, and means with a band of their spread."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from membrane_rs._validation import check_kind
+from membrane_rs.errors import InputError
+from membrane_rs.plotting.deployment import deployment_panels, draw_deployment
+from membrane_rs.plotting.ensemble import Ensemble, check_spread
+from membrane_rs.plotting.figure import finished
+from membrane_rs.plotting.history import panels_of
+from membrane_rs.plotting.panels import Content, draw_panels
+from membrane_rs.plotting.sources import sources_of
+from membrane_rs.plotting.style import Style, style_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot_comparison(
+    runs: Any = (),
+    columns: Sequence[str | Sequence[str]] | None = None,
+    *,
+    experiments: Mapping[str, Any] | None = None,
+    ensembles: Mapping[str, Sequence[Any]] | None = None,
+    spread: str = "std",
+    labels: Sequence[str] | None = None,
+    path: Path | str | None = None,
+    title: str = "",
+    dpi: float | None = None,
+    style: Style | str | Path | Mapping[str, Any] | None = None,
+) -> Figure:
+    """Runs as lines, experiments as marks, ensembles as a mean with a band, against time.
+
+    Parameters
+    ----------
+    runs : history, run, sequence or mapping of them
+        A history is a mapping of names of columns to (samples,) arrays, with "time" [s]; what has a `history` is a run.
+        A mapping gives each its label.
+    columns : sequence of str, optional
+        A panel for each; several names in a list share one. Default: the deployment rate and, where a hub turns, the
+        phase difference.
+    experiments : mapping of str to tables, optional
+        By label; each has "time" [s] and some of the columns. A column "<name>_std" holds standard deviations of
+        another one, drawn as bars.
+    ensembles : mapping of str to sequences of histories or runs, optional
+        By label. A member counts as far as it came.
+    spread : {"std", "range"}
+        The band: one standard deviation of the members to both sides of the mean, or from their lowest to their
+        highest.
+    labels : sequence of str, optional
+        Of the runs.
+    path : path, optional
+        A PNG, PDF or SVG file, by its ending. Default: none is written.
+    title : str
+        Where the style has one.
+    dpi : float, optional
+        Resolution of a PNG file [1/inch]. Default: the style's.
+    style : Style, str, path or mapping, optional
+        "screen" (the default), "paper", a `Style`, a style sheet of matplotlib, or its parameters.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Without pyplot: nothing has to be closed.
+
+    Raises
+    ------
+    InputTypeError
+        What is no history, or lacks a column.
+    InputError
+        Nothing to draw; a spread, style or resolution that does not exist.
+    OutputError
+        `path` cannot be written.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.plotting import plot_comparison
+    >>> time = np.linspace(0.0, 1.0, 50)
+    >>> runs = {"soft": {"time": time, "hub_torque": np.sin(time)}, "stiff": {"time": time, "hub_torque": time}}
+    >>> measured = {"time": [0.2, 0.6], "hub_torque": [0.21, 0.55], "hub_torque_std": [0.03, 0.04]}
+    >>> figure = plot_comparison(runs, ["hub_torque"], experiments={"measured": measured}, style="paper")
+    >>> [text.get_text() for text in figure.legends[0].get_texts()]
+    ['soft', 'stiff', 'measured']
+    """
+    look = style_of(style)
+    check_kind(title, str, "title", "a text")
+    check_spread(spread)
+    given = [] if isinstance(runs, Sequence) and not runs else sources_of(runs, labels, (), "runs")
+    others = _by_label(experiments, "experiments")
+    together = _by_label(ensembles, "ensembles")
+    content = Content(
+        given,
+        [source for label, table in others.items() for source in sources_of({label: table}, None, (), "experiments")],
+        [
+            Ensemble(label, sources_of(members, None, (), f"ensembles[{label!r}]"), spread)
+            for label, members in together.items()
+        ],
+    )
+    if not content.tables:
+        raise InputError("plot_comparison: nothing to draw; give runs, experiments or ensembles")
+    with look.context():
+        if columns is None:
+            figure = draw_deployment(content, deployment_panels(content), look, title)
+        else:
+            figure, _ = draw_panels(content, panels_of(columns, content), look, title)
+    return finished(figure, path, dpi)
+
+
+def _by_label(given: Mapping[str, Any] | None, name: str) -> Mapping[str, Any]:
+    """What is given by label. Raises InputTypeError for anything else, and for one table without a label."""
+    check_kind(given, (Mapping, type(None)), name, "a mapping of labels to tables")
+    found = given or {}
+    if "time" in found:
+        raise InputError(f"{name}: is one table; give each a label, as in {name}={{'measured': table}}")
+    return found

@@ -1,0 +1,169 @@
+"""Panels of curves against time, above each other: runs as lines, experiments as marks, ensembles as bands."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.plotting.columns import axis_label, label_of, prefixed, unit_of
+from membrane_rs.plotting.ensemble import Band, Ensemble
+from membrane_rs.plotting.figure import add_letters, add_title, new_figure, plain_text
+from membrane_rs.plotting.sources import Source
+from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
+from membrane_rs.plotting.style import DASHES, INCH, Style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from membrane_rs.plotting.styled_figure import StyledFigure
+
+MARKS = "osD^vPX"
+UNCERTAINTY = "_std"
+"""What the name of a column of an experiment ends with that holds the standard deviation of another one."""
+_BAND = 0.22
+
+
+@dataclass(frozen=True)
+class Content:
+    """What is drawn: runs, experiments and ensembles."""
+
+    runs: Sequence[Source] = ()
+    experiments: Sequence[Source] = ()
+    ensembles: Sequence[Ensemble] = ()
+
+    @property
+    def tables(self) -> list[Any]:
+        """All tables."""
+        some = [source.table for source in (*self.runs, *self.experiments)]
+        return [*some, *(source.table for ensemble in self.ensembles for source in ensemble.members)]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Columns in one panel, and levels that are marked by a thin line; those whose curves are of rounding are in
+    `without`, by index of the run.
+    """
+
+    columns: Sequence[str]
+    label: str | None = None
+    levels: Sequence[float] = ()
+    without: frozenset[int] = field(default_factory=frozenset)
+
+
+def draw_panels(content: Content, panels: Sequence[Panel], style: Style, title: str) -> tuple[StyledFigure, list[Axes]]:
+    """The figure, and its panels, which share the time axis; inside the context of the style."""
+    figure = new_figure(style, style.size(len(panels), extra=0.4 * INCH if style.title else 2.0))
+    places = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0])
+    for axes, panel in zip(places, panels, strict=True):
+        _draw(axes, panel, content)
+        axes.margins(x=0.0)
+    if len(content.runs) == 1 and not content.ensembles:
+        source = content.runs[0]
+        mark_stages(places, stage_starts(source.table), source.stages)
+    places[-1].set_xlabel(axis_label(label_of("time"), "s"))
+    add_letters(places, style)
+    add_title(places[0], title, style)
+    add_legend(figure, places, style)
+    figure.align_ylabels(places)
+    return figure, places
+
+
+def line_look(index: int) -> dict[str, Any]:
+    """Colour and dashes of a curve, so that curves differ in colour and in a grey print."""
+    from matplotlib import rcParams
+
+    colors = rcParams["axes.prop_cycle"].by_key().get("color", ["C0"])
+    return {"color": colors[index % len(colors)], "linestyle": DASHES[index % len(DASHES)]}
+
+
+def add_legend(figure: StyledFigure, places: Sequence[Axes], style: Style) -> None:
+    """One legend above all panels, beside no curve, of what has a label in any of them."""
+    known: dict[str, Any] = {}
+    for axes in places:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            known.setdefault(label, handle)
+    if known:
+        # Letters are 0.55 of the size of their font wide; a line and the space beside it are 5.2 of it.
+        size = max(style.font_size - 1.0, 1.0) * INCH / 72.0
+        longest = (0.55 * max(map(len, known)) + 5.2) * size
+        columns = max(1, min(len(known), int(style.millimetres / longest)))
+        figure.legend(list(known.values()), list(known), loc="outside upper center", ncols=columns)
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(width, height + 1.6 * size * -(-len(known) // columns) / INCH)
+
+
+def _draw(axes: Axes, panel: Panel, content: Content) -> None:
+    bands = [[ensemble.band(column) for column in panel.columns] for ensemble in content.ensembles]
+    curves = [
+        source.column(column) for source in _with(content, panel) for column in panel.columns if column in source.table
+    ]
+    edges = [edge for some in bands for band in some for edge in (band.low, band.high)]
+    units = {unit_of(column, content.tables) for column in panel.columns}
+    factor, unit = prefixed(units.pop(), [*curves, *edges]) if len(units) == 1 else (1.0, "")
+    for level in panel.levels:
+        axes.axhline(level / factor, color="0.5", linewidth=0.8)
+    index = 0
+    for ensemble, some in zip(content.ensembles, bands, strict=True):
+        for column, band in zip(panel.columns, some, strict=True):
+            _draw_band(axes, band, factor, index, _entry(ensemble.label, column, panel))
+            index += 1
+    for k, source in enumerate(content.runs):
+        for column in panel.columns:
+            if column in source.table and k not in panel.without:
+                entry = _entry(source.label, column, panel)
+                axes.plot(source.time, source.column(column) / factor, label=entry, **line_look(index))
+            index += 1
+    for k, source in enumerate(content.experiments):
+        for column in panel.columns:
+            if column in source.table:
+                mark = {"marker": MARKS[k % len(MARKS)], "label": _entry(source.label, column, panel)}
+                _draw_marks(axes, source, column, factor, mark)
+    label = label_of(panel.columns[0]) if panel.label is None and len(panel.columns) == 1 else panel.label or ""
+    axes.set_ylabel(axis_label(plain_text(label), unit))
+
+
+def _with(content: Content, panel: Panel) -> list[Source]:
+    runs = [source for k, source in enumerate(content.runs) if k not in panel.without]
+    return [*runs, *content.experiments]
+
+
+def _entry(label: str, column: str, panel: Panel) -> str:
+    """What a curve is called in the legend; an empty text: it has no entry."""
+    parts = [label, label_of(column)] if len(panel.columns) > 1 else [label]
+    return plain_text(": ".join(part for part in parts if part))
+
+
+def _draw_band(axes: Axes, band: Band, factor: float, index: int, entry: str) -> None:
+    some = line_look(index)
+    axes.fill_between(band.time, band.low / factor, band.high / factor, color=some["color"], alpha=_BAND, linewidth=0.0)
+    axes.plot(band.time, band.mean / factor, label=entry, **some)
+
+
+def _draw_marks(axes: Axes, source: Source, column: str, factor: float, look: dict[str, Any]) -> None:
+    """Hollow marks, with bars where the standard deviation is known."""
+    uncertainty = source.table.get(column + UNCERTAINTY)
+    axes.errorbar(
+        source.time,
+        source.column(column) / factor,
+        yerr=None if uncertainty is None else np.abs(np.asarray(uncertainty, dtype=np.float64)) / factor,
+        linestyle="none",
+        color="black",
+        markerfacecolor="white",
+        markeredgewidth=0.8,
+        markersize=4.0,
+        elinewidth=0.7,
+        capsize=1.5,
+        zorder=3,
+        **look,
+    )
+
+
+def values_of(content: Content, panel: Panel) -> list[Floats]:
+    """All values that a panel shows."""
+    found = [source.column(name) for source in _with(content, panel) for name in panel.columns if name in source.table]
+    bands = [ensemble.band(name) for ensemble in content.ensembles for name in panel.columns]
+    return [*found, *(edge for band in bands for edge in (band.low, band.high))]
