@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Le
 
+from membrane_rs._extras import need
 from membrane_rs._files import check_regular, path_of
 from membrane_rs._validation import Flag, Positive, Unit, nearest, show, validated
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
@@ -135,9 +136,12 @@ class Style:
         ------
         MissingFileError
             A style sheet that is neither a file nor a name that matplotlib knows.
+        MissingExtraError
+            matplotlib is not installed.
         InputError
             A parameter that matplotlib does not know, or a value that it refuses.
         """
+        need("matplotlib", use="figures")
         from matplotlib import rc_context, rcdefaults
 
         with rc_context():
@@ -235,6 +239,7 @@ def _sheet(sheet: str | os.PathLike[str]) -> Mapping[str, Any]:
     """The parameters of a style sheet, by the name that matplotlib has for it, or of a file."""
     import logging
 
+    need("matplotlib", use="style sheets")
     from matplotlib import rc_params_from_file, style
 
     if isinstance(sheet, str) and sheet in style.library:
