@@ -15,7 +15,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 # What the module is built from: neither tests nor benches.
 RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml rust/python -type f)
 
-.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy deployment clean
+.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy deployment docs clean
 
 # A sail from the roll to the flat square, and both sails of the paper from the cross, on all cores: pictures, VTU frames,
 # curves and a table, in out/.
@@ -33,7 +33,7 @@ test:
 test-rust: | $(VENV)/made
 	MAKEFLAGS= cargo test --workspace
 
-check: test lint
+check: test lint docs
 
 lint: lint-rust lint-python
 
@@ -87,7 +87,14 @@ readme: demo
 	$(BIN)/python tools/docs/accuracy.py
 	$(BIN)/python tools/docs/readme_numbers.py --write
 
+# The site of the documentation, in out/docs: without a network, each warning an error; then a look at what its pages load.
+docs: $(VENV)/built
+	rm -rf out/docs
+	$(BIN)/python -m sphinx -b html -W --keep-going -q -d out/doctrees docs out/docs
+	cd tools/docs && ../../$(BIN)/python -m website.offline ../../out/docs
+
 clean:
+	rm -rf docs/gallery docs/reference
 	rm -rf $(VENV) target out runs .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	rm -f python/membrane_rs/_core*.so
 	find python tests examples benchmarks tools -name __pycache__ -prune -exec rm -rf {} +

@@ -31,7 +31,7 @@ class RunSettings:
         chooses each step by its error. The end and all outputs are met, also where they lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error: this share of
-        sqrt(tolerance_length^2 + |x|^2) in position and of sqrt(tolerance_speed^2 + |v|^2) in velocity, with x and v of
+        sqrt(tolerance_length^2 + x^2) in position and of sqrt(tolerance_speed^2 + v^2) in velocity, with x and v of
         a piece that nothing holds about its centre of mass.
     tolerance_length : float
         Distance from the origin (of such a piece: from its centre) below which the tolerance is absolute [m].

@@ -21,7 +21,7 @@ class Schedule:
     """A number as a function of time, by knots: constant before the first and after the last one.
 
     Between two knots, T apart and with values that differ by D, with s = (t - t_k)/T from 0 to 1, the rate rises
-    over the first share e of the time, is constant, and falls over the last share e:
+    over the first share e of the time, is constant, and falls over the last share e::
 
         rate   D/(T (1 - e)) w(s),   w = S(s/e) for s < e, 1, S((1 - s)/e) for s > 1 - e,   S(u) = 3 u^2 - 2 u^3
         value  v_k + D p(s),         p = e (u^3 - u^4/2)/(1 - e) for u = s/e < 1, (s - e/2)/(1 - e) up to s = 1/2,

@@ -1,0 +1,41 @@
+"""
+Folding patterns
+================
+
+A pattern makes the flat mesh from a few dimensions, with its mountain and valley creases, and the stowed shape beside
+it. Here a square sail is drawn flat, and stowed in its two ways: as a cross, and wound up round its spool.
+"""
+
+import matplotlib.pyplot as plt
+from membrane_rs.folding import SquareSail
+
+# %%
+# The pattern
+# -----------
+# Mountain folds are negative and valley folds positive, in the sign of the FOLD format.
+
+sail = SquareSail(outer_width=0.455, inner_width=0.103, fold_lines=7, rows=16)
+mesh = sail.mesh()
+print(f"{mesh.node_count} nodes, {len(mesh.triangles)} triangles, {len(mesh.creases)} creases")
+
+figure, axes = plt.subplots(figsize=(6, 6), layout="constrained")
+axes.triplot(*(1e3 * mesh.reference[:, :2].T), mesh.triangles, color="0.85", linewidth=0.4)
+for sign, colour, name in ((-1, "tab:red", "mountain"), (1, "tab:blue", "valley")):
+    folds = mesh.creases[sign * mesh.fold_angles > 0]
+    for number, ends in enumerate(folds):
+        axes.plot(*(1e3 * mesh.reference[ends, :2].T), color=colour, label="" if number else name)
+axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+axes.legend(loc="upper right")
+plt.show()
+
+# %%
+# Stowed shapes
+# -------------
+# The same sail, seen along the spin axis, with its edges alone.
+
+wound = SquareSail(stowage="wound").mesh()
+figure, both = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
+for axes, title, stowed in zip(both, ("cross", "wound"), (mesh, wound), strict=True):
+    axes.triplot(*(1e3 * stowed.positions[:, :2].T), stowed.triangles, color="tab:gray", linewidth=0.3)
+    axes.set(title=title, xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+plt.show()

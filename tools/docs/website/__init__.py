@@ -1,0 +1,1 @@
+"""What the site of docs/ needs beside Sphinx's own extensions: equations, the reference, and a look at its links."""
