@@ -91,8 +91,8 @@ def members(cls: type) -> list[str]:
     for owner in reversed(cls.__mro__):
         is_own = owner.__module__.startswith("membrane_rs") and owner not in interfaces
         for name, member in vars(owner).items():
-            is_told = any(hasattr(base, name) for base in interfaces)
-            if is_own and not is_told and not name.startswith("_") and name not in names and is_described(member):
+            is_general = any(hasattr(base, name) for base in interfaces)
+            if is_own and not is_general and not name.startswith("_") and name not in names and is_described(member):
                 names.append(name)
     return names
 

@@ -66,9 +66,10 @@ def package_page(package: str, names: list[PublicName]) -> str:
         entries = "".join(f"   {name.name}\n" for name in group)
         text += f".. currentmodule:: {package}\n\n.. autosummary::\n   :nosignatures:\n\n{entries}\n"
     own = {name.name for name in names}
-    told = [name for name in importlib.import_module(package).__all__ if name not in own and not name.startswith("__")]
-    if told:
-        text += "Also here: " + ", ".join(f":py:obj:`{name} <{place(package, name)}>`" for name in told) + ".\n\n"
+    listed = importlib.import_module(package).__all__
+    other = [name for name in listed if name not in own and not name.startswith("__")]
+    if other:
+        text += "Also here: " + ", ".join(f":py:obj:`{name} <{place(package, name)}>`" for name in other) + ".\n\n"
     entries = "".join(f"   {name.path}\n" for _, group in groups for name in group)
     return text + (f".. toctree::\n   :hidden:\n\n{entries}" if names else "")
 
