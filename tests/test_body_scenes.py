@@ -13,7 +13,7 @@ import pytest
 from example_of import example_of
 from membrane_rs import Cylinder, InputError, Plane, Scene, SceneError, Schedule, Simulation, Stage
 from membrane_rs.check import audit
-from membrane_rs.results.history import FIRST_COLUMNS, OF_STAGES, RENAMED
+from membrane_rs.results.history_table import FIRST_COLUMNS, OF_STAGES, RENAMED
 from membrane_rs.scene.bodies import BODIES
 from small_scenes import cord
 

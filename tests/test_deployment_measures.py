@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from membrane_rs import Scene, Simulation, Tether, scenes
 from membrane_rs.analysis.deployment import Corners, corner_nodes
 from membrane_rs.analysis.strain import triangle_strains
+from membrane_rs.results.features import curve_features, energy_balance
 from membrane_rs.results.measures import deployment_rate
-from membrane_rs.results.summary import curve_features, energy_balance
 from numpy.testing import assert_allclose, assert_array_equal
 
 TRIANGLE = np.array([[0, 1, 2]])

@@ -20,7 +20,7 @@ from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
 from membrane_rs.plotting.picture import CREASE, Subject
 from membrane_rs.plotting.sheets import contact_sheet
 from membrane_rs.results import read_history
-from membrane_rs.results.summary import curve_features
+from membrane_rs.results.features import curve_features
 from PIL import Image
 
 PAINTERS = [MatplotlibPainter, *([ProcessPainter] if pyvista_works() else [])]

@@ -29,7 +29,7 @@ from membrane_rs.errors import (
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.runs import Simulation, resume
+from membrane_rs.runs import Run, Simulation, open_run, resume, run
 from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Cylinder, Plane
 from membrane_rs.scene.laws import (
@@ -76,6 +76,7 @@ __all__ = [
     "OutputError",
     "Plane",
     "Pressure",
+    "Run",
     "RunSettings",
     "Scene",
     "SceneError",
@@ -95,6 +96,8 @@ __all__ = [
     "__version__",
     "folding",
     "integrators",
+    "open_run",
     "resume",
+    "run",
     "scenes",
 ]

@@ -7,10 +7,31 @@ All share the base `MembraneError`, and each also derives from the nearest built
 from __future__ import annotations
 
 import signal
+from typing import Any
 
 
-class MembraneError(Exception):
-    """Base of all errors of membrane_rs."""
+class _WithRun(BaseException):
+    """What may end a run."""
+
+    run: Any = None
+
+    def __reduce__(self) -> Any:
+        """A pickle is without the run, whose frames may be many."""
+        made = super().__reduce__()
+        if isinstance(made, str) or len(made) < 3:
+            return made
+        kind, values, state, *rest = made
+        return (kind, values, {name: value for name, value in state.items() if name != "run"}, *rest)
+
+
+class MembraneError(_WithRun, Exception):
+    """Base of all errors of membrane_rs.
+
+    Attributes
+    ----------
+    run : Run or None
+        What a run had recorded, where `membrane_rs.run` ended by this error; None elsewhere. A pickle is without it.
+    """
 
 
 class InputError(MembraneError, ValueError):
@@ -92,7 +113,7 @@ class AuditWarning(UserWarning):
     """
 
 
-class Interrupted(KeyboardInterrupt):
+class Interrupted(_WithRun, KeyboardInterrupt):
     """A signal ended a run: SIGINT, which is Ctrl-C, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 or SIGUSR2. No error, so no
     `MembraneError`.
 
@@ -102,6 +123,8 @@ class Interrupted(KeyboardInterrupt):
         Number of the signal.
     name : str
         Its name, such as "SIGTERM".
+    run : Run or None
+        As that of `MembraneError`.
     """
 
     def __init__(self, signum: int) -> None:

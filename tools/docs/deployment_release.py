@@ -12,7 +12,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.folding import SquareSail
-from membrane_rs.results.summary import curve_features
+from membrane_rs.results.features import curve_features
 from membrane_rs.study.common.perturbation import SHIFT
 
 RATE, PHASE = "deployment_rate", "phase_difference_deg"

@@ -22,7 +22,7 @@ from membrane_rs._markdown import table
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
 from membrane_rs.mesh import net_moduli
 from membrane_rs.plotting.mesh_study import plot_meshes
-from membrane_rs.results.summary import curve_features
+from membrane_rs.results.features import curve_features
 from membrane_rs.study.common.executor import run_parallel
 from membrane_rs.study.common.run import StudyCase, run_case, study_case
 

@@ -103,7 +103,7 @@ def _show_versions(wanted: bool) -> None:
     """The versions of what takes part in the numbers, and the vector instructions of the core."""
     if wanted:
         from membrane_rs import Scene, Simulation, Tether
-        from membrane_rs.results.summary import versions
+        from membrane_rs.results.run_summary import versions
 
         smallest = Simulation(Scene(None, None, parts=[Tether((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1, 10.0, 1e-4)]))
         found = versions()
@@ -192,6 +192,6 @@ def _with_literal_help(kind: Any) -> Any:
 
 def print_json(document: Any) -> None:
     """Print one JSON document on the standard output; NaN and infinities become null."""
-    from membrane_rs.results.summary import plain
+    from membrane_rs.results.run_summary import plain
 
     typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))

@@ -21,8 +21,8 @@ from membrane_rs.plotting.figure import finished, save_figure
 from membrane_rs.plotting.panels import Content, Panel, draw_panels, line_look, values_of
 from membrane_rs.plotting.sources import Source, sources_of
 from membrane_rs.plotting.style import SCREEN, Style, style_of
+from membrane_rs.results.features import LEAST_PHASE, curve_features
 from membrane_rs.results.history import read_history
-from membrane_rs.results.summary import LEAST_PHASE, curve_features
 from membrane_rs.simulation.stepper import Stepper
 
 if TYPE_CHECKING:

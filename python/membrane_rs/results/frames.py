@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from membrane_rs._files import output_errors, sync_all
+from membrane_rs.results.frame_fields import Frame
 from membrane_rs.results.pvd import PVD, PvdWriter, read_pvd
 from membrane_rs.results.record import Record
-from membrane_rs.results.vtk import Frame, FrameWriter
+from membrane_rs.results.vtk import FrameWriter
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
 

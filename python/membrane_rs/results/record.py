@@ -14,8 +14,22 @@ Progress = Callable[[str, int, int], None]
 """Called with what is drawn, pictures done, and pictures in all."""
 
 
+@dataclass(kw_only=True)
+class RunData:
+    """What of a run is data, in memory or in a folder."""
+
+    request: dict[str, Any] = field(default_factory=dict)
+    """What the run was asked for, as summary.json says it."""
+    summary: dict[str, Any] = field(default_factory=dict)
+    """What summary.json says; written again when all outputs have finished."""
+    table: dict[str, Floats] = field(default_factory=dict)
+    """(samples,) columns of the history, once that is closed."""
+    frames: list[tuple[float, str]] = field(default_factory=list)
+    """Time [s] of each frame so far and, of one that is written, its file, relative to the folder."""
+
+
 @dataclass
-class Record:
+class Record(RunData):
     """What an output of a run may read, and adds for those after it."""
 
     path: Path
@@ -24,14 +38,6 @@ class Record:
     """Reports pictures as they are drawn."""
     background: Background = field(default_factory=Background)
     """Does what takes longer than a copy, while the core steps."""
-    request: dict[str, Any] = field(default_factory=dict)
-    """What the run was asked for, as summary.json says it."""
-    summary: dict[str, Any] = field(default_factory=dict)
-    """What summary.json says; written again when all outputs have finished."""
-    table: dict[str, Floats] = field(default_factory=dict)
-    """(samples,) columns of the history, once that is closed."""
-    frames: list[tuple[float, str]] = field(default_factory=list)
-    """Time [s] and file, relative to the folder, of each frame that is written."""
     shapes: list[Floats] = field(default_factory=list)
     """(N, 3) positions [m] that must fit into each picture."""
     picture_counts: list[Callable[[], int]] = field(default_factory=list)

@@ -1,9 +1,13 @@
-"""The run of a scene, and the folder of its results."""
+"""The run of a scene, its results in memory, and the folder of its results."""
 
 from __future__ import annotations
 
+from membrane_rs.runs.frames import RunFrame
+from membrane_rs.runs.opening import open_run
+from membrane_rs.runs.result import Run
 from membrane_rs.runs.resuming import resume
 from membrane_rs.runs.run_folder import RunFolder
+from membrane_rs.runs.running import run
 from membrane_rs.runs.simulation import Simulation
 
-__all__ = ["RunFolder", "Simulation", "resume"]
+__all__ = ["Run", "RunFolder", "RunFrame", "Simulation", "open_run", "resume", "run"]

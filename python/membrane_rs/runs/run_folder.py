@@ -35,12 +35,14 @@ from membrane_rs.results.frames import Frames
 from membrane_rs.results.history import HISTORY, History
 from membrane_rs.results.pvd import PVD
 from membrane_rs.results.record import Progress, Record
+from membrane_rs.results.run_summary import add_findings
 from membrane_rs.results.scene_file import SceneFile
 from membrane_rs.results.state import State
-from membrane_rs.results.summary import Summary, add_findings
+from membrane_rs.results.summary import Summary
 from membrane_rs.results.writer import Writer
 from membrane_rs.runs import signals
 from membrane_rs.runs.place import Place
+from membrane_rs.runs.recorder import Recorder
 from membrane_rs.runs.request import Request
 from membrane_rs.simulation.stepper import Stepper
 
@@ -78,7 +80,7 @@ def own_files() -> list[str]:
     return names
 
 
-class RunFolder(KnownAttributes):
+class RunFolder(KnownAttributes, Recorder):
     """An observer that writes a run's results into a folder. For one run.
 
     The folder is valid after every frame: each file is whole or absent, and history.csv and frames.pvd grow by whole

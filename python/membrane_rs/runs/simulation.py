@@ -15,6 +15,7 @@ from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.runs import signals
+from membrane_rs.runs.recorder import Recorder
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
@@ -210,30 +211,30 @@ class Simulation(Stepper):
         if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
             raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         request.output_times(self.time, self.scene)
-        if not any(observer.is_resumed for observer in observers if isinstance(observer, RunFolder)):
+        if not any(observer.is_resumed for observer in observers if isinstance(observer, Recorder)):
             request.warn_of_unshown(self.time, stacklevel=2)
         folder = None if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
-        folders = [observer for observer in all_observers if isinstance(observer, RunFolder)]
-        if self.scene.bodies and not folders:  # the summary of a folder has one of its own
+        recorders = [observer for observer in all_observers if isinstance(observer, Recorder)]
+        if self.scene.bodies and not recorders:  # a summary has one of its own
             all_observers.append(BodyContacts())
 
         def between(_: Simulation) -> None:
             signals.look()
-            for each in folders:
+            for each in recorders:
                 each.between(self)
 
         self.until = end
         with signals.interruptible():
             try:
-                for each in folders:
+                for each in recorders:
                     each.prepare(self, each.asked(request))
                 if settings.relax > 0 and not self.is_relaxed and self.time == 0.0:
                     self.relax()
                 with signals.held():
                     self.march(end, request.frames, request.samples, all_observers, progress, between=between)
             except BaseException as error:
-                for each in folders:
+                for each in recorders:
                     each.finish(self, error)
                 raise
         return folder

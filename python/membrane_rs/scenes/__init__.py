@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from importlib import resources
+from pathlib import Path
 
+from membrane_rs._files import path_of
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
 
-__all__ = ["describe", "load", "names"]
+__all__ = ["describe", "load", "names", "scene_of"]
 
 
 def names() -> list[str]:
@@ -37,6 +39,26 @@ def load(name: str) -> Scene:
     _text(name)
     with resources.as_file(resources.files(__name__) / f"{name}.toml") as path:
         return Scene.from_toml(path)
+
+
+def scene_of(scene: Scene | str | Path) -> Scene:
+    """A scene as it is; else a built-in one by its name, or that of a file by its path (ending or slash).
+
+    Raises
+    ------
+    SceneError
+        No scene of that name, or anything in the file that is wrong.
+    MissingFileError
+        No such file.
+    InputTypeError
+        Neither a scene nor a name or a path.
+    """
+    if isinstance(scene, Scene):
+        return scene
+    path = path_of(scene, "scene")
+    if isinstance(scene, Path) or path.suffix == ".toml" or "/" in str(scene) or path.is_file():
+        return Scene.from_toml(path)
+    return load(str(scene))
 
 
 def _text(name: str) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of
 from membrane_rs.analysis.deployment import Corners, corner_nodes
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.folding.pattern import corner_turn
 from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation.motion import Motion
@@ -63,6 +63,25 @@ def _evaluations() -> Iterator[tuple[object, object]]:
 def is_measured(sim: Motion) -> bool:
     """Whether a measure of this simulation is being evaluated, by which this is called."""
     return any(measured is sim for _, measured in _evaluations())
+
+
+def reading(measure: Callable[[Any], object], sim: Motion, where: str, unit: str) -> float:
+    """The value of a user's measure now.
+
+    Raises InputError and InputTypeError, which begin with `where`, for one that raises an error, gives no finite
+    number, or changes the simulation.
+    """
+    before = sim._core.step_count, sim._core.time, sim._motions_set
+    at = f"{where} at t = {sim.time:.6g} s"
+    try:
+        value = _evaluated(measure, sim)
+    except Exception as error:
+        raise InputError(f"{at}: raised {type(error).__name__}: {error}; mend the function") from error
+    if before != (sim._core.step_count, sim._core.time, sim._motions_set):
+        raise InputError(f"{at}: has stepped or set the simulation; a measure only reads")
+    if isinstance(value, np.ndarray) and value.ndim:
+        raise InputTypeError(f"{at}: gave an array of shape {value.shape}; must give one number, such as its .max()")
+    return number_of(at, value, unit)
 
 
 class Follower:

@@ -23,7 +23,8 @@ from membrane_rs._files import output_errors, replacing, write_text
 from membrane_rs._markdown import table
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
-from membrane_rs.results.summary import versions, write_summary
+from membrane_rs.results.run_summary import versions
+from membrane_rs.results.summary import write_summary
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators

@@ -25,7 +25,8 @@ from membrane_rs._files import output_errors, replacing
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.work_precision import COSTS, Line, Row, plot_work_precision
-from membrane_rs.results.summary import versions, write_summary
+from membrane_rs.results.run_summary import versions
+from membrane_rs.results.summary import write_summary
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs.results.summary import curve_features
+from membrane_rs.results.features import curve_features
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
 POINTS = 2001

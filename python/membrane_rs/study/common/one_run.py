@@ -20,7 +20,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
-from membrane_rs.results.summary import curve_features, energy_balance
+from membrane_rs.results.features import curve_features, energy_balance
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.measures import stowed_turn

@@ -1,0 +1,191 @@
+"""The history of a run: a row for each sample, in memory or in history.csv.
+
+time                   [s]
+deployment_rate        mean radius of the corners over that of the flat sail
+phase_difference_deg   [deg] mean angle of the corners relative to the spool
+kinetic_energy         [J] in the turning frame
+stored_energy          [J] potential energy of all laws
+energy_error           (energy now - energy at the start - work done) / reference energy
+hub_angle              [rad] turned by the hub so far
+reference_energy       [J] the largest change of a single term of the energy balance so far
+energy_<law>           [J] one per law with a potential: its potential energy
+work_<law>             [J] one per law and body of the scene, and for moved nodes: work done on the system, negative
+                       where it takes energy
+hub_force              [N] magnitude of the force of the sail on the hub, see `HubLoad`; where nodes are held, or meet a
+                       spool
+hub_torque             [N m] torque of the sail on the hub about its axis; likewise
+contact_force          [N] sum of the magnitudes of the forces between spool and nodes; where nodes meet a spool
+largest_cord_tension   [N] elastic tension of the tautest segment; with cords
+largest_film_stress    [Pa] largest principal stress, at least 0, see `Motion.film_stress`; with a law of the film
+motor_work             [J] work of the motor that turns the hub so far, on the sail; with a hub that turns. It is no
+                       term of the balance, which is that of the turning frame
+
+With stages the columns are those of all stages; an energy is 0 where its law is not at work. There are also
+
+stage                  index of the stage; at a boundary that of the stage that begins
+energy_of_changes      [J] put in by changes of stage so far: what is stored and moves after one, less what was before
+
+motor_work is the last of these columns, which runs of earlier versions lack. Behind it stand the measures that a run
+was asked to record, each with the unit that was given with it.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.analysis.deployment import Corners
+from membrane_rs.results.recorded import Measures
+from membrane_rs.simulation.measures import PHASE, stowed_turn
+from membrane_rs.simulation.stepper import Stepper
+
+FIRST_COLUMNS = (
+    "time",
+    "deployment_rate",
+    "phase_difference_deg",
+    "kinetic_energy",
+    "stored_energy",
+    "energy_error",
+    "hub_angle",
+    "reference_energy",
+)
+
+OF_STAGES = ("stage", "energy_of_changes")
+"""The last columns of a scene with stages."""
+MOTOR = "motor_work"
+"""A column of a scene whose hub turns."""
+RENAMED = {"energy_turned_over": "reference_energy"}
+"""New names of columns by those of version 0.1; files and tables have both."""
+_UNITS = {
+    "time": "s",
+    "deployment_rate": "",
+    "phase_difference_deg": "deg",
+    "kinetic_energy": "J",
+    "stored_energy": "J",
+    "energy_error": "",
+    "hub_angle": "rad",
+    "reference_energy": "J",
+    "hub_force": "N",
+    "hub_torque": "N m",
+    "contact_force": "N",
+    "largest_cord_tension": "N",
+    "largest_film_stress": "Pa",
+    "stage": "",
+    "energy_of_changes": "J",
+    MOTOR: "J",
+}
+
+
+def column_units(columns: Iterable[str], recorded: Mapping[str, str]) -> dict[str, str]:
+    """Units of columns, empty for a number alone; of a run's own measures those that were `recorded`."""
+    of_laws = dict.fromkeys((name for name in columns if name.startswith(("energy_", "work_"))), "J")
+    known = {**of_laws, **_UNITS, **recorded}
+    return {name: known.get(name, "") for name in columns}
+
+
+class HistoryTable:
+    """The rows of a history, of one simulation, with the measures that it is asked to record."""
+
+    columns: list[str]
+    last: list[float]
+    """The last row; empty before the first one."""
+
+    def __init__(self, sim: Stepper, measures: Measures | None = None) -> None:
+        self._measures = measures or Measures()
+        self._corners = Corners(sim.assembly, stowed_turn(sim))
+        self._energies = list(sim.potential_names)
+        bodies = [name for body in sim.scene.bodies for name in (body.name, f"{body.name}_friction")]
+        of_parts = dict.fromkeys(part.working_law for part in sim.scene.parts)
+        others = [name for name in (*of_parts, *bodies) if name in sim.law_names]
+        self._works = [*(law.kind for law in sim.scene.laws), *others]
+        self._readings = _readings_of(sim)
+        self._of_stages = OF_STAGES if sim.scene.stages else ()
+        self.columns = [
+            *FIRST_COLUMNS,
+            *(f"energy_{name}" for name in self._energies),
+            *(f"work_{name}" for name in self._works),
+            *self._readings,
+            *self._of_stages,
+            *((MOTOR,) if any(law.turns_hub for law in sim.scene.laws) else ()),
+        ]
+        self._measures.check_names((*self.columns, *RENAMED))
+        self.columns += self._measures.units
+        self.last = []
+        self._values = array("d")
+
+    def add(self, sim: Stepper) -> bool:
+        """Add a row for now; whether that is done.
+
+        A state that is not later than the last one is skipped: an unstable run is set back to its last good state,
+        which may be there already.
+        """
+        if self.last and sim.time <= self.last[0]:
+            return False
+        positions, ledger = sim.positions, sim.ledger()
+        row = [
+            sim.time,
+            self._corners.deployment_rate(positions),
+            self._corners.phase_difference(positions),
+            ledger["kinetic"],
+            ledger["stored"],
+            ledger["error"],
+            sim.hub_angle,
+            ledger["reference_energy"],
+            *(ledger["stored_by_law"].get(name, 0.0) for name in self._energies),
+            *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
+            *_readings(sim, self._readings),
+        ]
+        if self._of_stages:
+            row += [sim.stage, math.fsum(ledger["changes"].values())]
+        if MOTOR in self.columns:
+            row.append(math.nan if ledger[MOTOR] is None else ledger[MOTOR])
+        row += self._measures.values(sim)
+        # Adding 0 makes 0 of -0, which a reader would take for a sign.
+        self.last = [float(value) + 0.0 for value in row]
+        self._values.extend(self.last)
+        return True
+
+    def resume(self, sim: Stepper, rows: Floats) -> None:
+        """Go on behind rows (samples, columns) of before."""
+        self._values = array("d", rows.tobytes())
+        self.last = rows[-1].tolist() if len(rows) else []
+        last = self.last[FIRST_COLUMNS.index(PHASE)] if self.last else math.nan
+        if math.isfinite(last):
+            self._corners = Corners(sim.assembly, math.radians(last))
+
+    def table(self) -> dict[str, Floats]:
+        """The samples so far, one (samples,) array per column."""
+        values = np.array(self._values, dtype=np.float64).reshape(-1, len(self.columns))
+        return {name: values[:, k] for k, name in enumerate(self.columns)}
+
+
+def _readings_of(sim: Stepper) -> list[str]:
+    """The largest stress and tension, and the load on the hub, as far as the scene has them in any stage."""
+    scenes = [sim.scene.staged(k) for k in range(len(sim.scene.stages))] or [sim.scene]
+    assemblies, found = [scene.assemble() for scene in scenes], []
+    has_contacts = any(len(assembly.contacts) for assembly in assemblies)
+    if has_contacts or any(len(assembly.fixed) for assembly in assemblies):
+        found = ["hub_force", "hub_torque", *(["contact_force"] if has_contacts else [])]
+    if len(sim.assembly.cords):
+        found.append("largest_cord_tension")
+    if len(sim.assembly.triangles) and any(law.is_film for law in sim.scene.laws):
+        found.append("largest_film_stress")
+    return found
+
+
+def _readings(sim: Stepper, names: Sequence[str]) -> list[float]:
+    """The readings of these names now."""
+    found = {}
+    if "hub_force" in names:
+        load = sim.hub_load()
+        found = {"hub_force": float(np.linalg.norm(load.force)), "hub_torque": float(load.torque[2])}
+        found["contact_force"] = load.contact
+    if "largest_cord_tension" in names:
+        found["largest_cord_tension"] = float(sim.cord_tensions().max())
+    if "largest_film_stress" in names:
+        found["largest_film_stress"] = sim.largest_film_stress()
+    return [found[name] for name in names]
