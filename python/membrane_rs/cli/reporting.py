@@ -41,6 +41,10 @@ def tell(words: str) -> None:
         typer.echo(words, err=True)
 
 
+def nothing(words: str) -> None:
+    """In place of `typer.echo`, where the result is a JSON document."""
+
+
 def exit_code(stop: KeyboardInterrupt) -> int:
     """128 and the number of the signal, as a shell has it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
     return 128 + int(getattr(stop, "signum", INTERRUPTED - 128))

@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from membrane_rs.cli.application import FAILED, RUNS, command, exit_code, show_error, tell, warnings_of_run
+from membrane_rs.cli.application import (
+    FAILED,
+    RUNS,
+    Json,
+    command,
+    exit_code,
+    print_json,
+    show_error,
+    tell,
+    warnings_of_run,
+)
 from membrane_rs.cli.options import (
     Checkpoint,
     Dt,
@@ -62,6 +72,7 @@ def run(
         typer.Option("--crossings", help="Count triangles that pass through each other at each frame: crossings.csv."),
     ] = False,
     checkpoint: Checkpoint = 10.0,
+    json: Json = False,
 ) -> None:
     """Run a scene and write its results into a folder."""
     from membrane_rs.check import unaccepted_errors
@@ -75,9 +86,10 @@ def run(
     chosen = with_settings(loaded, wanted)
     folder = out or Path("runs") / chosen.name
     sim = simulation_of(chosen)
-    if unaccepted_errors(chosen) and not despite_errors:
-        _refuse(sim, folder, overwrite)
-    _run(sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, checkpoint=checkpoint)
+    with _reported(folder, json=json):
+        if unaccepted_errors(chosen) and not despite_errors:
+            _refuse(sim, folder, overwrite)
+        _run(sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, checkpoint=checkpoint)
 
 
 @command(RUNS, example="resume runs/spinning-tether --until 0.02")
@@ -91,6 +103,7 @@ def resume(
     frames: Frames = None,
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
+    json: Json = False,
 ) -> None:
     """Continue a run in its folder; or a saved state, into a folder of its own."""
     from membrane_rs.errors import InputError
@@ -102,7 +115,8 @@ def resume(
         for option, value in (("--out", out), ("--frames", frames), ("--overwrite", overwrite or None)):
             if value is not None:
                 raise InputError(f"{option}: a run is continued in its own folder; leave it out, or name a state")
-        _resume(source, until, no_pictures=no_pictures)
+        with _reported(source, json=json):
+            _resume(source, until, no_pictures=no_pictures)
         return
     sim = Simulation.restore(source)
     report(sim.audit())
@@ -110,7 +124,8 @@ def resume(
     if end <= sim.time:
         raise InputError(f"--until = {end}: the state is at {sim.time:.6g} s already; give a later time (s)")
     folder = out or source.parent.with_name(f"{source.parent.resolve().name}-continued")
-    _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames)
+    with _reported(folder, json=json):
+        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames)
 
 
 def _refuse(sim: Simulation, folder: Path, overwrite: bool) -> None:
@@ -137,7 +152,7 @@ def _run(
     frames: int | None = None,
     checkpoint: float = 10.0,
 ) -> None:
-    """Run with a progress bar; report the folder of the results, or how to continue."""
+    """Run with a progress bar; say how to continue where it is stopped."""
     from membrane_rs.runs import RunFolder
 
     console = terminal()
@@ -148,25 +163,41 @@ def _run(
             show.relaxing()
         with warnings_of_run():
             sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
-    typer.echo(f"Results are in {folder}")
+
+
+@contextmanager
+def _reported(folder: Path, *, json: bool) -> Iterator[None]:
+    """Report the folder of the results; or the summary there, also of a run that has failed or was interrupted."""
+    from membrane_rs.errors import UnstableError
+    from membrane_rs.results import read_summary
+
+    try:
+        yield
+    except (UnstableError, typer.Exit):
+        if json:
+            print_json({"folder": str(folder), **read_summary(folder)})
+        raise
+    if json:
+        print_json({"folder": str(folder), **read_summary(folder)})
+    else:
+        typer.echo(f"Results are in {folder}")
 
 
 def _resume(folder: Path, until: float | None, *, no_pictures: bool) -> None:
-    """Continue a run in its folder with a progress bar; report what was there, and the results."""
+    """Continue a run in its folder with a progress bar; report what was there."""
     from membrane_rs.results import read_summary
     from membrane_rs.runs import resume
 
     before = read_summary(folder)
     come = before.get("time", before.get("start_time", 0.0))
     if before["outcome"] == "finished" and (until is None or until <= come):
-        typer.echo(f"The run in {folder} is finished, at {come:.6g} s; nothing is left to do. Go on with --until.")
+        tell(f"The run in {folder} is finished, at {come:.6g} s; nothing is left to do. Go on with --until.")
         return
     process = "process {pid} on {host}, since {start}".format(**NOBODY | before.get("process", {}))
     tell(f"{folder}: {before['outcome']} ({process}); its last checkpoint is at {come:.6g} s")
     end = before.get("request", {}).get("until", come) if until is None else until
     with progress_bar(terminal(), come, end) as show, _stopped(show, folder), warnings_of_run():
         resume(folder, until, pictures=False if no_pictures else None, progress=show.steps, drawing=show.pictures)
-    typer.echo(f"Results are in {folder}")
 
 
 @contextmanager

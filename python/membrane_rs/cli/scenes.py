@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from membrane_rs.cli.application import FAILED, SCENES, command
+from membrane_rs.cli.application import FAILED, SCENES, Json, command, nothing, print_json
 from membrane_rs.cli.options import (
     Dt,
     Integrator,
@@ -26,11 +27,14 @@ if TYPE_CHECKING:
 
 
 @command(SCENES, example="scenes")
-def scenes() -> None:
+def scenes(*, json: Json = False) -> None:
     """List the built-in scenes."""
     from membrane_rs import scenes as built_in
 
     names = built_in.names()
+    if json:
+        print_json([{"name": name, "description": built_in.describe(name)} for name in names])
+        return
     width = max(map(len, names))
     for name in names:
         typer.echo(f"{name:<{width}}  {built_in.describe(name)}")
@@ -45,6 +49,7 @@ def check(
     substeps: Substeps = None,
     short_steps: ShortSteps = None,
     until: Until = None,
+    json: Json = False,
 ) -> None:
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     from membrane_rs.check import audit, facts
@@ -60,50 +65,61 @@ def check(
         most = chosen.run.until
         raise InputError(f"--until = {end}: must be above 0, and at most {most:g}, where the stages end (s)")
     chosen = with_settings(chosen, wanted)
-    typer.echo(f"Scene    {chosen.name}")
-    for name, count in chosen.counts().items():
-        typer.echo(f"  {name:<10} {count:>9,}")
-    for name, words in facts(chosen).items():
-        typer.echo(f"  {name:<10} {words}")
+    say = nothing if json else typer.echo
+    say(f"Scene    {chosen.name}")
+    document: dict[str, Any] = {"scene": chosen.name, "counts": chosen.counts(), "facts": facts(chosen)}
+    for name, count in document["counts"].items():
+        say(f"  {name:<10} {count:>9,}")
+    for name, words in document["facts"].items():
+        say(f"  {name:<10} {words}")
     found = audit(chosen)
-    typer.echo(f"\nAudit\n{_indented(str(found))}")
+    document |= {"ok": found.ok, "audit": [finding.as_dict() for finding in found.findings], "runs": []}
+    say(f"\nAudit\n{_indented(str(found))}")
     for k, (stage, start) in enumerate(zip(chosen.stages, planned_starts(chosen.stages), strict=False)):
         duration = stage.duration if end is None else min(stage.duration, end - start)
         if duration <= 0.0:
             break
         latest = "at most " if stage.measure is not None else ""
-        typer.echo(f"\nStage    {stage.name}, {latest}{duration:g} s")
-        _report_run(chosen.staged(k), duration, is_later=k > 0)
+        say(f"\nStage    {stage.name}, {latest}{duration:g} s")
+        document["runs"].append({"stage": stage.name, **_report_run(chosen.staged(k), duration, say, is_later=k > 0)})
     if not chosen.stages:
-        typer.echo("")
-        _report_run(chosen, chosen.run.until)
+        say("")
+        document["runs"].append(_report_run(chosen, chosen.run.until, say))
+    if json:
+        print_json(document)
     if not found.ok:
         raise typer.Exit(FAILED)
 
 
-def _report_run(scene: Scene, duration: float, *, is_later: bool = False) -> None:
-    """Step and cost of a scene without stages, or of one of its stages, for so long [s]."""
+def _report_run(scene: Scene, duration: float, say: Callable[[str], None], *, is_later: bool = False) -> dict[str, Any]:
+    """Step and cost of a scene without stages, or of one of its stages, for so long [s]: said, and as numbers."""
     from membrane_rs.check.redundancy import step_savings
     from membrane_rs.runs import Simulation
 
     sim = Simulation(scene)
-    typer.echo(f"Run      {duration:g} s by {sim.integrator}")
-    typer.echo(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
-    typer.echo(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")
+    say(f"Run      {duration:g} s by {sim.integrator}")
+    say(f"  stable step  {sim.stable_dt():.4g} s, limited by {sim.limiting_part}")
+    say(f"  step         {sim.dt:.4g} s{', later chosen by the tolerance' if sim.is_adaptive else ''}")
     if sim.slow_laws:
-        typer.echo(f"  once a step  {', '.join(sim.slow_laws)}; the others in {scene.run.substeps} substeps")
+        say(f"  once a step  {', '.join(sim.slow_laws)}; the others in {scene.run.substeps} substeps")
     shares = ", ".join(f"{law} {100 * share:.0f} %" for law, share in sim.contiguous_shares.items())
-    typer.echo(f"  contiguous   {shares or 'none'} (share of elements in contiguous batches, the fast ones)")
+    say(f"  contiguous   {shares or 'none'} (share of elements in contiguous batches, the fast ones)")
     savings = step_savings(scene)
     if not savings:
-        typer.echo("  savings      none: no single part sets the step, others are within 2 % of it")
+        say("  savings      none: no single part sets the step, others are within 2 % of it")
     for saving in savings:
-        typer.echo(f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long")
-        typer.echo(f"               {saving.advice}")
+        say(f"  savings      {saving.part}: without it {saving.limit:.4g} s, {saving.gain:.3g} times as long")
+        say(f"               {saving.advice}")
+    found = {
+        "duration": duration, "integrator": sim.integrator, "stable_dt": sim.stable_dt(), "dt": sim.dt,
+        "limiting_part": sim.limiting_part, "is_adaptive": sim.is_adaptive, "slow_laws": sim.slow_laws,
+        "contiguous_shares": sim.contiguous_shares, "savings": [vars(saving) for saving in savings],
+    }  # fmt: skip
     sim._check_end(duration)
     steps, seconds = _expected_cost(sim, duration, is_later=is_later)
     cost = "in a time that only a run shows" if seconds is None else f"about {_duration(seconds)} on this machine"
-    typer.echo(f"  cost         {steps:,} steps, {cost}")
+    say(f"  cost         {steps:,} steps, {cost}")
+    return found | {"steps": steps, "seconds": seconds}
 
 
 def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple[int, float | None]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from membrane_rs._renamed import deprecated
-from membrane_rs.cli.application import STUDIES, command, tell
+from membrane_rs.cli.application import STUDIES, Json, command, print_json, tell
 from membrane_rs.cli.options import (
     Ensemble,
     Integrator,
@@ -44,6 +44,7 @@ def stability(
     integrator: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
     until: Until = None,
     out: Out = None,
+    json: Json = False,
 ) -> None:
     """Map the outcome of runs over step and one parameter: fine, inaccurate, energy injected, blown up."""
     from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
@@ -58,13 +59,18 @@ def stability(
         methods=names,
         shares=numbers(steps, "--steps"),
         until=until,
-        progress=lambda cell: typer.echo(
+        progress=lambda cell: (tell if json else typer.echo)(
             f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
             f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
         ),
     )
-    for path in write_map(cells, parameter, out or Path("runs") / f"{chosen.name}-stability", chosen.name):
-        typer.echo(f"Wrote {path}")
+    folder = out or Path("runs") / f"{chosen.name}-stability"
+    for path in write_map(cells, parameter, folder, chosen.name):
+        (tell if json else typer.echo)(f"Wrote {path}")
+    if json:
+        print_json(
+            {"scene": chosen.name, "folder": str(folder), "parameter": parameter, "cells": list(map(vars, cells))}
+        )
 
 
 @command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1")
@@ -88,12 +94,13 @@ def work_precision(
     rows: Rows = "8,16",
     jobs: Jobs = None,
     out: Out = None,
+    json: Json = False,
 ) -> None:
     """Draw a work-precision diagram: error against cost of each method, over a series of steps."""
     from membrane_rs.study import work_precision as study
 
     if mesh:
-        _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out)
+        _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out, json=json)
         return
 
     chosen = load(scene)
@@ -104,7 +111,7 @@ def work_precision(
         chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
         repeats=repeats, budget=budget, jobs=jobs, progress=tell,
     )  # fmt: skip
-    _save(found, out or Path("runs") / f"{chosen.name}-work-precision")
+    _save(found, out or Path("runs") / f"{chosen.name}-work-precision", json=json)
 
 
 @command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1", hidden=True)
@@ -130,6 +137,7 @@ def ablate(
     dense_until: Annotated[float | None, numeric_option(help="End of the run on the denser mesh [s].")] = None,
     jobs: Jobs = None,
     out: Out = None,
+    json: Json = False,
 ) -> None:
     """Leave out each law and part in turn, and write the smallest scene that keeps the tolerance."""
     from membrane_rs.study import ablate as study
@@ -140,7 +148,7 @@ def ablate(
         chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
         dense_until=dense_until, jobs=jobs, progress=tell,
     )  # fmt: skip
-    _save(found, out or Path("runs") / f"{chosen.name}-ablation")
+    _save(found, out or Path("runs") / f"{chosen.name}-ablation", json=json)
 
 
 @command(STUDIES, example="mesh-study okuizumi-model-1 --rows 2,4 --until 0.0001 --jobs 1")
@@ -153,6 +161,7 @@ def mesh_study(
     until: Until = None,
     jobs: Jobs = None,
     out: Out = None,
+    json: Json = False,
 ) -> None:
     """Run a square sail at several mesh densities, and measure the order of convergence of its curves."""
     _study_meshes(
@@ -163,6 +172,7 @@ def mesh_study(
         until=until,
         jobs=jobs,
         out=out,
+        json=json,
     )
 
 
@@ -175,9 +185,11 @@ def _study_meshes(
     until: float | None,
     jobs: int | None,
     out: Path | None,
+    json: bool,
 ) -> None:
     from membrane_rs.study import FORMS, jobs_of, write_mesh_study
     from membrane_rs.study import mesh_study as study
+    from membrane_rs.study.mesh_report import as_dict
 
     chosen = load(scene)
     report_audit(chosen)
@@ -186,9 +198,16 @@ def _study_meshes(
     made = study(
         chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=tell
     )
-    typer.echo(f"{write_mesh_study(made, folder)}\nResults are in {folder}")
+    tables = write_mesh_study(made, folder)
+    if json:
+        print_json({"scene": chosen.name, "folder": str(folder), **as_dict(made)})
+        return
+    typer.echo(f"{tables}\nResults are in {folder}")
 
 
-def _save(study: Ablation | WorkPrecision, folder: Path) -> None:
+def _save(study: Ablation | WorkPrecision, folder: Path, *, json: bool) -> None:
     study.save(folder)
+    if json:
+        print_json({"folder": str(folder), **study.as_dict()})
+        return
     typer.echo(f"{study.summary()}\nResults are in {folder}")

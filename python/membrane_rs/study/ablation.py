@@ -153,6 +153,13 @@ class Ablation:
         """The result as text."""
         return f"{self.heading()}\n\n{self.table()}\n{self.verdict()}"
 
+    def as_dict(self) -> dict[str, Any]:
+        """All but the scene as plain numbers and texts, as ablation.json holds them."""
+        plain: dict[str, Any] = {key: value for key, value in vars(self).items() if key not in ("smallest", "items")}
+        plain |= {"spread": vars(self.spread), "allowed": vars(self.allowed)}
+        items = [{**vars(i), "change": vars(i.change) if i.change else None} for i in self.items]
+        return {**plain, "items": items, "versions": versions()}
+
     def save(self, folder: Path | str) -> None:
         """Write ablation.md, ablation.csv, ablation.json, and the smallest model's scene. Raises OutputError."""
         folder = Path(folder)
@@ -167,10 +174,7 @@ class Ablation:
             for i in self.items:
                 changes = vars(i.change).values() if i.change else [None] * 4
                 writer.writerow([i.name, i.time_per_step, i.step_limit, i.cost, *changes, i.verdict])
-        plain: dict[str, Any] = {key: value for key, value in vars(self).items() if key not in ("smallest", "items")}
-        plain |= {"spread": vars(self.spread), "allowed": vars(self.allowed)}
-        items = [{**vars(i), "change": vars(i.change) if i.change else None} for i in self.items]
-        write_summary(folder / "ablation.json", {**plain, "items": items, "versions": versions()})
+        write_summary(folder / "ablation.json", self.as_dict())
         if self.smallest is not None:
             self.smallest.save(folder / SMALLEST.replace(" ", "-"))
 

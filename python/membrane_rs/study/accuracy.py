@@ -158,10 +158,11 @@ class WorkPrecision:
                 row = [p.integrator, p.density, p.dt, p.share, p.tolerance, p.steps, p.rejected, p.evaluations]
                 row.append(p.seconds)
                 writer.writerow([*row, *p.errors.values(), p.failed_at, p.failure])
-        write_summary(folder / "chart.json", self._as_dict())
+        write_summary(folder / "chart.json", self.as_dict())
         plot_work_precision(self._rows(), folder / "chart.png", f"{self.scene}, first {1e3 * self.until:g} ms")
 
-    def _as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
+        """All data as plain numbers and texts, as chart.json holds them."""
         plain = {name: value for name, value in vars(self).items() if name not in ("points", "best")}
         best = {cost: vars(found) if found else None for cost, found in self.best.items()}
         reference = {"reference": REFERENCE, "points": [vars(point) for point in self.points]}

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from io import StringIO
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 from membrane_rs._files import output_errors, write_text
 from membrane_rs._markdown import table
 from membrane_rs.plotting.mesh_study import plot_meshes
-from membrane_rs.study.convergence import CURVES, Density, densities, limit, orders, overall_order, steps
+from membrane_rs.study.convergence import CURVES, Density, densities, limit, orders, overall_order, run_features, steps
 from membrane_rs.study.mesh import COLUMNS, MeshRun
 
 _SHOWN = (
@@ -29,6 +30,26 @@ def report(runs: Sequence[MeshRun]) -> str:
     """Tables in Markdown: features of the curves, differences from mesh to mesh, orders; then the verdict."""
     forms = densities(runs)
     return "\n".join([_shown(forms), _stepped(forms), verdict(forms)])
+
+
+def as_dict(runs: Sequence[MeshRun]) -> dict[str, Any]:
+    """The same as numbers: "meshes" with their features, "steps" from mesh to mesh, "orders" by form and curve."""
+    forms = densities(runs)
+    meshes, between = [], []
+    for form, members in forms.items():
+        for mesh in members:
+            first = mesh.runs[0]
+            facts = {"form": form, "rows": mesh.rows, "cell": mesh.cell, "nodes": first.node_count, "dt": first.dt}
+            worst = max((run.energy_error for run in mesh.runs), key=abs)
+            stopped = [run.stopped for run in mesh.runs if run.stopped]
+            features = {key: mesh.feature(key)[0] for key in run_features(first)}
+            facts |= {"starts": len(mesh.runs), "until": mesh.until, "energy_error": worst, "stopped": stopped}
+            meshes.append(facts | {"features": features})
+        for step in steps(members):
+            cells = {"form": form, "coarse": step.coarse.cell, "fine": step.fine.cell, "until": step.until}
+            between.append({**cells, "distance": step.distance, "noise": step.noise})
+    order = {form: {c: overall_order(steps(members), c) for c in CURVES} for form, members in forms.items()}
+    return {"meshes": meshes, "steps": between, "orders": order}
 
 
 def _shown(forms: dict[str, list[Density]]) -> str:
