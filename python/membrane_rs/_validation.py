@@ -1,4 +1,4 @@
-"""Checked, frozen dataclasses, and the number types that they are made of.
+"""Checked, frozen dataclasses; all that they are made of can be imported from here.
 
 A class made with `validated` checks its fields when it is built. An error is described in one line, which
 names the field, the value and the allowed range:
@@ -10,139 +10,81 @@ NaN, infinities, booleans and strings are no numbers; numpy scalars are. pydanti
 
 from __future__ import annotations
 
-import difflib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass as plain_dataclass
 from dataclasses import field
-from numbers import Integral, Real
-from typing import Annotated, Any, TypeGuard, TypeVar, get_args, get_origin
+from numbers import Real
+from typing import Any, TypeVar
 
 import numpy as np
-from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic_core import ErrorDetails
 from typing_extensions import dataclass_transform
 
-from membrane_rs._other_names import OTHER_NAMES
+from membrane_rs._fields import checked_class, in_si, is_table, is_whole, range_of, unit_of
+from membrane_rs._messages import nearest, show
+from membrane_rs._numbers import (
+    MOST,
+    NO_NUMBERS,
+    Count,
+    Finite,
+    Flag,
+    Fraction,
+    Nodes,
+    NonNegative,
+    Numbers,
+    OuterUnit,
+    Positive,
+    Times,
+    Unit,
+    UnitOf,
+    Vector,
+    Whole,
+    numbers,
+)
 from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError, MembraneError
+
+__all__ = [
+    "MOST",
+    "NO_NUMBERS",
+    "Count",
+    "Finite",
+    "Flag",
+    "Fraction",
+    "Nodes",
+    "NonNegative",
+    "Numbers",
+    "OuterUnit",
+    "Positive",
+    "Times",
+    "Unit",
+    "UnitOf",
+    "Vector",
+    "Whole",
+    "build",
+    "check_kind",
+    "check_text",
+    "checked_class",
+    "computable",
+    "in_si",
+    "is_table",
+    "is_whole",
+    "nearest",
+    "number_of",
+    "numbers",
+    "range_of",
+    "show",
+    "unit_of",
+    "validated",
+]
 
 T = TypeVar("T")
 
 _TYPE_ERRORS = {"wrong_type", "unexpected_keyword_argument", "unexpected_positional_argument"}
 _TYPE_ERRORS |= {"missing_argument", "missing", "multiple_argument_values", "dataclass_type"}
-_BOUNDS = ((Gt, "gt", "greater than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))
-
-
-@plain_dataclass(frozen=True)
-class Unit:
-    """The unit of a field, for messages and for scene files."""
-
-    symbol: str
-
-
-def _wrong_type(wanted: str) -> PydanticCustomError:
-    return PydanticCustomError("wrong_type", "must be {wanted}", {"wanted": wanted})
-
-
-MOST = 10**9
-"""A larger count or node index is taken as an input error."""
-
-
-NO_NUMBERS = (bool, np.bool_, np.timedelta64)
-"""Types that count as numbers in Python or numpy, and are none here."""
-
-
-def _number(value: object) -> float:
-    if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
-        raise _wrong_type("a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise PydanticCustomError("not_finite", "must be finite")
-    return number
-
-
-def _is_whole(value: object) -> TypeGuard[Integral]:
-    return isinstance(value, Integral) and not isinstance(value, NO_NUMBERS)
-
-
-def _whole(value: object) -> int:
-    if not _is_whole(value):
-        raise _wrong_type("a whole number")
-    return int(value)
-
-
-def _listed(value: object) -> object:
-    """Lists and numpy arrays as tuples; anything else as it is."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _vector(value: object) -> object:
-    value = _listed(value)
-    if not isinstance(value, tuple) or len(value) != 3:
-        raise _wrong_type("three numbers (x, y, z)")
-    return value
-
-
-def _numbers(value: object) -> object:
-    value = _listed(value)
-    if not isinstance(value, tuple):
-        raise _wrong_type("a list of numbers")
-    return value
-
-
-def _nodes(value: object) -> object:
-    value = _listed(value)
-    if isinstance(value, str):
-        if not value:
-            raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
-        return value
-    if not isinstance(value, tuple) or not all(map(_is_whole, value)):
-        raise _wrong_type("the name of a node set or a list of node indices")
-    nodes = tuple(int(i) for i in value)
-    if not nodes or min(nodes) < 0 or max(nodes) > MOST:
-        raise PydanticCustomError("bad_nodes", f"must hold at least one node, none below 0 or above {MOST}")
-    if len(set(nodes)) < len(nodes):
-        raise PydanticCustomError("bad_nodes", "must not name a node twice")
-    return nodes
-
-
-def _flag(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise _wrong_type("true or false")
-    return value
-
-
-Finite = Annotated[float, BeforeValidator(_number)]
-"""A finite number."""
-Positive = Annotated[float, BeforeValidator(_number), Gt(0)]
-"""A finite number above 0."""
-NonNegative = Annotated[float, BeforeValidator(_number), Ge(0)]
-"""A finite number, 0 or above."""
-Fraction = Annotated[float, BeforeValidator(_number), Ge(0), Le(1)]
-"""A number between 0 and 1, both included."""
-Count = Annotated[int, BeforeValidator(_whole), Ge(1), Le(MOST)]
-"""A whole number, from 1 to 10^9."""
-Whole = Annotated[int, BeforeValidator(_whole), Ge(0), Le(MOST)]
-"""A whole number, from 0 to 10^9."""
-Flag = Annotated[bool, BeforeValidator(_flag)]
-"""True or False, and nothing that merely looks like it."""
-Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(_vector)]
-"""Three finite numbers, from a tuple, list or array."""
-Times = Annotated[Sequence[NonNegative], BeforeValidator(_numbers)]
-"""Any number of times, none negative, from a tuple, list or array."""
-Numbers = Annotated[Sequence[Finite], BeforeValidator(_numbers)]
-"""Any number of finite numbers, from a tuple, list or array."""
-Nodes = Annotated[str | Sequence[int], BeforeValidator(_nodes)]
-"""The name of a node set, or node indices (tuple, list or array), none twice."""
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field, Field))
@@ -196,6 +138,8 @@ def validated(cls: type[T]) -> type[T]:
 def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
     """Build a validated class from a table, calling it `name` in errors (for instance "laws.creases").
 
+    Text with a unit is taken for a number, here alone: in Python a field takes numbers.
+
     Raises
     ------
     InputError, InputTypeError
@@ -203,7 +147,7 @@ def build(cls: type[T], values: Mapping[str, Any], name: str) -> T:
     """
     made: Any = cls
     instance: T = made.__new__(made)
-    given = dict(values)
+    given = in_si(made, values, name)
     for old, new in new_names(made).items():
         if old in given and new in given:
             raise InputError(f"{name}.{old}: is the old name of {new}, which is there too; leave {old} out")
@@ -263,72 +207,6 @@ def check_text(text: str, name: str, kind: type[InputError] = InputError) -> Non
         ) from None
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
-    words = sorted(known)
-    other = word.strip().lower().replace("'", "").replace("-", "_").replace(" ", "_")
-    for name, unit in OTHER_NAMES.get(other, ()):
-        if name in words:
-            return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
-    close = difflib.get_close_matches(word, words, n=1)
-    return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
-
-
-def unit_of(cls: type, name: str) -> str:
-    """The unit of a field of a validated class, or an empty text."""
-    for item in _metadata(cls, name):
-        if isinstance(item, Unit):
-            return item.symbol
-    return ""
-
-
-def show(value: object) -> str:
-    """A value as messages show it: short, and in one line."""
-    if isinstance(value, float):
-        return repr(float(value))
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # Python writes no integer of more than some thousand digits
-        return "a number of thousands of digits"
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def range_of(cls: type, name: str) -> str:
-    """The bounds of a field in words, or an empty text."""
-    found: dict[str, float] = {}
-    for item in _metadata(cls, name):
-        for kind, key, word in _BOUNDS:
-            if isinstance(item, kind):
-                bound, narrower = getattr(item, key), max if kind in (Gt, Ge) else min
-                found[word] = narrower(found.get(word, bound), bound)
-    return " and ".join(f"{word} {bound:g}" for word, bound in found.items())
-
-
-def is_whole(cls: type, name: str) -> bool:
-    """Whether a field holds a whole number."""
-    return any(isinstance(item, BeforeValidator) and item.func is _whole for item in _metadata(cls, name))
-
-
-def is_table(cls: type, name: str) -> bool:
-    """Whether a field is a table, whose entries have keys."""
-    info = getattr(cls, "__pydantic_fields__", {}).get(name)
-    return info is not None and get_origin(info.annotation) is dict
-
-
-def _metadata(cls: type, name: str) -> list[object]:
-    """What is annotated to a field, at any depth (an optional field keeps it inside its union)."""
-    info = getattr(cls, "__pydantic_fields__", {}).get(name)
-    if info is None:
-        return []
-    found: list[object] = list(info.metadata)
-    waiting: list[Any] = [info.annotation]
-    while waiting:
-        kind = waiting.pop()
-        found.extend(getattr(kind, "__metadata__", ()))
-        waiting.extend(get_args(kind))
-    return found
-
-
 def _as_input_error(error: ValidationError, cls: type, prefix: str) -> InputError:
     details = error.errors(include_url=False)
     for detail in details:
@@ -353,13 +231,6 @@ def _owner(place: tuple[int | str, ...], cls: type, prefix: str) -> tuple[type, 
     if inner is None or len(place) == 1:
         return cls, prefix, (name, *place[1:])
     return _owner(place[1:], inner, f"{prefix}.{name}")
-
-
-def checked_class(cls: type, name: str) -> type | None:
-    """The validated class of a field, None where its values are of no such class."""
-    info = getattr(cls, "__pydantic_fields__", {}).get(name)
-    kinds = () if info is None else (info.annotation, *get_args(info.annotation))
-    return next((kind for kind in kinds if hasattr(kind, "__pydantic_fields__")), None)
 
 
 def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:

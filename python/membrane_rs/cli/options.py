@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,17 +16,26 @@ if TYPE_CHECKING:
     from membrane_rs.runs import Simulation
     from membrane_rs.scene import Scene
 
-SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
-
 
 def number(text: str) -> float:
     """A number of the command line. Raises BadParameter, which names the value and what to write."""
     try:
         return float(text)
     except ValueError:
-        raise typer.BadParameter(
-            f"{text!r} is no number; write one in SI units without its unit{_plain(text)}"
-        ) from None
+        raise typer.BadParameter(f"{text!r} is no number; write one such as 0.5") from None
+
+
+def quantity(text: str, unit: str) -> float:
+    """A number of the command line, or a text with its unit, in SI. Raises BadParameter, which names the value."""
+    with suppress(ValueError):
+        return float(text)
+    from membrane_rs._quantities import to_si
+    from membrane_rs.errors import InputError
+
+    try:
+        return to_si(text, unit, "")
+    except InputError as error:
+        raise typer.BadParameter(str(error)) from None
 
 
 def count(text: str) -> int:
@@ -37,18 +46,14 @@ def count(text: str) -> int:
         raise typer.BadParameter(f"{text!r} is no whole number; write one such as 10") from None
 
 
-def _plain(text: str) -> str:
-    """A time with its unit, in seconds, for the end of a message."""
-    found = re.fullmatch(r"\s*([-+\d.eE]+)\s*([a-z]+)\s*", text)
-    with suppress(ValueError):
-        if found is not None and found[2] in SUFFIXES:
-            return f", such as {float(found[1]) * SUFFIXES[found[2]]:.12g} (s)"
-    return ""
-
-
 def numeric_option(help: str) -> Any:  # noqa: A002 - typer's own word
     """An option that takes a number."""
     return typer.Option(help=help, parser=number, metavar="FLOAT")
+
+
+def quantity_option(unit: str, help: str) -> Any:  # noqa: A002 - typer's own word
+    """An option that takes a number in a unit, which the help names, or a text with its unit."""
+    return typer.Option(help=help, parser=partial(quantity, unit=unit), metavar="QUANTITY")
 
 
 def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
@@ -57,10 +62,22 @@ def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
 
 
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
-Until = Annotated[float | None, numeric_option(help="Simulated time at the end [s]. Default: the scene's.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="A value in place of the scene's: laws.creases.stiffness=20, material.thickness=12.5um, "
+        "laws.spin.frequency=25rpm, mesh.fold_lines=3, laws.air_drag=false. May be given several times.",
+    ),
+]
+Until = Annotated[
+    float | None, quantity_option("s", help="Simulated time at the end [s], or as 20ms. Default: the scene's.")
+]
 Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
 Dt = Annotated[
-    float | None, numeric_option(help="Step [s]. Default: from stability and slow motion; dopri5: by its error.")
+    float | None,
+    quantity_option("s", help="Step [s], or as 2us. Default: from stability and slow motion; dopri5: by its error."),
 ]
 Tolerance = Annotated[float | None, numeric_option(help="Tolerance for the error of dopri5. Default: the scene's.")]
 SpectralRadius = Annotated[
@@ -81,19 +98,20 @@ Ensemble = Annotated[
 Rows = Annotated[str, typer.Option(help="Mesh densities: rows of cells of a petal, separated by commas.")]
 Jobs = Annotated[int | None, count_option(help="Number of parallel runs. Default: one on each core.")]
 Checkpoint = Annotated[
-    float, numeric_option(help="Seconds of wall time between two checkpoints, from which a killed run is resumed.")
+    float, quantity_option("s", help="Wall time between two checkpoints [s], from which a killed run is resumed.")
 ]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures at the end.")]
 
 
-def load(scene: str) -> Scene:
-    """A built-in scene by its name, or a scene file by its path (ending or slash)."""
+def load(scene: str, values: list[str] | None = None) -> Scene:
+    """A built-in scene by its name, or a scene file by its path (ending or slash), with the values of `--set`."""
     from membrane_rs import scenes as built_in
+    from membrane_rs.cli.settings import values_of
     from membrane_rs.scene import Scene
 
-    if scene.endswith(".toml") or "/" in scene or Path(scene).is_file():
-        return Scene.from_toml(scene)
-    return built_in.load(scene)
+    is_file = scene.endswith(".toml") or "/" in scene or Path(scene).is_file()
+    found = Scene.from_toml(scene) if is_file else built_in.load(scene)
+    return found.with_values(values_of(values)) if values else found
 
 
 def simulation_of(scene: Scene) -> Simulation:

@@ -30,6 +30,7 @@ from membrane_rs.cli.options import (
     Out,
     Overwrite,
     SceneArgument,
+    Set,
     ShortSteps,
     SpectralRadius,
     Substeps,
@@ -53,6 +54,7 @@ NOBODY = dict.fromkeys(("pid", "host", "start"), "unknown")
 def run(
     scene: SceneArgument,
     *,
+    set_: Set = None,
     until: Until = None,
     integrator: Integrator = None,
     dt: Dt = None,
@@ -81,7 +83,7 @@ def run(
         "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
         "spectral_radius": spectral_radius, "substeps": substeps_of(substeps, short_steps), "frames": frames,
     }  # fmt: skip
-    loaded = load(scene)
+    loaded = load(scene, set_)
     end = wanted.pop("until") if loaded.stages else None
     chosen = with_settings(loaded, wanted)
     folder = out or Path("runs") / chosen.name
@@ -104,12 +106,18 @@ def resume(
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
     json: Json = False,
+    set_: Annotated[list[str] | None, typer.Option("--set", hidden=True, help="Is refused, with the reason.")] = None,
 ) -> None:
     """Continue a run in its folder; or a saved state, into a folder of its own."""
     from membrane_rs.errors import InputError
     from membrane_rs.results.summary import folder_of_run
     from membrane_rs.runs import Simulation
 
+    if set_:
+        raise InputError(
+            f"--set {set_[0]}: a run is continued under the scene that it began with; leave it out. Another scene goes "
+            "on from a saved state in Python: Simulation(scene.with_values(...), start=STATE)"
+        )
     source = folder_of_run(source)
     if source.is_dir():
         for option, value in (("--out", out), ("--frames", frames), ("--overwrite", overwrite or None)):

@@ -13,6 +13,7 @@ from membrane_rs.cli.options import (
     Dt,
     Integrator,
     SceneArgument,
+    Set,
     ShortSteps,
     Substeps,
     Until,
@@ -44,6 +45,7 @@ def scenes(*, json: Json = False) -> None:
 def check(
     scene: SceneArgument,
     *,
+    set_: Set = None,
     integrator: Integrator = None,
     dt: Dt = None,
     substeps: Substeps = None,
@@ -59,7 +61,7 @@ def check(
     wanted: dict[str, Any] = {
         "until": until, "integrator": integrator, "dt": dt, "substeps": substeps_of(substeps, short_steps),
     }  # fmt: skip
-    chosen = load(scene)
+    chosen = load(scene, set_)
     end = wanted.pop("until") if chosen.stages else None
     if end is not None and not 0.0 < end <= chosen.run.until:
         most = chosen.run.until

@@ -17,11 +17,13 @@ from membrane_rs.cli.options import (
     Out,
     Rows,
     SceneArgument,
+    Set,
     Until,
     count_option,
     load,
     numbers,
     numeric_option,
+    quantity_option,
     report_audit,
     whole,
 )
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 def stability(
     scene: SceneArgument,
     *,
+    set_: Set = None,
     parameter: Annotated[str, typer.Option(help="The parameter, by its name in the scene file.")] = (
         "laws.spring_damping.ratio"
     ),
@@ -49,7 +52,7 @@ def stability(
     """Map the outcome of runs over step and one parameter: fine, inaccurate, energy injected, blown up."""
     from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
-    chosen = load(scene)
+    chosen = load(scene, set_)
     report_audit(chosen)
     names = integrator.split(",") if integrator else explicit_integrators(chosen)
     cells = stability_map(
@@ -77,6 +80,7 @@ def stability(
 def work_precision(
     scene: SceneArgument,
     *,
+    set_: Set = None,
     integrators: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
     until: Until = None,
     steps: Annotated[int, count_option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
@@ -89,7 +93,9 @@ def work_precision(
     ] = "",
     error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
     repeats: Annotated[int | None, count_option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
-    budget: Annotated[float | None, numeric_option(help="Leave out runs that take longer on one core [s].")] = None,
+    budget: Annotated[
+        float | None, quantity_option("s", help="Leave out runs that take longer on one core [s].")
+    ] = None,
     mesh: Annotated[bool, typer.Option("--mesh", help="Refine the mesh instead of the step: see mesh-study.")] = False,
     rows: Rows = "8,16",
     jobs: Jobs = None,
@@ -100,10 +106,12 @@ def work_precision(
     from membrane_rs.study import work_precision as study
 
     if mesh:
-        _study_meshes(scene, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out, json=json)
+        _study_meshes(
+            scene, set_, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out, json=json
+        )
         return
 
-    chosen = load(scene)
+    chosen = load(scene, set_)
     report_audit(chosen)
     names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
     meshes = numbers(density, "--density") if density else []
@@ -126,6 +134,7 @@ def chart(**options: Any) -> None:
 def ablate(
     scene: SceneArgument,
     *,
+    set_: Set = None,
     until: Until = None,
     tolerance: Annotated[
         float,
@@ -134,7 +143,7 @@ def ablate(
     ensemble: Ensemble = None,
     integrator: Integrator = None,
     share: Annotated[float | None, numeric_option(help="Steps in multiples of the stability limit.")] = None,
-    dense_until: Annotated[float | None, numeric_option(help="End of the run on the denser mesh [s].")] = None,
+    dense_until: Annotated[float | None, quantity_option("s", help="End of the run on the denser mesh [s].")] = None,
     jobs: Jobs = None,
     out: Out = None,
     json: Json = False,
@@ -142,7 +151,7 @@ def ablate(
     """Leave out each law and part in turn, and write the smallest scene that keeps the tolerance."""
     from membrane_rs.study import ablate as study
 
-    chosen, members = load(scene), 5 if ensemble is None else ensemble
+    chosen, members = load(scene, set_), 5 if ensemble is None else ensemble
     report_audit(chosen)
     found = study(
         chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
@@ -155,6 +164,7 @@ def ablate(
 def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
+    set_: Set = None,
     rows: Rows = "8,16",
     forms: Annotated[str | None, typer.Option(help="Forms of the parameters, by commas. Default: all.")] = None,
     ensemble: Annotated[int, count_option(help="Number of runs from perturbed starts on each mesh.")] = 0,
@@ -166,6 +176,7 @@ def mesh_study(
     """Run a square sail at several mesh densities, and measure the order of convergence of its curves."""
     _study_meshes(
         scene,
+        set_,
         rows=rows,
         forms=forms.split(",") if forms else None,
         ensemble=ensemble,
@@ -178,6 +189,7 @@ def mesh_study(
 
 def _study_meshes(
     scene: str,
+    set_: list[str] | None,
     *,
     rows: str,
     forms: list[str] | None,
@@ -191,7 +203,7 @@ def _study_meshes(
     from membrane_rs.study import mesh_study as study
     from membrane_rs.study.mesh_report import as_dict
 
-    chosen = load(scene)
+    chosen = load(scene, set_)
     report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 
 from membrane_rs._arrays import Floats
 from membrane_rs._bounds import check_nodes
-from membrane_rs._validation import Count, Finite, Positive, Unit, _numbers, validated
+from membrane_rs._validation import Count, Finite, Positive, Unit, numbers, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._rows import grid_cells
 from membrane_rs.folding.pattern import Pattern, multiplied
@@ -49,7 +49,7 @@ class Strip(Pattern):
     width: Annotated[Positive, Unit("m")]
     columns: Count
     rows: Count = 1
-    creases: Annotated[tuple[Inside, ...], BeforeValidator(_numbers)] = ()
+    creases: Annotated[tuple[Inside, ...], BeforeValidator(numbers)] = ()
     fold_angle: Annotated[Finite, Ge(-math.pi), Le(math.pi), Unit("rad")] = 0.0
 
     def __post_init__(self) -> None:

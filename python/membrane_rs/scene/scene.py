@@ -21,7 +21,7 @@ from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
-from membrane_rs.scene.staging import check_same_nodes, check_stages, planned_starts, staged
+from membrane_rs.scene.staging import check_same_nodes, check_stages, in_numbers, planned_starts, staged
 from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
 from membrane_rs.scene.values import with_values
 
@@ -115,6 +115,7 @@ class Scene:
     def _check_stages(self) -> None:
         """Check that the stages fit the scene, each as a scene of its own, and end the run with them."""
         check_stages(self)
+        object.__setattr__(self, "stages", in_numbers(self))
         object.__setattr__(self, "run", replace(self.run, until=planned_starts(self.stages)[-1]))
         first = self.staged(0).assemble()
         for k in range(1, len(self.stages)):

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from annotated_types import Le
 
-from membrane_rs._validation import NonNegative, Numbers, Unit, number_of, show, validated
+from membrane_rs._validation import NonNegative, Numbers, OuterUnit, Unit, number_of, show, validated
 from membrane_rs.errors import InputError
 
 MOST_KNOTS = 10_000
@@ -52,7 +52,7 @@ class Schedule:
     """
 
     times: Annotated[Numbers, Unit("s")]
-    values: Numbers
+    values: Annotated[Numbers, OuterUnit()]
     ease: Annotated[NonNegative, Le(0.5)] = 0.0
 
     def __post_init__(self) -> None:

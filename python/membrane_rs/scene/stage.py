@@ -11,24 +11,25 @@ from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from membrane_rs._read_only import ReadOnly
-from membrane_rs._validation import Count, Finite, Positive, Unit, build, check_text, nearest, show, validated
+from membrane_rs._validation import Count, Finite, Positive, Unit, UnitOf, build, check_text, nearest, show, validated
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
 from membrane_rs.scene.schedule import Schedule
 
-MEASURES = (
-    "deployment_rate",
-    "phase_difference_deg",
-    "kinetic_energy",
-    "stored_energy",
-    "hub_angle",
-    "hub_force",
-    "hub_torque",
-    "contact_force",
-    "largest_cord_tension",
-    "largest_film_stress",
-    "largest_speed",
-)
+MEASURE_UNITS = {
+    "deployment_rate": "",
+    "phase_difference_deg": "deg",
+    "kinetic_energy": "J",
+    "stored_energy": "J",
+    "hub_angle": "rad",
+    "hub_force": "N",
+    "hub_torque": "N m",
+    "contact_force": "N",
+    "largest_cord_tension": "N",
+    "largest_film_stress": "Pa",
+    "largest_speed": "m/s",
+}
+MEASURES = tuple(MEASURE_UNITS)
 """Names of the measures by whose values a stage may end, as columns of history.csv; `largest_speed` [m/s] is that of
 any node."""
 LONGEST_NAME = 100
@@ -55,10 +56,19 @@ def _plain(value: object, where: str, depth: int = 0) -> object:
         if other is not None:
             raise InputTypeError(f"{where}: its key {show(other)} must be a text")
         table = {key: _plain(item, f"{where}.{key}", depth + 1) for key, item in value.items()}
-        return build(Schedule, table, where) if "times" in table else (ReadOnly(table) if table else None)
+        # Text with a unit waits for the scene, which knows the field that the schedule stands in.
+        is_schedule = "times" in table and not has_text(table.get("values"))
+        return build(Schedule, table, where) if is_schedule else (ReadOnly(table) if table else None)
     if isinstance(value, list | tuple):
         return tuple(_plain(item, f"{where}[{k}]", depth + 1) for k, item in enumerate(value))
     return value
+
+
+def has_text(value: object) -> bool:
+    """Whether a value of a stage is text, or holds some."""
+    if isinstance(value, Mapping):
+        return any(map(has_text, value.values()))
+    return isinstance(value, str) or (isinstance(value, list | tuple) and any(map(has_text, value)))
 
 
 def _names(value: object) -> object:
@@ -122,8 +132,8 @@ class Stage:
     name: str
     duration: Annotated[Positive, Unit("s")]
     measure: Annotated[Any, BeforeValidator(_measure)] = None
-    below: Finite | None = None
-    above: Finite | None = None
+    below: Annotated[Finite | None, UnitOf("measure", MEASURE_UNITS)] = None
+    above: Annotated[Finite | None, UnitOf("measure", MEASURE_UNITS)] = None
     without: Annotated[tuple[str, ...], BeforeValidator(_names)] = ()
     scale: Annotated[dict[str, Positive], BeforeValidator(_table)] = ()  # type: ignore[assignment]
     set: Annotated[dict[str, Any], BeforeValidator(_table)] = ()  # type: ignore[assignment]

@@ -11,12 +11,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from membrane_rs._validation import nearest, show
+from membrane_rs._validation import in_si, nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.places import SINGLE, Changeable, Place, located, names_of, places_of
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS
-from membrane_rs.scene.stage import Stage
+from membrane_rs.scene.stage import Stage, has_text
 
 MOST_STAGES = 100
 OF_A_STAGE = (
@@ -51,6 +51,22 @@ def check_stages(scene: Changeable) -> None:
         count = sum(getattr(stage, key) or 0 for stage in stages)
         if count > MOST_INSTANTS:
             raise SceneError(f"stages: {count} {key} in all; must be at most {MOST_INSTANTS}")
+
+
+def in_numbers(scene: Changeable) -> tuple[Stage, ...]:
+    """The stages of a scene, with numbers in place of texts with units in what they set. Raises SceneError."""
+    places, made = list(places_of(scene)), []
+    for k, stage in enumerate(scene.stages):
+        own = {}
+        for key, value in stage.set.items():
+            if has_text(value):
+                place, name = _find(places, key, where := f"stages[{k}].set")
+                try:
+                    own[key] = in_si(type(place.item), {name: value}, f"{where}: {place.label}")[name]
+                except InputError as error:
+                    raise SceneError(str(error)) from None
+        made.append(replace(stage, set={**stage.set, **own}) if own else stage)
+    return tuple(made)
 
 
 def check_same_nodes(first: Assembly, other: Assembly, where: str) -> None:

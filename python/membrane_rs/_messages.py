@@ -1,0 +1,30 @@
+"""Words of messages: values in one line, and the known word that an unknown one may stand for."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+from membrane_rs._other_names import OTHER_NAMES
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
+    words = sorted(known)
+    other = word.strip().lower().replace("'", "").replace("-", "_").replace(" ", "_")
+    for name, unit in OTHER_NAMES.get(other, ()):
+        if name in words:
+            return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
+    close = difflib.get_close_matches(word, words, n=1)
+    return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
+
+
+def show(value: object) -> str:
+    """A value as messages show it: short, and in one line."""
+    if isinstance(value, float):
+        return repr(float(value))
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python writes no integer of more than some thousand digits
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else text[:57] + "..."

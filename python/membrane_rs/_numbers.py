@@ -1,0 +1,146 @@
+"""Types of the fields of checked classes: numbers with bounds, lists of them, nodes, flags; and their units.
+
+NaN, infinities, booleans and strings are no numbers; numpy scalars are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Integral, Real
+from typing import Annotated, TypeGuard
+
+import numpy as np
+from annotated_types import Ge, Gt, Le
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The unit of a field, for messages and for scene files."""
+
+    symbol: str
+
+
+@dataclass(frozen=True)
+class UnitOf:
+    """A field whose unit depends on the value of another one, a text."""
+
+    field: str
+    units: Mapping[str, str]
+    """By values of that field."""
+
+
+@dataclass(frozen=True)
+class OuterUnit:
+    """A field in the unit of the field that its class stands in."""
+
+
+def wrong_type(wanted: str) -> PydanticCustomError:
+    """An error of type, of one line."""
+    return PydanticCustomError("wrong_type", "must be {wanted}", {"wanted": wanted})
+
+
+MOST = 10**9
+"""A larger count or node index is taken as an input error."""
+
+
+NO_NUMBERS = (bool, np.bool_, np.timedelta64)
+"""Types that count as numbers in Python or numpy, and are none here."""
+
+
+def number(value: object) -> float:
+    """A finite number as float."""
+    if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
+        raise wrong_type("a number")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise PydanticCustomError("not_finite", "must be finite")
+    return found
+
+
+def _is_whole(value: object) -> TypeGuard[Integral]:
+    return isinstance(value, Integral) and not isinstance(value, NO_NUMBERS)
+
+
+def whole(value: object) -> int:
+    """A whole number as int."""
+    if not _is_whole(value):
+        raise wrong_type("a whole number")
+    return int(value)
+
+
+def listed(value: object) -> object:
+    """Lists and numpy arrays as tuples; anything else as it is."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return tuple(value) if isinstance(value, list) else value
+
+
+def vector(value: object) -> object:
+    """Three of something, as a tuple."""
+    value = listed(value)
+    if not isinstance(value, tuple) or len(value) != 3:
+        raise wrong_type("three numbers (x, y, z)")
+    return value
+
+
+def numbers(value: object) -> object:
+    """A list of something, as a tuple."""
+    value = listed(value)
+    if not isinstance(value, tuple):
+        raise wrong_type("a list of numbers")
+    return value
+
+
+def nodes(value: object) -> object:
+    """The name of a node set, or indices as a tuple."""
+    value = listed(value)
+    if isinstance(value, str):
+        if not value:
+            raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
+        return value
+    if not isinstance(value, tuple) or not all(map(_is_whole, value)):
+        raise wrong_type("the name of a node set or a list of node indices")
+    found = tuple(int(i) for i in value)
+    if not found or min(found) < 0 or max(found) > MOST:
+        raise PydanticCustomError("bad_nodes", f"must hold at least one node, none below 0 or above {MOST}")
+    if len(set(found)) < len(found):
+        raise PydanticCustomError("bad_nodes", "must not name a node twice")
+    return found
+
+
+def flag(value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool):
+        raise wrong_type("true or false")
+    return value
+
+
+Finite = Annotated[float, BeforeValidator(number)]
+"""A finite number."""
+Positive = Annotated[float, BeforeValidator(number), Gt(0)]
+"""A finite number above 0."""
+NonNegative = Annotated[float, BeforeValidator(number), Ge(0)]
+"""A finite number, 0 or above."""
+Fraction = Annotated[float, BeforeValidator(number), Ge(0), Le(1)]
+"""A number between 0 and 1, both included."""
+Count = Annotated[int, BeforeValidator(whole), Ge(1), Le(MOST)]
+"""A whole number, from 1 to 10^9."""
+Whole = Annotated[int, BeforeValidator(whole), Ge(0), Le(MOST)]
+"""A whole number, from 0 to 10^9."""
+Flag = Annotated[bool, BeforeValidator(flag)]
+"""True or False, and nothing that merely looks like it."""
+Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(vector)]
+"""Three finite numbers, from a tuple, list or array."""
+Times = Annotated[Sequence[NonNegative], BeforeValidator(numbers)]
+"""Any number of times, none negative, from a tuple, list or array."""
+Numbers = Annotated[Sequence[Finite], BeforeValidator(numbers)]
+"""Any number of finite numbers, from a tuple, list or array."""
+Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes)]
+"""The name of a node set, or node indices (tuple, list or array), none twice."""
