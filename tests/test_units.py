@@ -297,7 +297,7 @@ def test_a_file_with_units_is_one_with_numbers(tmp_path: Path) -> None:
         ),
         ('"0 m/s2", 0.0', '"0 m/s", 0.0', r"laws.gravity.acceleration\[0\] = '0 m/s': is a speed; must be an accel"),
         ('acceleration = ["0 m/s2", 0.0, "-981 cm/s2"]', 'acceleration = "1 m/s2"', "must be three numbers"),
-        ('duration = "20 ms"', 'duration = "20 msc"', "duration = '20 msc': unit 'msecs' is not known; did you"),
+        ('duration = "20 ms"', 'duration = "20 msc"', "duration = '20 msc': unit 'msc' is not known; did you"),
     ],
 )
 def test_a_file_with_wrong_units_is_refused(old: str, new: str, words: str, tmp_path: Path) -> None:
