@@ -115,12 +115,12 @@ def test_snapshots_of_a_restored_run_begin_where_it_does() -> None:
     assert [shot.time for shot in taker.taken] == [0.1]
 
 
-def test_captions_are_the_papers() -> None:
+def test_captions_have_letters_and_seconds() -> None:
     assert [caption(k, time) for k, time in enumerate([0.0, 0.05, 0.1, 0.2])] == [
-        "(a) 0.0 sec",
-        "(b) 0.05 sec",
-        "(c) 0.1 sec",
-        "(d) 0.2 sec",
+        "(a) 0.0 s",
+        "(b) 0.05 s",
+        "(c) 0.1 s",
+        "(d) 0.2 s",
     ]
 
 

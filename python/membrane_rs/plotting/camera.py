@@ -132,7 +132,7 @@ def with_scale_bar(image: Image, camera: Camera) -> Image:
     left, base, line = round(0.04 * size), round(0.96 * size), max(2, round(size / 250))
     draw.rectangle((left, base - line + 1, left + pixels, base), fill="black")
     font = ImageFont.load_default(max(9, size // 28))
-    draw.text((left + pixels / 2, base - 2 * line), f"{length:g} m", "black", font, anchor="mb")
+    draw.text((left + pixels / 2, base - 2 * line), length_text(length), "black", font, anchor="mb")
     return np.asarray(picture)
 
 
@@ -140,6 +140,12 @@ def bar_length(most: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is not above `most` [m]."""
     power = 10.0 ** np.floor(np.log10(most))
     return float(max(factor * power for factor in (1.0, 2.0, 5.0) if factor * power <= most * (1.0 + 1e-9)))
+
+
+def length_text(length: float) -> str:
+    """A length [m] with its unit: "0.2 m", "50 mm", "5 µm"."""
+    factor, unit = next((pair for pair in ((1.0, "m"), (1e3, "mm")) if length * pair[0] > 0.0999), (1e6, "µm"))
+    return f"{length * factor:g} {unit}"
 
 
 def _unit(vector: Floats) -> Floats:

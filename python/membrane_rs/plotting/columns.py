@@ -7,36 +7,30 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.results.history_table import column_units
 
-KNOWN = {
-    "time": ("Time", "s"),
-    "deployment_rate": ("Deployment rate", ""),
-    "phase_difference_deg": ("Phase difference", "deg"),
-    "kinetic_energy": ("Kinetic energy", "J"),
-    "stored_energy": ("Stored energy", "J"),
-    "energy_error": ("Energy error", ""),
-    "hub_angle": ("Angle of the hub", "rad"),
-    "reference_energy": ("Reference energy", "J"),
-    "hub_force": ("Force on the hub", "N"),
-    "hub_torque": ("Torque on the hub", "N m"),
-    "contact_force": ("Contact force", "N"),
-    "largest_cord_tension": ("Largest tension of cords", "N"),
-    "largest_film_stress": ("Largest stress of the film", "Pa"),
-    "energy_of_changes": ("Energy of changes of stage", "J"),
-    "motor_work": ("Work of the motor", "J"),
-    "stage": ("Stage", ""),
+LABELS = {
+    "hub_angle": "Angle of the hub",
+    "hub_force": "Force on the hub",
+    "hub_torque": "Torque on the hub",
+    "largest_cord_tension": "Largest tension of cords",
+    "largest_film_stress": "Largest stress of the film",
+    "energy_error": "Energy error",
+    "energy_of_changes": "Energy of changes of stage",
+    "motor_work": "Work of the motor",
+    "phase_difference_deg": "Phase difference",
 }
-"""Label and unit of each column of history.csv that every scene may have."""
-_OF_LAWS = {"energy_": ("Energy", "J"), "work_": ("Work", "J")}
+"""Labels of columns of history.csv that are not their names with blanks."""
+_OF_LAWS = {"energy_": "Energy", "work_": "Work"}
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _PREFIXED = ("J", "N", "N m", "Pa", "m", "m/s", "W")
 
 
 def label_of(column: str) -> str:
     """A column in words: "hub_torque" is "Torque on the hub"."""
-    if column in KNOWN:
-        return KNOWN[column][0]
-    for start, (word, _) in _OF_LAWS.items():
+    if column in LABELS:
+        return LABELS[column]
+    for start, word in _OF_LAWS.items():
         if column.startswith(start):
             return f"{word} of {column.removeprefix(start).replace('_', ' ')}"
     words = column.replace("_", " ").strip()
@@ -49,9 +43,7 @@ def unit_of(column: str, tables: Iterable[Mapping[str, object]] = ()) -> str:
         unit = getattr(table, "units", {}).get(column)
         if unit is not None:
             return str(unit)
-    if column in KNOWN:
-        return KNOWN[column][1]
-    return next((unit for start, (_, unit) in _OF_LAWS.items() if column.startswith(start)), "")
+    return column_units([column], {})[column]
 
 
 def prefixed(unit: str, values: Sequence[Floats]) -> tuple[float, str]:

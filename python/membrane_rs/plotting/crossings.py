@@ -13,7 +13,7 @@ from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputTypeError
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import add_title, finished, new_figure, save_figure
-from membrane_rs.plotting.panels import add_legend, line_look
+from membrane_rs.plotting.panels import add_legend, line_look, space_times
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
 from membrane_rs.plotting.style import INCH, SCREEN, Style, style_of
 from membrane_rs.results.crossing_counts import CROSSINGS, read_crossings
@@ -118,6 +118,7 @@ def _figure(
         mark_stages([axes], *marks)
         axes.set_ylim(bottom=0.0)
         axes.margins(x=0.0)
+        space_times(axes, style)
         axes.set_xlabel("Time [s]")
         axes.set_ylabel("Pairs of triangles")
         axes.yaxis.set_major_formatter("{x:,.0f}")

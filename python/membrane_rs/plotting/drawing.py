@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from membrane_rs._arrays import Floats
 from membrane_rs.errors import UnstableError
 from membrane_rs.plotting.painter import begin_probe, pyvista_works
@@ -58,6 +60,13 @@ class Drawing(Writer):
         """(N, 3) positions of the first shape that is known [m]."""
         frames = self.record.frames
         return read_frame(self.record.path / frames[0][1]) if frames else sim.positions
+
+
+def spread(times: Sequence[float] | Floats, count: int) -> list[int]:
+    """Indices of so many instants [s], or fewer, evenly spread from the first to the last one, both among them."""
+    known = np.asarray(times, dtype=np.float64)
+    wanted = np.linspace(known[0], known[-1], count) if count > 1 else known[-1:]
+    return sorted({int(np.abs(known - time).argmin()) for time in wanted})
 
 
 def decimals(times: Sequence[float], least: int) -> int:

@@ -20,9 +20,10 @@ from membrane_rs._validation import check_kind
 from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import add_letters, add_title, finished, new_figure, plain_text
-from membrane_rs.plotting.panels import add_legend
+from membrane_rs.plotting.panels import MARKS, add_legend, space_times
 from membrane_rs.plotting.sources import check_table, sources_of
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
+from membrane_rs.plotting.stage_records import stage_records
 from membrane_rs.plotting.style import INCH, SCREEN, Style, style_of
 from membrane_rs.simulation.stepper import Stepper
 from membrane_rs.simulation.timeline import StageRecord
@@ -116,8 +117,7 @@ def plot_energy(
     check_table(source.table, terms)
     check_kind(title, str, "title", "a text")
     records = getattr(table, "stages", ()) if stages is None else stages
-    known = [record for record in records if hasattr(record, "work_by_law")]
-    return draw_energy(source.table, path, title, known, dpi, style=style_of(style, SCREEN_ENERGY))
+    return draw_energy(source.table, path, title, stage_records(records), dpi, style=style_of(style, SCREEN_ENERGY))
 
 
 def draw_energy(
@@ -134,7 +134,7 @@ def draw_energy(
     spans = [term_changes(table, stages, k) for k in range(len(stages))][:MOST_STAGES]
     sizes = {name: _largest([*values, *(span.get(name, 0.0) for span in spans)]) for name, values in curves.items()}
     most = max(size for name, size in sizes.items() if name != MOTOR)
-    shown = [name for name, size in sizes.items() if size > 0.0 and (name == MOTOR or size > LEAST * most)]
+    shown = [name for name, size in sizes.items() if size > LEAST * most]
     factor, unit = prefixed("J", [np.array(list(sizes.values()))])
     with style.context():
         columns = min(MOST_COLUMNS, max(1, int(style.millimetres / LEAST_WIDTH)))
@@ -144,10 +144,17 @@ def draw_energy(
         grid = figure.add_gridspec(1 + rows, columns, height_ratios=[style.height_of_panel, *[height] * rows])
         axes = figure.add_subplot(grid[0, :])
         for name in shown:
-            axes.plot(table["time"], curves[name] / factor, label=plain_text(label(name)), **line_of(name, shown))
+            axes.plot(
+                table["time"],
+                curves[name] / factor,
+                label=plain_text(label(name)),
+                **line_of(name, shown),
+                **_marks(name, shown, style),
+            )
         mark_stages([axes], stage_starts(table), [stage.name for stage in stages])
         axes.axhline(0.0, color="0.5", linewidth=0.8)
         axes.margins(x=0.0)
+        space_times(axes, style)
         axes.set_xlabel("Time [s]")
         axes.set_ylabel(f"Energy since the start [{unit}]")
         if not shown:
@@ -217,6 +224,14 @@ def line_of(name: str, shown: Sequence[str]) -> dict[str, Any]:
         return {"color": "black" if name == MOTOR else "0.6", "linestyle": "-."}
     same = [other for other in shown if other.startswith("work_") == name.startswith("work_") and other != MOTOR]
     return {"color": f"C{same.index(name) % 10}", "linestyle": "--" if name.startswith("work_") else "-"}
+
+
+def _marks(name: str, shown: Sequence[str], style: Style) -> dict[str, Any]:
+    """Marks that distinguish, in a grey print, energies from each other and works from each other."""
+    if not style.marks or name == MOTOR:
+        return {}
+    k = shown.index(name)
+    return {"marker": MARKS[k % len(MARKS)], "markevery": (0.02 + 0.03 * (k % 5), 0.16), "markerfacecolor": "white"}
 
 
 def _legend(figure: StyledFigure, axes: Axes, style: Style, *, is_beside: bool) -> None:

@@ -59,7 +59,7 @@ class MatplotlibPainter:
         self._draw(axes, turned(positions, hub_angle), hub_angle, pieces)
         canvas.draw()
         picture: Image = np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3]
-        return with_scale_bar(picture, camera)
+        return with_scale_bar(picture, camera) if around.scale_bar else picture
 
     def close(self) -> None:
         """Nothing is held."""

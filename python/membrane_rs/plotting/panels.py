@@ -64,6 +64,7 @@ def draw_panels(content: Content, panels: Sequence[Panel], style: Style, title: 
     if len(content.runs) == 1 and not content.ensembles:
         source = content.runs[0]
         mark_stages(places, stage_starts(source.table), source.stages)
+    space_times(places[-1], style)
     places[-1].set_xlabel(axis_label(label_of("time"), "s"))
     add_letters(places, style)
     add_title(places[0], title, style)
@@ -87,13 +88,37 @@ def add_legend(figure: StyledFigure, places: Sequence[Axes], style: Style) -> No
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             known.setdefault(label, handle)
     if known:
-        # Letters are 0.55 of the size of their font wide; a line and the space beside it are 5.2 of it.
-        size = max(style.font_size - 1.0, 1.0) * INCH / 72.0
-        longest = (0.55 * max(map(len, known)) + 5.2) * size
+        size = _small(style)
+        # A line and the space beside it are 5 of the size of the font.
+        longest = max(map(_width_of_text, known)) * INCH / 72.0 + 5.0 * size
         columns = max(1, min(len(known), int(style.millimetres / longest)))
         figure.legend(list(known.values()), list(known), loc="outside upper center", ncols=columns)
         width, height = figure.get_size_inches()
         figure.set_size_inches(width, height + 1.6 * size * -(-len(known) // columns) / INCH)
+
+
+def space_times(axes: Axes, style: Style) -> None:
+    """As many marks of the time axis as have room: each takes up to eight letters, of 0.6 of the size of the font."""
+    from matplotlib.ticker import MaxNLocator
+
+    room = max(style.millimetres - 20.0, 10.0) / (0.6 * 8.0 * _small(style))
+    axes.xaxis.set_major_locator(MaxNLocator(max(2, min(9, int(room))), steps=[1, 2, 2.5, 5, 10]))
+
+
+def _small(style: Style) -> float:
+    """Size of the font of ticks and legends [mm]."""
+    return max(style.font_size - 1.0, 1.0) * INCH / 72.0
+
+
+def _width_of_text(text: str) -> float:
+    """In the font of legends [pt]; inside the context of the style."""
+    from matplotlib import rcParams
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    font = FontProperties(size=rcParams["legend.fontsize"])
+    path = TextPath((0.0, 0.0), text, font.get_size_in_points(), prop=font)
+    return float(path.get_extents().width) if len(path.vertices) else 0.0
 
 
 def _draw(axes: Axes, panel: Panel, content: Content) -> None:

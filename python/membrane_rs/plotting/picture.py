@@ -12,6 +12,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs.mesh.queries import petal_of_triangles
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.scene import Scene
+from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.spool import Spool
 from membrane_rs.simulation.motion import Motion
 
@@ -59,7 +60,11 @@ class Subject:
     @classmethod
     def of(cls, sim: Motion, shapes: Sequence[Floats]) -> Subject:
         """The subject of a simulation; its `shapes`, (N, 3) [m] each and the first one first, will fit in."""
-        assembly, scene = sim.assembly, sim.scene
+        return cls.of_scene(sim.scene, sim.assembly, shapes)
+
+    @classmethod
+    def of_scene(cls, scene: Scene, assembly: Assembly, shapes: Sequence[Floats]) -> Subject:
+        """The subject of a scene; its `shapes`, (N, 3) [m] each and the first one first, will fit in."""
         has_hub = any(law.turns_hub for law in scene.laws)
         seen = [assembly.reference, *shapes] if has_hub else shapes
         camera = Camera.of(seen, assembly.triangles, about_axis=has_hub)

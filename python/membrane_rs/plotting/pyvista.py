@@ -33,7 +33,7 @@ class PyvistaPainter:
         self._actors.show(positions, hub_angle, around.solids, camera)
         self._plotter.render()
         picture: Image = self._plotter.screenshot(return_img=True)[:, :, :3].copy()
-        return with_scale_bar(picture, camera)
+        return with_scale_bar(picture, camera) if around.scale_bar else picture
 
     def close(self) -> None:
         """Free the plotter's window."""

@@ -28,10 +28,13 @@ FAR = 1.5
 
 @dataclass(frozen=True)
 class Scenery:
-    """Bodies as they stand, in the frame that turns with the hub, and the camera; None: that of the subject."""
+    """Bodies as they stand, in the frame that turns with the hub, and the camera; None: that of the subject. Without
+    `scale_bar` the picture has none.
+    """
 
     solids: tuple[Solid, ...] = ()
     camera: Camera | None = None
+    scale_bar: bool = True
 
 
 NONE = Scenery()
@@ -44,8 +47,18 @@ class BodiesInTime:
     """
 
     def __init__(self, sim: Stepper, stowed: Floats) -> None:
-        self._scene, self._stages, self._stowed = sim.scene, list(sim.stages), stowed
-        self._spool = spool_of(sim.scene)
+        self._begin(sim.scene, sim.stages, stowed)
+
+    @classmethod
+    def of_scene(cls, scene: Scene, stages: Sequence[StageRecord], stowed: Floats) -> BodiesInTime:
+        """The same of a scene and the stages that a run of it has come to."""
+        made = cls.__new__(cls)
+        made._begin(scene, stages, stowed)
+        return made
+
+    def _begin(self, scene: Scene, stages: Sequence[StageRecord], stowed: Floats) -> None:
+        self._scene, self._stages, self._stowed = scene, list(stages), stowed
+        self._spool = spool_of(scene)
         self._bodies: dict[int, list[Body]] = {}
 
     def at(self, time: float, stage: int | None = None) -> tuple[Solid, ...]:

@@ -115,10 +115,10 @@ class Sheets:
 
 
 def caption(index: int, time: float, decimals: int = 3) -> str:
-    """The paper's caption of a picture: (a) 0.0 sec, (b) 0.05 sec ..."""
+    """Letter and time of a picture: (a) 0.0 s, (b) 0.05 s ..."""
     letter = chr(ord("a") + index) if index < 26 else str(index + 1)
     digits = f"{time:.{decimals}f}".rstrip("0")
-    return f"({letter}) {digits + '0' if digits.endswith('.') else digits} sec"
+    return f"({letter}) {digits + '0' if digits.endswith('.') else digits} s"
 
 
 def contact_sheet(images: Sequence[Image], captions: Sequence[str], title: str) -> Image:

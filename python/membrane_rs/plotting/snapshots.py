@@ -1,7 +1,8 @@
 """Pictures at chosen times, in the turning frame and as a fixed camera sees them, and their contact sheets.
 
-The times are those that the scene names. Of a run that ends before most of them, frames are drawn that are spread over
-the run. The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: rows of five, "(a) 0.0 sec" under each.
+The times are those that the scene names. Of a run that ends before most of them, or goes on long after them, frames are
+drawn that are spread over the run. The sheets are laid out like Figs. 10 and 12 of Okuizumi et al. 2012: rows of five,
+"(a) 0.0 s" under each.
 Each stage of a scene with stages has times, a camera and sheets of its own, and the sheet of the run shows all.
 """
 
@@ -13,7 +14,7 @@ from dataclasses import astuple, replace
 import numpy as np
 
 from membrane_rs.plotting.camera import Camera
-from membrane_rs.plotting.drawing import Drawing
+from membrane_rs.plotting.drawing import Drawing, spread
 from membrane_rs.plotting.painter import painter
 from membrane_rs.plotting.picture import Subject
 from membrane_rs.plotting.scenery import BodiesInTime, reach_of
@@ -27,7 +28,8 @@ from membrane_rs.simulation.stepper import Stepper
 
 SIZE = 700
 FEWEST, SPREAD = 4, 6
-"""With fewer snapshots than the first number, and others named for later, so many frames are drawn instead."""
+LEAST_SHARE = 0.5
+"""With fewer snapshots than the first number, or of less than half the run, so many frames are drawn instead."""
 
 
 class Snapshots(Drawing):
@@ -83,7 +85,7 @@ class Snapshots(Drawing):
     def _whole(self, sim: Stepper) -> Part:
         """The pictures of a run without stages: frames spread over it where it came to few of its snapshots."""
         shots = list(self._taker.taken)
-        if self._taker.wanted and len(shots) < FEWEST:
+        if sim.scene.run.snapshots and _are_few(shots, self.record.frames):
             shots = self._spread(self.record.frames) or shots
         return Part(shots, sim.scene.name)
 
@@ -92,7 +94,7 @@ class Snapshots(Drawing):
         stage = sim.stages[index]
         frames = [frame for frame in self.record.frames if stage.start <= frame[0] <= stage.end]
         shots = [shot for shot in self._taker.taken if stage.start <= shot.time <= stage.end]
-        if sim.scene.run.snapshots and len(shots) < FEWEST:
+        if _are_few(shots, frames):
             shots = self._spread(frames) or shots
         return Part(
             shots, f"{sim.scene.name}: {stage.name}", stage_prefix(index, stage.name), stage.name, index, frames
@@ -112,13 +114,20 @@ class Snapshots(Drawing):
         """Of a few frames, the first and the last among them."""
         if not frames:
             return []
-        picks = sorted(set(np.linspace(0, len(frames) - 1, SPREAD).round().astype(int)))
-        return [self._snapshot(*frames[k]) for k in picks]
+        return [self._snapshot(*frames[k]) for k in spread([time for time, _ in frames], SPREAD)]
 
     def _snapshot(self, time: float, file: str) -> Snapshot:
         table = self.record.table
         angle = float(np.interp(time, table["time"], table["hub_angle"]))
         return Snapshot(time, angle, read_frame(self.record.path / file))
+
+
+def _are_few(shots: Sequence[Snapshot], frames: Sequence[tuple[float, str]]) -> bool:
+    """Whether frames show a run, or a stage, better than its snapshots: these are few, or of a small part of it."""
+    if len(shots) < FEWEST:
+        return True
+    span = frames[-1][0] - frames[0][0] if frames else 0.0
+    return shots[-1].time - shots[0].time < LEAST_SHARE * span
 
 
 class SnapshotTaker:

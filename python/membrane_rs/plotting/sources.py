@@ -12,6 +12,8 @@ from membrane_rs._arrays import Floats
 from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import check_kind, nearest
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.plotting.stage_records import stage_records
+from membrane_rs.results.experiment import Experiment
 
 WANTED = "the columns of a history by name, as read_history gives them"
 
@@ -65,9 +67,9 @@ def sources_of(given: object, labels: Sequence[str] | None, needed: Sequence[str
         found = [(label, *rest) for label, (_, *rest) in zip(labels, found, strict=True)]
     sources = []
     for label, item, place in found:
-        table = getattr(item, "history", item)
+        table = _table_of(item)
         check_table(table, needed, place)
-        stages = [str(getattr(stage, "name", "")) for stage in getattr(item, "stages", ())]
+        stages = [stage.name for stage in stage_records(getattr(item, "stages", ()))]
         sources.append(Source(label, table, stages))
     return sources
 
@@ -92,7 +94,7 @@ def check_table(table: object, needed: Sequence[str], name: str = "table") -> No
 
 def _listed(given: object, name: str) -> list[tuple[str, Any, str]]:
     """Label, item and its place in messages."""
-    if hasattr(given, "history") or (isinstance(given, Mapping) and "time" in given):
+    if hasattr(given, "history") or isinstance(given, Experiment) or (isinstance(given, Mapping) and "time" in given):
         return [("", given, name)]
     if isinstance(given, Mapping) and given and all(_is_run(item) for item in given.values()):
         return [(str(label), item, f"{name}[{label!r}]") for label, item in given.items()]
@@ -104,4 +106,19 @@ def _listed(given: object, name: str) -> list[tuple[str, Any, str]]:
 
 
 def _is_run(item: object) -> bool:
-    return hasattr(item, "history") or isinstance(item, Mapping)
+    return hasattr(item, "history") or isinstance(item, Mapping | Experiment)
+
+
+def _table_of(item: Any) -> Any:
+    """The history of a run, the curves of an experiment with its units, and anything else as it is."""
+    if isinstance(item, Experiment):
+        return Measured({"time": item.time, **item.columns}, item.units)
+    return getattr(item, "history", item)
+
+
+class Measured(dict[str, Floats]):
+    """Columns by name, and the unit of each where that is known."""
+
+    def __init__(self, columns: Mapping[str, Floats], units: Mapping[str, str]) -> None:
+        super().__init__(columns)
+        self.units = {name: unit for name, unit in units.items() if unit}

@@ -1,7 +1,7 @@
 """How figures look: widths, fonts, colours and lines, as parameters of matplotlib that a user may change.
 
-Colours are those of Okabe and Ito (jfly.uni-koeln.de/color, 2008), which readers with any colour vision tell apart;
-the lines differ in their dashes too, so that they can be told apart in a grey print.
+Colours are those of Okabe and Ito (jfly.uni-koeln.de/color, 2008), which readers with any colour vision distinguish;
+the lines differ in their dashes too, for a grey print.
 """
 
 from __future__ import annotations
@@ -75,6 +75,8 @@ class Style:
         Whether panels are lettered (a), (b) ...
     title : bool
         Whether the title is drawn.
+    marks : bool
+        Whether curves that share a kind of line, as those of an energy balance, have marks for a grey print.
     dpi : float
         Resolution of PNG files [1/inch], from 10 to 2400.
     sheets : sequence of str or path
@@ -104,6 +106,7 @@ class Style:
     colors: Sequence[str] = COLORS
     letters: Flag = True
     title: Flag = False
+    marks: Flag = True
     dpi: Annotated[Positive, Ge(10), Le(2400), Unit("1/inch")] = 300.0
     sheets: Sequence[str | Path] = ()
     rc: Mapping[str, Any] = field(default_factory=dict)
@@ -169,7 +172,7 @@ class Style:
             "legend.frameon": False,
             "legend.handlelength": 2.4,
             "lines.linewidth": self.line_width,
-            "lines.markersize": 2.5 * self.line_width,
+            "lines.markersize": 3.0 * self.line_width,
             "axes.prop_cycle": _checked(lambda: cycler(color=list(self.colors)), "Style.colors", self.colors),
             "axes.linewidth": 0.6,
             "axes.spines.top": False,
@@ -201,7 +204,14 @@ FILES: dict[str, Any] = {
 PAPER = Style()
 """For one column of a paper: 85 mm, letters, no title, 300 dpi."""
 SCREEN = Style(
-    width=7.0 * INCH, panel_height=3.0 * INCH, font_size=10.0, line_width=1.5, letters=False, title=True, dpi=200.0
+    width=7.0 * INCH,
+    panel_height=3.0 * INCH,
+    font_size=10.0,
+    line_width=1.5,
+    letters=False,
+    title=True,
+    marks=False,
+    dpi=200.0,
 )
 """For the folder of a run and a screen: a title, no letters, 200 dpi."""
 NAMED = {"paper": PAPER, "screen": SCREEN}
