@@ -67,6 +67,16 @@ def test_check_shows_the_values() -> None:
     assert (code, re.search(r"springs +3\n", shown) is not None, "Run      0.001 s by" in shown) == (0, True, True)
 
 
+def test_values_of_a_study_take_units(tmp_path: Path) -> None:
+    words = ["--parameter", "laws.spin.frequency", "--integrator", "rk4", "--steps", "0.5", "--until", "1 ms"]
+    code, shown = call("stability", "spinning-tether", *words, "--values", "30 rpm, 1", "--out", tmp_path / "map")
+    assert (code, "frequency = 0.5 " in shown, "frequency = 1 " in shown) == (0, True, True)
+    code, shown = call("stability", "spinning-tether", *words, "--values", "30 rpm,1 m")
+    assert (code, "--values = '1 m': is a length; must be a frequency" in " ".join(shown.split())) == (2, True)
+    code, shown = call("stability", "spinning-tether", *words, "--values", "1,fast")
+    assert (code, "must be numbers separated by commas" in " ".join(shown.split())) == (2, True)
+
+
 def test_resume_refuses_values(tmp_path: Path) -> None:
     assert call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run")[0] == 0
     code, shown = call("resume", tmp_path / "run", "--set", "run.dt=1e-5", "--until", "4 ms")

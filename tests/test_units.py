@@ -7,12 +7,13 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from membrane_rs import Cylinder, Material, Scene, Schedule, Spin, Stage, scenes
+from membrane_rs import Cylinder, Material, Scene, Schedule, Spin, Stage, scenes, units
 from membrane_rs._fields import is_whole, takes_numbers, unit_of
 from membrane_rs._quantities import KINDS, USUAL, conversion, to_si, unit_named
 from membrane_rs.errors import InputError, InputTypeError, SceneError
@@ -335,6 +336,34 @@ def test_fields_in_python_take_numbers_alone() -> None:
     refused(lambda: Schedule((0, 1), ("1 rpm", 2)), InputTypeError, "must be a number")  # type: ignore[arg-type]
     scene = replace(hanging_strip(), stages=[Stage("one", 0.1, set={"material.density": "1 g/cm3"})])
     assert scene.stages[0].set == {"material.density": 1000.0}
+
+
+def test_units_for_scripts() -> None:
+    assert units.number("30 rpm", "Hz") == 0.5
+    assert units.number(2, "Hz") == 2.0
+    assert units.convert([0.0, 100.0], "degC", "K").tolist() == [273.15, 373.15]
+    assert units.of(Cylinder, "radius") == "m"
+    assert units.of(Stage, "above") == ""
+    for unit in KINDS:
+        for value in (0.0, 1e-7, 3.25, -4e8):
+            assert (
+                units.number(units.text(value, unit), unit) == value
+                if unit
+                else units.text(value, "") == f"{value:.4g}"
+            )
+    words: list[tuple[Callable[[], object], str]] = [
+        (lambda: units.number(None, "m"), r"value = None: must be a number \(m\)"),  # type: ignore[arg-type]
+        (lambda: units.number("1 m", "mm3/x"), "unit = 'mm3/x': unit 'x' is not known"),
+        (lambda: units.number("1 m", 3), "unit = 3: must be a text"),  # type: ignore[arg-type]
+        (lambda: units.number("1 kg", "mm", "gap"), r"gap = '1 kg': is a mass; must be a number in mm"),
+        (lambda: units.convert([1.0], "kg", "s"), "'kg' is a mass"),
+        (lambda: units.of(Material, "thicknes"), "Material.thicknes: no such field; known are"),
+        (lambda: units.of(int, "real"), "int.real: no such field"),
+        (lambda: units.text(math.nan, "m"), "value = nan: must be finite"),
+        (lambda: units.text(1.0, "m", 0), "digits = 0: must be a whole number from 1 to 17"),
+    ]
+    for action, text in words:
+        refused(action, InputError, text)
 
 
 def test_numbers_load_no_units() -> None:

@@ -63,7 +63,7 @@ def value_of(scene: Scene, key: str) -> Any:
 def test_a_value_is_set_and_no_other(scene: Scene, key: str, value: Any) -> None:
     before, text = scene.to_toml(), scene.with_values({key: value}).to_toml()
     made = scene.with_values({key: value})
-    assert value_of(made, key) == value
+    assert value_of(made, key) == value == made.value(key)
     assert scene.to_toml() == before
     old, new = before.splitlines(), text.splitlines()
     if key != "laws.creases.stiffness":  # which adds the law
@@ -154,6 +154,39 @@ def test_wrong_keys_and_values(values: Any, kind: type[Exception], words: str) -
 )
 def test_wrong_keys_and_values_of_stages(values: dict[str, Any], words: str) -> None:
     refused(lambda: staged_scene().with_values(values), SceneError, words)
+
+
+def test_values_and_units_by_keys() -> None:
+    scene = staged_scene()
+    assert scene.value("bodies.bar.travel_z.values") == (0.0, 0.1)
+    assert scene.value("stages.one.set.laws.mass_damping.rate") == 5.0
+    units = {
+        "name": "",
+        "parts.1.mass": "kg",
+        "parts.1.nodes": "",
+        "laws.spin.frequency": "Hz",
+        "laws.creases.stiffness": "",
+        "bodies.bar.travel_z": "m",
+        "bodies.bar.travel_z.values": "m",
+        "bodies.bar.travel_z.times": "s",
+        "bodies.bar.turn.values": "rad",
+        "stages.one.duration": "s",
+        "stages.one.set.bodies.bar.radius": "m",
+        "stages.one.scale.bodies.bar.radius": "",
+    }
+    assert {key: scene.unit(key) for key in units} == units
+    ended = scene.with_values({"stages.one.measure": "hub_torque", "stages.one.above": "3 mN m"})
+    assert (ended.unit("stages.one.above"), ended.value("stages.one.above")) == ("N m", 3e-3)
+    for key, words in {
+        "laws.creases.stiffness": "laws.creases.stiffness: the scene has no laws.creases",
+        "laws.creases": "'laws.creases': no such key; name one, such as laws.creases.stiffness",
+        "stages.two.a.set.run.dt": "stages.two.a.set.run.dt: is not set",
+        "bodies.bar.turn.ease": "bodies.bar.turn.ease: is not set; bodies.bar.turn is None",
+        "bodies.bar.radios": "no such key; did you mean 'radius'",
+        "body.bar.radius": "did you mean 'bodies.bar.radius'",
+    }.items():
+        refused(lambda key=key: scene.value(key), SceneError, words)  # type: ignore[misc]
+    refused(lambda: scene.unit(3), InputTypeError, "key 3: must be a name")  # type: ignore[arg-type]
 
 
 def test_a_mesh_of_no_pattern_has_no_keys() -> None:

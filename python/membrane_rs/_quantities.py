@@ -102,6 +102,8 @@ USUAL = (
 """Names among which that of an unknown unit is looked for."""
 LONGEST, LONGEST_UNIT, MOST_FACTORS, HIGHEST = 200, 60, 8, 9
 """Letters of a text and of its unit, factors of a unit, and their exponents, at most."""
+_ALONE = ("K", "Hz", "Hz/s", "rad", "deg", "1/s", "kg/m3", "m2")
+"""Units that are written without a prefix."""
 LONGEST_SYMBOL = 4
 """Letters of the longest name that is a symbol rather than a word, with an s behind it."""
 
@@ -187,6 +189,15 @@ def conversion(unit: str, wanted: str) -> tuple[float, float]:
         what = KINDS[wanted][0] if wanted in KINDS else "such a quantity"
         raise UnitError(f"{show(unit)} is {kind_of(given)}; must be a unit of {what}, such as {wanted!r}")
     return (one if zero == 0.0 else one - zero), zero
+
+
+def compact(value: float, unit: str, digits: int) -> str:
+    """A value in a unit as text, with a prefix where that makes the number shorter."""
+    quantity = _registry().Quantity(Decimal(repr(value)), unit_named(unit))
+    if unit and value and unit_named(unit).dimensionality and unit not in _ALONE:
+        quantity = quantity.to_compact()
+    shown = f"{float(quantity.magnitude):.{digits}g}"
+    return f"{shown} {quantity.units:~C}" if unit else shown
 
 
 def kind_of(unit: Any) -> str:

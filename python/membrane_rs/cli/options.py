@@ -153,14 +153,21 @@ def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:
     return replace(scene, run=build(RunSettings, asdict(scene.run) | given, "run")) if given else scene
 
 
-def numbers(text: str, option: str) -> list[float]:
-    """Numbers separated by commas. Raises InputError, which names the option."""
-    from membrane_rs.errors import InputError
+def numbers(text: str, option: str, unit: str = "") -> list[float]:
+    """Numbers, or texts with their units, separated by commas, in SI. Raises InputError, which names the option."""
+    from membrane_rs._quantities import to_si
+    from membrane_rs.errors import InputError, InputTypeError
 
-    try:
-        return [float(word) for word in text.split(",")]
-    except ValueError:
-        raise InputError(f"{option} = {text!r}: must be numbers separated by commas") from None
+    found = []
+    for word in text.split(","):
+        try:
+            found.append(float(word))
+        except ValueError:
+            try:
+                found.append(to_si(word.strip(), unit, option))
+            except InputTypeError:
+                raise InputError(f"{option} = {text!r}: must be numbers separated by commas") from None
+    return found
 
 
 def whole(number: float, option: str) -> int:

@@ -58,7 +58,7 @@ def stability(
     cells = stability_map(
         chosen,
         parameter,
-        numbers(values, "--values"),
+        numbers(values, "--values", chosen.unit(parameter)),
         methods=names,
         shares=numbers(steps, "--steps"),
         until=until,

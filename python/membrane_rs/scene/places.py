@@ -58,8 +58,14 @@ class Place:
     section: str
     index: int
     item: Any
+    """What stands here; of a law that the scene lacks, its class."""
     name: str
     """Of the law, part, body or stage; empty where it has none."""
+
+    @property
+    def kind(self) -> type[Any]:
+        """The class of what stands here, or which would stand here."""
+        return self.item if isinstance(self.item, type) else type(self.item)
 
     @property
     def label(self) -> str:

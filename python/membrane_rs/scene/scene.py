@@ -23,7 +23,7 @@ from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
 from membrane_rs.scene.staging import check_same_nodes, check_stages, in_numbers, planned_starts, staged
 from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
-from membrane_rs.scene.values import with_values
+from membrane_rs.scene.values import unit_at, value_at, with_values
 
 SCENE_FILE = "scene.toml"
 LONGEST_NAME = 100
@@ -155,12 +155,13 @@ class Scene:
         Parameters
         ----------
         values : mapping of str to object
-            Values, in SI units, by keys as in scene files: "material.thickness", "laws.creases.stiffness",
-            "parts.<name or index>.mass", "bodies.<name>.radius", "stages.<name or index>.duration", "run.dt", "name",
-            and "mesh.fold_lines", of the pattern that made the mesh, which is then made anew. A key of a law that the
-            scene lacks adds the law, with defaults for all else. A law, part or body by itself ("laws.creases") takes
-            True (with its defaults, unless it is there), False (without it), or a table of several keys. Keys go into
-            schedules and into what stages set: "laws.spin.schedule.ease", "stages.deploy.set.laws.creases.stiffness".
+            Values, in SI units or as text with a unit ("7.5 um"), by keys as in scene files: "material.thickness",
+            "laws.creases.stiffness", "parts.<name or index>.mass", "bodies.<name>.radius", "run.dt", "name",
+            "stages.<name or index>.duration", and "mesh.fold_lines", of the pattern that made the mesh, which is then
+            made anew. A key of a law that the scene lacks adds the law, with defaults for all else. A law, part or body
+            by itself ("laws.creases") takes True (with its defaults, unless it is there), False (without it), or a
+            table of several keys. Keys go into schedules and into what stages set: "laws.spin.schedule.ease",
+            "stages.deploy.set.laws.creases.stiffness".
             None takes an optional value away.
 
         Returns
@@ -183,6 +184,24 @@ class Scene:
         (20.0, 4)
         """
         return with_values(self, values)
+
+    def value(self, key: str) -> Any:
+        """The value of a dotted key, in SI units: what `with_values` sets. Raises SceneError for one without a value.
+
+        >>> from membrane_rs import scenes
+        >>> scenes.load("okuizumi-model-1").with_values({"material.thickness": "12.5 um"}).value("material.thickness")
+        1.25e-05
+        """
+        return self.name if key == "name" else value_at(self, key)
+
+    def unit(self, key: str) -> str:
+        """The unit of the value of a dotted key; empty for a plain number, and for what is none.
+
+        >>> from membrane_rs import scenes
+        >>> scenes.load("okuizumi-model-1").unit("laws.spin.frequency")
+        'Hz'
+        """
+        return "" if key == "name" else unit_at(self, key)
 
     @cached_property
     def _staged(self) -> dict[int, Scene]:

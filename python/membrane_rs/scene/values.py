@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from membrane_rs._other_names import OTHER_NAMES
 from membrane_rs._renamed import deprecated, new_names
-from membrane_rs._validation import build, computable, is_table, is_whole, nearest, show
+from membrane_rs._validation import build, checked_class, computable, is_table, is_whole, nearest, show, unit_of
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.places import Changeable, Place, located, places_of
@@ -43,14 +43,14 @@ def with_values(scene: S, values: Mapping[str, Any]) -> S:
     top: dict[str, Any] = {}
     given: dict[tuple[str, str], str] = {}
     for key, value in _singly(places, values):
+        if key == "name":
+            top[key] = value
+            continue
         place, rest = _located(scene, places, key, value)
         if (place.label, rest) in given:
             other = given[place.label, rest]
             raise SceneError(f"{_shown(key, value)}: {other} sets the same value; leave out one of them")
         given[place.label, rest] = key
-        if place.section == "name":
-            top["name"] = value
-            continue
         change = changes.setdefault(place.label, Change(place))
         if not rest:
             change.is_gone = value is False
@@ -70,6 +70,43 @@ def with_values(scene: S, values: Mapping[str, Any]) -> S:
     return made
 
 
+def value_at(scene: Changeable, key: str) -> Any:
+    """`Scene.value`."""
+    place, name, inside = _read(scene, key)
+    if isinstance(place.item, type):
+        raise SceneError(f"{key}: the scene has no {place.label}, so that this has no value")
+    value = getattr(place.item, name)
+    if not inside:
+        return value
+    entries = value if isinstance(value, Mapping) else vars(value) if is_dataclass(value) else {}
+    if inside not in entries:
+        raise SceneError(f"{key}: is not set; {place.label}.{name} is {show(value)}")
+    return entries[inside]
+
+
+def unit_at(scene: Changeable, key: str) -> str:
+    """`Scene.unit`."""
+    place, name, inside = _read(scene, key)
+    if inside and is_table(place.kind, name):
+        return unit_at(scene, inside) if name == "set" else ""
+    unit = unit_of(place.kind, name, {} if isinstance(place.item, type) else vars(place.item))
+    inner = checked_class(place.kind, name)
+    return (unit_of(inner, inside, outer=unit) if inside and inner is not None else unit) or ""
+
+
+def _read(scene: Changeable, key: str) -> tuple[Place, str, str]:
+    """The place, the field and what is inside it that a key names. Raises SceneError."""
+    if not isinstance(key, str) or len(key) > LONGEST_KEY:
+        raise InputTypeError(f"key {show(key)}: must be a name such as {EXAMPLES}")
+    place, rest = _found([*_places(scene)], key, show(key))
+    name, _, inside = rest.partition(".")
+    known = [entry.name for entry in fields(place.kind)]
+    if name not in known:
+        hint = nearest(name, known) if name else f"name one, such as {_keys(place)[0]}"
+        raise SceneError(f"{show(key)}: no such key; {hint}")
+    return place, name, inside
+
+
 def _places(scene: Changeable) -> Iterator[Place]:
     """All of a scene that has values."""
     yield from places_of(scene)
@@ -77,7 +114,6 @@ def _places(scene: Changeable) -> Iterator[Place]:
         yield Place("mesh", 0, scene.mesh.source, "")
     for k, stage in enumerate(scene.stages):
         yield Place("stages", k, stage, stage.name)
-    yield Place("name", 0, None, "")
 
 
 def _singly(places: list[Place], values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -103,14 +139,18 @@ def _absent(places: list[Place]) -> Iterator[Place]:
             yield Place("laws", len(there), law, kind)
 
 
-def _located(scene: Changeable, places: list[Place], key: str, value: object) -> tuple[Place, str]:
-    """What a key names, and the rest of the key. Raises SceneError."""
+def _found(places: list[Place], key: str, what: str) -> tuple[Place, str]:
+    """The place that a key names, and the rest of the key. Raises SceneError."""
     place, rest = located([*places, *_absent(places)], key) or (None, "")
-    what = _shown(key, value)
-    if place is None and key == "name":
-        return places[-1], ""
-    if place is None or place.section == "name":
+    if place is None:
         raise SceneError(f"{what}: this scene has no value of that name; {_hint(places, key)}")
+    return place, rest
+
+
+def _located(scene: Changeable, places: list[Place], key: str, value: object) -> tuple[Place, str]:
+    """The place whose value a key sets, and the rest of the key. Raises SceneError."""
+    what = _shown(key, value)
+    place, rest = _found(places, key, what)
     if not rest and (place.section not in OPTIONAL or not isinstance(value, bool)):
         off = ", true or false" if place.section in OPTIONAL else ""
         raise SceneError(f"{what}: must be a table of its keys{off}; or set one key, such as {_keys(place)[0]}")
@@ -124,7 +164,7 @@ def _field(change: Change, rest: str, what: str, value: Any) -> tuple[str, Any]:
     """The name of a field and its new value, from what a key says behind its place. Raises SceneError."""
     name, _, inside = rest.partition(".")
     item = change.place.item
-    kind = item if isinstance(item, type) else type(item)
+    kind = change.place.kind
     renamed = new_names(kind)
     if name in renamed:
         deprecated(f"{change.place.label}.{name}", f"use {renamed[name]}", depth=3)
@@ -179,7 +219,7 @@ def _hint(places: list[Place], key: str) -> str:
     """What may have been meant by a key that names nothing."""
     known = ["name"]
     for place in [*places, *_absent(places)]:
-        known += _keys(place) if place.section != "name" else []
+        known += _keys(place)
     last = key.rpartition(".")[2]
     others = [name for name, _ in OTHER_NAMES.get(last.lower(), ())]
     alike = [other for other in known if last in other.split(".") or other.split(".")[-1] in others]
