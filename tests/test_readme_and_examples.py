@@ -1,4 +1,4 @@
-"""What a newcomer tries first: README's Python and commands, the examples, and --help."""
+"""What a newcomer tries first: commands of README, the examples, and --help; `test_docs_run.py` runs README's code."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
-from membrane_rs import Simulation, scenes
+from membrane_rs import scenes
 from membrane_rs.cli import app
 from readme_numbers import TABLES
 from typer.testing import CliRunner
@@ -25,11 +24,6 @@ STUDIES = [ROOT / "tools" / "docs" / f"{name}.py" for name in ("accuracy", "dash
 COMMANDS = ("run", "resume", "scenes", "check", "stability", "work-precision", "chart", "ablate", "mesh-study")
 SHORT = 0.004
 """Where runs of README and examples are made to end [s]: to see them work, not to see them deploy."""
-
-
-def python_blocks() -> list[str]:
-    """README's Python."""
-    return re.findall(r"^```python\n(.*?)^```", README, flags=re.DOTALL | re.MULTILINE)
 
 
 def commands(program: str) -> list[list[str]]:
@@ -47,31 +41,10 @@ def shown(*words: str) -> str:
     return result.output
 
 
-@pytest.fixture
-def brief(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Runs end after some milliseconds, in a folder of their own."""
-    run = Simulation.run
-
-    def short(self: Simulation, until: float | None = None, *arguments: Any, **others: Any) -> Any:
-        return run(self, min(until or 1.0, self.time + SHORT), *arguments, **others)
-
-    monkeypatch.setattr(Simulation, "run", short)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def test_there_is_something_to_try() -> None:
-    assert python_blocks(), "README.md shows no Python"
     assert commands("membrane-rs"), "README.md shows no command"
     assert commands("make"), "README.md shows no make"
     assert EXAMPLES, "examples/ holds no example"
-
-
-def test_python_of_the_readme(brief: Path) -> None:
-    # One after the other in one namespace, as a reader would type them.
-    namespace: dict[str, Any] = {"__name__": "__readme__"}
-    for block in python_blocks():
-        exec(compile(block, "README.md", "exec"), namespace)
 
 
 def test_files_that_the_readme_names_are_there() -> None:
