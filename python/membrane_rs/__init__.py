@@ -14,6 +14,7 @@ from importlib.metadata import version
 from membrane_rs import folding, scenes
 from membrane_rs.errors import (
     AuditWarning,
+    DisplayError,
     ExecutorError,
     InputError,
     InputTypeError,
@@ -29,7 +30,7 @@ from membrane_rs.errors import (
 )
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.runs import Run, Simulation, open_run, resume, run
+from membrane_rs.runs import Run, Simulation, open_run, resume, run, view
 from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Cylinder, Plane
 from membrane_rs.scene.laws import (
@@ -58,6 +59,7 @@ __all__ = [
     "Bridges",
     "Creases",
     "Cylinder",
+    "DisplayError",
     "ExecutorError",
     "Fixed",
     "Gravity",
@@ -100,4 +102,5 @@ __all__ = [
     "resume",
     "run",
     "scenes",
+    "view",
 ]

@@ -106,6 +106,10 @@ class UnstableError(MembraneError, ArithmeticError):
         self.law = law
 
 
+class DisplayError(MembraneError, RuntimeError):
+    """A window was asked for where there is no display."""
+
+
 class AuditWarning(UserWarning):
     """An error or a warning that the audit of a scene found; `Simulation` warns of each once it is built.
 

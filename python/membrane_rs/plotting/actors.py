@@ -32,6 +32,12 @@ Colors = NDArray[np.uint8]
 
 LIFT = 0.004
 """How far lines stand before the faces, as a share of what the picture reaches."""
+FILM_LIGHT, FIELD_LIGHT = (0.75, 0.38), (0.35, 0.66)
+"""Shares of the colour of the film, and of a field on it, that come from the lights and from all sides: so a field can
+be read from any side.
+"""
+COLORED_SHARE = 1.0 / 200.0
+"""Width of coloured lines, as a share of the picture."""
 LIGHTS = (((-0.70, 0.70, 0.75), 0.85), ((0.45, -0.20, 0.90), 0.40))
 """Direction (to the right, upwards, to the camera) and intensity: a bright light from the left, a weak one from the
 right.
@@ -42,12 +48,13 @@ class MembraneActors:
     """The actors of one subject in a `pyvista.Plotter` that has no lights; `size` of its pictures [pixels]."""
 
     def __init__(self, plotter: Any, subject: Subject, size: int) -> None:
-        self._plotter, self._subject = plotter, subject
+        self._plotter, self._size = plotter, size
         self._points = np.zeros((_highest_node(subject) + 1, 3))
         self._moving: list[Any] = []
         self._faces: list[tuple[Any, Any]] = []
         self._lines: list[Any] = []
         self._solids: list[Any] = []
+        self._colored: tuple[Any, Any] | None = None
         if len(subject.triangles):
             self._add_membrane(subject)
         self._add_lines(subject.creases, CREASE, max(1.5, size / 280.0))
@@ -77,8 +84,59 @@ class MembraneActors:
         """Lift lines from the faces they lie in towards a camera in the direction `view` (3,), which reaches so far
         [m].
         """
-        for actor in self._lines:
+        for actor in (*self._lines, *([self._colored[1]] if self._colored else [])):
             actor.position = tuple(LIFT * reach * view)
+
+    def color_triangles(self, upper: Colors, lower: Colors, light: tuple[float, float] = FILM_LIGHT) -> None:
+        """Colour both sides of the film, (m, 3) each; `light`: shares that come from the lights and from all sides."""
+        for (cloud, actor), colors in zip(self._faces, (upper, lower), strict=True):
+            cloud.cell_data["colors"] = colors
+            actor.mapper.SetColorModeToDirectScalars()
+            actor.mapper.SetScalarModeToUseCellFieldData()
+            actor.mapper.SetInterpolateScalarsBeforeMapping(False)
+            actor.mapper.SelectColorArray("colors")
+            actor.prop.diffuse, actor.prop.ambient = light
+
+    def color_nodes(self, values: Floats, table: Any, light: tuple[float, float] = FIELD_LIGHT) -> None:
+        """Colour the film by values (N,) on its nodes, linear between them, by a `vtkLookupTable`."""
+        for cloud, actor in self._faces:
+            cloud.point_data["values"] = values[: cloud.n_points]
+            actor.mapper.SetColorModeToMapScalars()
+            actor.mapper.SetScalarModeToUsePointFieldData()
+            actor.mapper.SetInterpolateScalarsBeforeMapping(True)
+            actor.mapper.SetLookupTable(table)
+            actor.mapper.SetUseLookupTableScalarRange(True)
+            actor.mapper.SelectColorArray("values")
+            actor.prop.diffuse, actor.prop.ambient = light
+
+    def color_lines(self, pairs: Ints, colors: Colors) -> None:
+        """Show coloured lines (k, 2) in place of creases and cords; none: these."""
+        for actor in self._lines:
+            actor.visibility = not len(pairs)
+        if self._colored is not None:
+            self._colored[1].visibility = bool(len(pairs))
+        if not len(pairs):
+            return
+        cells = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+        if self._colored is None:
+            self._colored = self._add_colored(cells, int(pairs.max()) + 1, colors)
+        cloud = self._colored[0]
+        cloud.lines = cells
+        cloud.cell_data["colors"] = colors
+
+    def _add_colored(self, cells: Ints, nodes: int, colors: Colors) -> tuple[Any, Any]:
+        """Lines with colours of their own, and their actor."""
+        import pyvista
+
+        cloud = pyvista.PolyData(np.zeros((max(nodes, len(self._points)), 3)), lines=cells)
+        cloud.cell_data["colors"] = colors
+        width = COLORED_SHARE * self._size
+        actor = self._plotter.add_mesh(
+            cloud, scalars="colors", rgb=True, line_width=width, lighting=False, show_scalar_bar=False,
+            reset_camera=False, render=False,
+        )  # fmt: skip
+        self._moving.append(cloud)
+        return cloud, actor
 
     def _cloud(self, cells: Ints, kind: str) -> Any:
         """Points that move, with cells (k, 1 + nodes) of one kind: "faces", "lines" or "verts"."""
@@ -99,8 +157,8 @@ class MembraneActors:
                 scalars=film_colors(subject, back),
                 rgb=True,
                 culling="front" if back else "back",
-                diffuse=0.75,
-                ambient=0.38,
+                diffuse=FILM_LIGHT[0],
+                ambient=FILM_LIGHT[1],
                 specular=0.15,
                 specular_power=12.0,
                 smooth_shading=False,

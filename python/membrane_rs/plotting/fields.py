@@ -111,7 +111,9 @@ def field_named(name: str) -> Field:
     return FIELDS[name]
 
 
-def value_ranges(frames: Iterable[FieldFrame], share: float = 1.0) -> dict[str, tuple[float, float]]:
+def value_ranges(
+    frames: Iterable[FieldFrame], share: float = 1.0, fields: Iterable[Field] | None = None
+) -> dict[str, tuple[float, float]]:
     """Lowest and highest value of each field over the frames of a run, which are read once, one at a time.
 
     Parameters
@@ -121,6 +123,8 @@ def value_ranges(frames: Iterable[FieldFrame], share: float = 1.0) -> dict[str, 
     share : float
         Share of the values of each frame that lie between both, from 0 to 1; the rest is left out in equal parts at
         both ends. `SHARE` keeps single corners from taking the whole scale.
+    fields : iterable of Field, optional
+        Those that are wanted. Default: all of `FIELDS`.
 
     Returns
     -------
@@ -128,10 +132,10 @@ def value_ranges(frames: Iterable[FieldFrame], share: float = 1.0) -> dict[str, 
         (lowest, highest) by name, of the fields that any of the frames has; (0, number of categories - 1) of a field
         with categories. Both are equal where the field is uniform.
     """
-    outside = 0.5 * (1.0 - share)
+    outside, wanted = 0.5 * (1.0 - share), list(FIELDS.values() if fields is None else fields)
     found: dict[str, tuple[float, float]] = {}
     for frame in frames:
-        for field in FIELDS.values():
+        for field in wanted:
             values = field.values(frame)
             if values is None:
                 continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.solid import Solid
 from membrane_rs.simulation.stepper import Stepper
-from membrane_rs.simulation.timeline import StageRecord
 
 SAME = 1e-6
 """Difference of radii, over the radius, up to which a body about the hub's axis is the spool."""
@@ -40,6 +40,14 @@ class Scenery:
 NONE = Scenery()
 
 
+class Started(Protocol):
+    """What has a start, such as the record of a stage."""
+
+    @property
+    def start(self) -> float:
+        """Time [s]."""
+
+
 class BodiesInTime:
     """The bodies that are at work at each time of a run, but for the spool, which a subject holds.
 
@@ -50,13 +58,13 @@ class BodiesInTime:
         self._begin(sim.scene, sim.stages, stowed)
 
     @classmethod
-    def of_scene(cls, scene: Scene, stages: Sequence[StageRecord], stowed: Floats) -> BodiesInTime:
+    def of_scene(cls, scene: Scene, stages: Sequence[Started], stowed: Floats) -> BodiesInTime:
         """The same of a scene and the stages that a run of it has come to."""
         made = cls.__new__(cls)
         made._begin(scene, stages, stowed)
         return made
 
-    def _begin(self, scene: Scene, stages: Sequence[StageRecord], stowed: Floats) -> None:
+    def _begin(self, scene: Scene, stages: Sequence[Started], stowed: Floats) -> None:
         self._scene, self._stages, self._stowed = scene, list(stages), stowed
         self._spool = spool_of(scene)
         self._bodies: dict[int, list[Body]] = {}
@@ -79,7 +87,7 @@ class BodiesInTime:
         return own is not None and spool is not None and abs(own.radius - spool.radius) <= SAME * spool.radius
 
 
-def stage_at(stages: Sequence[StageRecord], time: float) -> int:
+def stage_at(stages: Sequence[Started], time: float) -> int:
     """Index of the stage at a time [s]: at a boundary that which ends, since the shape there is its last; 0 without."""
     return max((k for k, stage in enumerate(stages) if stage.start < time), default=0)
 

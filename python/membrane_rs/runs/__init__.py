@@ -9,5 +9,6 @@ from membrane_rs.runs.resuming import resume
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.running import run
 from membrane_rs.runs.simulation import Simulation
+from membrane_rs.runs.viewing import view
 
-__all__ = ["Run", "RunFolder", "RunFrame", "Simulation", "open_run", "resume", "run"]
+__all__ = ["Run", "RunFolder", "RunFrame", "Simulation", "open_run", "resume", "run", "view"]

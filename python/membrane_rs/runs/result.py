@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.mesh import Mesh
 from membrane_rs.results.run_history import RunHistory
 from membrane_rs.runs.frames import RunFrames
 from membrane_rs.scene import Scene
+
+if TYPE_CHECKING:
+    from membrane_rs.plotting.viewer import NotebookView
 
 
 class Run(KnownAttributes):
@@ -61,6 +64,14 @@ class Run(KnownAttributes):
         a run that has not come to its end.
         """
         return list(self.summary.get("stages") or [])
+
+    def view(
+        self, *, color: str = "film", camera: str = "turning", scale: str = "run", where: str | None = None
+    ) -> NotebookView | None:
+        """Look at it, in a window or in a notebook: see `membrane_rs.view`."""
+        from membrane_rs.plotting.viewer import look_at
+
+        return look_at(self, color=color, camera=camera, scale=scale, where=where)
 
     def __repr__(self) -> str:
         """Scene, outcome and sizes."""

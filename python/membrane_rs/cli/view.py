@@ -1,0 +1,48 @@
+"""The command that shows a run in a window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from membrane_rs.cli.application import LOOKING, command
+from membrane_rs.cli.options import load
+from membrane_rs.plotting.viewer.keys import KEYS
+
+
+def with_keys(function: Callable[..., None]) -> Callable[..., None]:
+    """Put the keys of the window into the help of a command, where its docstring has {keys}."""
+    keys = "; ".join(f"{key.shown}: {key.words}" for key in KEYS)
+    function.__doc__ = (function.__doc__ or "").format(keys=keys)
+    return function
+
+
+@command(LOOKING, example="view spinning-tether")
+@with_keys
+def view(
+    source: Annotated[
+        str, typer.Argument(metavar="RUN", help="A run's folder; or a scene, by its name or file: its start is shown.")
+    ],
+    *,
+    color: Annotated[
+        str, typer.Option(help="What it is coloured by at first: film, or a field, such as state or speed.")
+    ] = "film",
+    camera: Annotated[str, typer.Option(help="turning: the camera turns with the hub; or fixed.")] = "turning",
+    scale: Annotated[
+        str, typer.Option(help="Colours span the values of the whole run (run), or of each frame (frame).")
+    ] = "run",
+    browser: Annotated[
+        bool, typer.Option("--browser", help="Serve it as a page for a browser on this machine, until Ctrl-C.")
+    ] = False,
+) -> None:
+    """Look at a run in a window: a slider for the time, a list of colours; the mouse turns and zooms.
+
+    Keys: {keys}.
+    """
+    from membrane_rs import view as look
+
+    shown = source if Path(source).is_dir() else load(source)
+    look(shown, color=color, camera=camera, scale=scale, where="browser" if browser else "window")

@@ -1,0 +1,44 @@
+"""Values of a field as colours, and what a legend says of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs.plotting.actors import Colors
+from membrane_rs.plotting.fields import Field
+
+NOTHING = (208, 208, 212)
+"""Where a field has no value."""
+STEPS = 256
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The colours of a field between two values, `low` and `high`; what lies beyond has the colour of the end."""
+
+    field: Field
+    low: float
+    high: float
+
+    @property
+    def colors(self) -> Colors:
+        """(k, 3) from the lowest to the highest value: one for each category, else `STEPS`."""
+        from matplotlib import colormaps
+
+        shares = np.linspace(0.0, 1.0, len(self.field.categories) or STEPS)
+        colors: Colors = np.round(255.0 * np.asarray(colormaps[self.field.colormap](shares))[:, :3]).astype(np.uint8)
+        return colors
+
+    def color(self, values: Floats) -> Colors:
+        """(n, 3) of n values; `NOTHING` for NaN."""
+        colors = np.vstack([self.colors, np.array([NOTHING], np.uint8)])
+        last = len(colors) - 2
+        span = self.high - self.low
+        shares = (values - self.low) / span if span > 0.0 and isfinite(span) else np.full(len(values), 0.5)
+        rows = np.where(np.isnan(values), last + 1, np.clip(np.nan_to_num(shares, nan=0.0), 0.0, 1.0) * last)
+        chosen: Colors = colors[rows.round().astype(np.int64)]
+        return chosen

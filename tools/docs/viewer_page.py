@@ -1,0 +1,47 @@
+"""Make the list of keys and the pictures of docs/viewer.md: python tools/docs/viewer_page.py. Needs a display."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import membrane_rs
+from marked import DOCS, MarkedPart, copy_small
+from membrane_rs._markdown import table
+from membrane_rs.plotting.viewer.keys import KEYS
+from membrane_rs.plotting.viewer.viewer import Viewer
+from membrane_rs.plotting.viewer.window import Window
+
+KEYS_PART = MarkedPart(DOCS / "viewer.md", "viewer-keys")
+UNTIL, SHOWN, COLOR = 0.12, 0.06, "state"
+"""End of the run, and time and field of the picture [s]."""
+
+
+def keys() -> str:
+    """The table of keys."""
+    return table(["key", "what it does"], [[f"`{key.shown}`", key.words] for key in KEYS], words=(0, 1))
+
+
+def window(path: Path) -> None:
+    """A picture of the window, with a sail in deployment."""
+    run = membrane_rs.run("okuizumi-model-1", until=UNTIL, frames=41)
+    viewer = Viewer(run, color=COLOR)
+    viewer.go_to(SHOWN)
+    shown = Window(viewer, path.parent)
+    shown.show(waits=False)
+    shown.view_shape()
+    shown.plotter.screenshot(str(path))
+    shown.plotter.close()
+
+
+def main() -> None:
+    """Write both."""
+    KEYS_PART.write(keys())
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "window.png"
+        window(path)
+        copy_small(path, "viewer-window.png", colours=256)
+
+
+if __name__ == "__main__":
+    main()
