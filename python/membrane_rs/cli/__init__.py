@@ -8,6 +8,7 @@ commands, so that `--help` is quick.
 from __future__ import annotations
 
 # A command is registered by the import of its file: one line each.
+from membrane_rs.cli import figures as figures
 from membrane_rs.cli import runs as runs
 from membrane_rs.cli import scenes as scenes
 from membrane_rs.cli import studies as studies

@@ -8,6 +8,7 @@ from membrane_rs.plotting.deployment import compare_runs, plot_deployment
 from membrane_rs.plotting.energy import plot_energy
 from membrane_rs.plotting.figure import save_figure
 from membrane_rs.plotting.history import plot_history
+from membrane_rs.plotting.run_figures import save_run_figures
 from membrane_rs.plotting.snapshot_sheet import plot_snapshots
 from membrane_rs.plotting.style import PAPER, SCREEN, Style
 
@@ -23,4 +24,5 @@ __all__ = [
     "plot_history",
     "plot_snapshots",
     "save_figure",
+    "save_run_figures",
 ]

@@ -17,6 +17,7 @@ from annotated_types import Ge, Le
 
 from membrane_rs._extras import need
 from membrane_rs._files import check_regular, path_of
+from membrane_rs._quantities import split, to_si
 from membrane_rs._validation import Flag, Positive, Unit, nearest, show, validated
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
 
@@ -41,16 +42,19 @@ _NOT_A_LOOK = ("backend", "backend_fallback", "interactive", "toolbar", "timezon
 
 
 def width_of(value: float | str, name: str = "width") -> float:
-    """A width [mm]: a number, "single" or "double". Raises InputTypeError and InputError."""
-    if isinstance(value, str):
-        if value not in WIDTHS:
-            raise InputError(f"{name} = {show(value)}: {nearest(value, WIDTHS)} Or give a number (mm)")
-        return WIDTHS[value]
+    """A width [mm]: a number, a text with its unit, "single" or "double". Raises InputTypeError and InputError."""
     if isinstance(value, bool):
         raise InputTypeError(f"{name} = {value}: must be a number (mm), 'single' or 'double'")
-    if not NARROWEST <= value <= WIDEST:
-        raise InputError(f"{name} = {value}: must be from {NARROWEST:g} to {WIDEST:g} (mm)")
-    return float(value)
+    millimetres = WIDTHS[value] if isinstance(value, str) and value in WIDTHS else value
+    if isinstance(millimetres, str):
+        found = split(millimetres)
+        if found is None or not found.unit:
+            wanted = f"must be a length with its unit such as '85 mm', or {' or '.join(map(repr, WIDTHS))}"
+            raise InputError(f"{name} = {show(value)}: {wanted}")
+        millimetres = 1e3 * to_si(millimetres, "m", name)
+    if not NARROWEST <= millimetres <= WIDEST:
+        raise InputError(f"{name} = {show(value)}: must be from {NARROWEST:g} to {WIDEST:g} (mm)")
+    return float(millimetres)
 
 
 @validated
@@ -60,7 +64,7 @@ class Style:
     Parameters
     ----------
     width : float or str
-        Width of a figure [mm], from 20 to 1000; "single" is 85, "double" is 174.
+        Width of a figure [mm], from 20 to 1000, or a text such as "85 mm"; "single" is 85, "double" is 174.
     panel_height : float, optional
         Height of a panel with its time axis [mm]. Default: 28 and a fifth of the width.
     font : str
