@@ -87,8 +87,8 @@ def try_wheel(wheel: Path) -> None:
             expect(fresh.program("scenes"), SCENE[0])
         with timed("a run without pictures"):
             fresh.program("run", *SCENE, "bare", "--no-pictures")
-            expect((fresh.folder / "bare" / "summary.json").read_text(encoding="utf-8"), '"complete"')
-        expect(fresh.program("run", *SCENE, "refused", code=2), "membrane_rs[plot]")
+            expect((fresh.folder / "bare" / "summary.json").read_text(encoding="utf-8"), '"outcome": "finished"')
+        expect(fresh.program("run", *SCENE, "refused", code=1), "membrane_rs[plot]")
         with timed("extra plot"):
             fresh.install(f"{wheel}[plot]")
         with timed("a run with pictures"):
