@@ -9,8 +9,11 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from membrane_rs import MissingExtraError
+import typer
+from membrane_rs import MissingExtraError, Simulation, scenes
 from membrane_rs._extras import EXTRAS, extra, need
+from membrane_rs.cli.application import FAILED, app, reported_errors
+from typer.testing import CliRunner
 
 tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 ROOT = Path(__file__).parents[1]
@@ -52,3 +55,28 @@ def test_the_error_can_be_sent_to_another_process() -> None:
     error = MissingExtraError("sweeps: this needs pandas", "sweep")
     sent = pickle.loads(pickle.dumps(error))
     assert (str(sent), sent.extra) == (str(error), "sweep")
+
+
+def test_a_run_with_pictures_is_refused_before_it_begins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    sim = Simulation(scenes.load("spinning-tether"))
+    with pytest.raises(MissingExtraError, match=r"pictures=False.*membrane_rs\[plot\]"):
+        sim.run(until=1e-3, out=tmp_path / "drawn")
+    assert not (tmp_path / "drawn").exists()
+    sim.run(until=1e-3, frames=2, samples=2, out=tmp_path / "bare", pictures=False)
+    assert (tmp_path / "bare" / "history.csv").is_file()
+
+
+def test_the_command_line_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    shown = CliRunner().invoke(app, ["run", "spinning-tether", "--until", "0.001", "--out", str(tmp_path / "run")])
+    assert shown.exit_code == FAILED
+    assert 'pip install "membrane_rs[plot]"' in " ".join(shown.stderr.split())
+    assert "--no-pictures" in shown.stderr
+
+
+def test_a_library_that_is_missing_within_a_command_is_named_too(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit) as caught, reported_errors():
+        raise ModuleNotFoundError("No module named 'pyvista.core'", name="pyvista.core")
+    assert caught.value.exit_code == FAILED
+    assert "membrane_rs[plot]" in capsys.readouterr().err

@@ -52,9 +52,13 @@ def extra(module: str, use: str = "") -> ModuleType:
     try:
         return import_module(module)
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in EXTRAS:
-            raise
-        raise missing(error.name.partition(".")[0], use) from None
+        raise explained(error, use) from None
+
+
+def explained(error: ModuleNotFoundError, use: str = "") -> ImportError:
+    """The error that names the extra of a module that was not found; the same error for a module of no extra."""
+    module = (error.name or "").partition(".")[0]
+    return missing(module, use) if module in EXTRAS else error
 
 
 def missing(module: str, use: str = "") -> MissingExtraError:

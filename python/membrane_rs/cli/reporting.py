@@ -53,6 +53,7 @@ def exit_code(stop: KeyboardInterrupt) -> int:
 @contextmanager
 def reported_errors() -> Iterator[None]:
     """Report an error of membrane_rs in one red line, and any other one as a fault of the program."""
+    from membrane_rs._extras import explained
     from membrane_rs.errors import AuditWarning, InputError, MembraneError, MissingFileError
     from membrane_rs.runs import signals
 
@@ -74,6 +75,10 @@ def reported_errors() -> Iterator[None]:
         if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
             raise
         _show_traceback(error)
+        known = explained(error) if isinstance(error, ModuleNotFoundError) else error
+        if known is not error:
+            show_error(str(known))
+            raise typer.Exit(FAILED) from None
         what = f"unexpected {type(error).__name__}: {error}. This is a fault of membrane_rs"
         show_error(f"{what}; please report it with the scene, and with what --verbose shows")
         raise typer.Exit(FAILED) from None

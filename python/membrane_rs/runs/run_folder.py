@@ -19,6 +19,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from time import monotonic
 
+from membrane_rs._extras import need
 from membrane_rs._files import path_of
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.check import audit_of_motion
@@ -101,6 +102,8 @@ class RunFolder(KnownAttributes, Recorder):
 
     Raises
     ------
+    MissingExtraError
+        Pictures are wanted, and the extra "plot" is not installed.
     OutputError
         If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
         another run goes on there, or it cannot be written.
@@ -118,6 +121,8 @@ class RunFolder(KnownAttributes, Recorder):
         progress: Progress | None = None,
     ) -> None:
         self.path = path_of(path, "out")
+        if pictures:
+            need("matplotlib", "PIL", use="pictures of a run (none: pictures=False, --no-pictures)")
         self.pictures, self.crossings = pictures, crossings
         self._place = Place(self.path, own_files(), overwrite=overwrite)
         self._record = Record(self.path, progress, Background(self._place.check_held))
