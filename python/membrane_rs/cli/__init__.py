@@ -12,6 +12,7 @@ from membrane_rs.cli import figures as figures
 from membrane_rs.cli import runs as runs
 from membrane_rs.cli import scenes as scenes
 from membrane_rs.cli import studies as studies
+from membrane_rs.cli import sweep as sweep
 from membrane_rs.cli import view as view
 from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from membrane_rs.cli.reporting import tell, wordiness
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from membrane_rs.runs import Simulation
+    from membrane_rs.study.common.one_run import RunResult
 
 
 class Bar:
@@ -65,3 +68,30 @@ def terminal() -> Console:
     from rich.console import Console
 
     return Console(stderr=True)
+
+
+@contextmanager
+def run_counter() -> Iterator[Callable[[int, int, RunResult], None]]:
+    """What shows how many runs are done: on a terminal a bar, and a line for each that fails; else a line for each."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = terminal()
+    is_bar = console.is_terminal and not wordiness.quiet
+    columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TextColumn("runs"), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=not is_bar) as bar:
+        task = bar.add_task("", total=None)
+
+        def show(done: int, total: int, result: RunResult) -> None:
+            bar.update(task, completed=done, total=total)
+            if is_bar and result.is_finished:
+                return
+            values = ", ".join([*(f"{key} = {value}" for key, value in result.point.values.items()), ""])
+            seconds = result.facts.get("wall_time")
+            end = f": {result.message}" if result.message else f", {seconds:.3g} s" if seconds is not None else ""
+            words = f"[{done}/{total}] {values}start {result.point.start}: {result.outcome}{end}"
+            if is_bar:
+                bar.console.print(words, markup=False, highlight=False, soft_wrap=True)
+            else:
+                tell(words)
+
+        yield show

@@ -27,6 +27,7 @@ def plot_comparison(
     experiments: Mapping[str, Any] | None = None,
     ensembles: Mapping[str, Sequence[Any]] | None = None,
     spread: str = "std",
+    members: bool = False,
     labels: Sequence[str] | None = None,
     path: Path | str | None = None,
     title: str = "",
@@ -51,6 +52,8 @@ def plot_comparison(
     spread : {"std", "range"}
         The band: one standard deviation of the members to both sides of the mean, or from their lowest to their
         highest.
+    members : bool
+        Whether each member of an ensemble is drawn, as a thin line.
     labels : sequence of str, optional
         Of the runs.
     path : path, optional
@@ -97,8 +100,8 @@ def plot_comparison(
         given,
         [source for label, table in others.items() for source in sources_of({label: table}, None, (), "experiments")],
         [
-            Ensemble(label, sources_of(members, None, (), f"ensembles[{label!r}]"), spread)
-            for label, members in together.items()
+            Ensemble(label, sources_of(some, None, (), f"ensembles[{label!r}]"), spread, shows_members=members)
+            for label, some in together.items()
         ],
     )
     if not content.tables:

@@ -33,6 +33,8 @@ class Ensemble:
     label: str
     members: Sequence[Source]
     spread: str = "std"
+    shows_members: bool = False
+    """Whether each of them is drawn, as a thin line."""
 
     def band(self, column: str) -> Band:
         """Mean and spread of a column at the times of the member that came farthest; others are interpolated, and

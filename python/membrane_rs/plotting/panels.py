@@ -25,6 +25,8 @@ MARKS = "osD^vPX"
 UNCERTAINTY = "_std"
 """What the name of a column of an experiment ends with that holds the standard deviation of another one."""
 _BAND = 0.22
+_THIN = 0.4
+"""Width of the line of a member of an ensemble [pt]."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,9 @@ def _draw(axes: Axes, panel: Panel, content: Content) -> None:
     for ensemble, some in zip(content.ensembles, bands, strict=True):
         for column, band in zip(panel.columns, some, strict=True):
             _draw_band(axes, band, factor, index, _entry(ensemble.label, column, panel))
+            for member in ensemble.members if ensemble.shows_members else ():
+                look = {"color": line_look(index)["color"], "alpha": 0.6, "linewidth": _THIN}
+                axes.plot(member.time, member.column(column) / factor, **look)
             index += 1
     for k, source in enumerate(content.runs):
         for column in panel.columns:
@@ -191,4 +196,6 @@ def values_of(content: Content, panel: Panel) -> list[Floats]:
     """All values that a panel shows."""
     found = [source.column(name) for source in _with(content, panel) for name in panel.columns if name in source.table]
     bands = [ensemble.band(name) for ensemble in content.ensembles for name in panel.columns]
-    return [*found, *(edge for band in bands for edge in (band.low, band.high))]
+    shown = [source for ensemble in content.ensembles if ensemble.shows_members for source in ensemble.members]
+    members = [source.column(name) for source in shown for name in panel.columns]
+    return [*found, *members, *(edge for band in bands for edge in (band.low, band.high))]

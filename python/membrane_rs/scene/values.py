@@ -94,6 +94,12 @@ def unit_at(scene: Changeable, key: str) -> str:
     return (unit_of(inner, inside, outer=unit) if inside and inner is not None else unit) or ""
 
 
+def key_at(scene: Changeable, key: str) -> str:
+    """The one key, of all that name a value, that has the name of its place rather than its index. Raises SceneError."""
+    place, name, inside = _read(scene, key)
+    return ".".join(filter(None, (place.label, name, inside)))
+
+
 def _read(scene: Changeable, key: str) -> tuple[Place, str, str]:
     """The place, the field and what is inside it that a key names. Raises SceneError."""
     if not isinstance(key, str) or len(key) > LONGEST_KEY:

@@ -9,22 +9,30 @@ from membrane_rs.errors import AuditWarning
 from membrane_rs.study.ablation import Ablation, ablate
 from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
+from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
+from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
 
 __all__ = [
     "FORMS",
     "Ablation",
     "Calibration",
+    "Ensemble",
     "LengthScales",
     "MeshRun",
+    "Sweep",
     "WorkPrecision",
     "ablate",
     "agreeing",
     "calibrate",
+    "ensemble",
     "jobs_of",
     "mesh_study",
+    "open_ensemble",
+    "open_sweep",
+    "sweep",
     "work_precision",
     "write_mesh_study",
 ]

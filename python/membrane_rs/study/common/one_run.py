@@ -9,21 +9,20 @@ from __future__ import annotations
 import pickle
 import time
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import number_of
-from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.features import curve_features, energy_balance
+from membrane_rs.results.history_table import HistoryTable
+from membrane_rs.results.recorded import Measures
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation.measures import stowed_turn
+from membrane_rs.scene.stage import MEASURE_UNITS
+from membrane_rs.simulation.measures import OF_MOTION
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
 
 FINISHED, UNSTABLE, REFUSED, FAILED = "finished", "unstable", "refused", "failed"
@@ -37,10 +36,15 @@ OUTCOMES = {
     CRASHED: "The process that made the run ended without a result, twice.",
 }
 """How a run may end."""
-NAMED = ("time", "deployment_rate", "phase_difference_deg", "energy_error", "reference_energy")
+NAMED = ("time", "deployment_rate", "phase_difference_deg", "energy_error", "reference_energy", "motor_work")
 """Columns of a history of which `curve_features` and `energy_balance` say what there is to say."""
+DETAILS = ("stage", "hub_angle", "energy_", "work_")
+"""Beginnings of names of columns of which a row has no numbers, unless they are a user's measures."""
 
-Measure = Callable[[Simulation], float]
+Measure = Callable[[Any], float]
+Record = Mapping[str, Measure | tuple[Measure, str] | None]
+"""Measures by the names of their columns: a function of the simulation, that and its unit, or None for a known one of
+the name."""
 _stopped: set[str] = set()
 """Tickets of runs of this process that are to end."""
 
@@ -64,7 +68,7 @@ class RunSetup:
     samples : int or None
         Rows of the history, evenly spaced. None: the scene's.
     record : mapping
-        Further columns of the history: a function of the simulation by name.
+        Further columns of the history.
     shift : float
         Standard deviation of the perturbation of starts but the first [m].
     time_limit : float or None
@@ -73,7 +77,7 @@ class RunSetup:
 
     until: float | None = None
     samples: int | None = None
-    record: Mapping[str, Measure] = field(default_factory=dict)
+    record: Record | Sequence[str] = field(default_factory=dict)
     shift: float = SHIFT
     time_limit: float | None = None
 
@@ -123,6 +127,11 @@ class RunResult:
         return {**point, "outcome": self.outcome, "message": self.message, **self.facts}
 
 
+def as_record(record: Record | Sequence[str]) -> Record:
+    """Measures by the names of their columns; from a list of names those that are known."""
+    return record if isinstance(record, Mapping) else dict.fromkeys(record)
+
+
 class RunStopped(Exception):  # noqa: N818 - no error
     """A run that is to end without a result."""
 
@@ -149,7 +158,7 @@ def stop_runs(ticket: str) -> None:
 
 def make_run(task: RunTask) -> RunResult:
     """Make a run. Raises RunStopped where `stop_runs` has ended it."""
-    began, table = time.perf_counter(), _Table(task.setup.record)
+    began, curves = time.perf_counter(), _Curves(task.setup.record)
     sim: Simulation | None = None
     outcome, message = FINISHED, ""
 
@@ -170,7 +179,7 @@ def make_run(task: RunTask) -> RunResult:
             # Seeds as in other studies: the first perturbed start has the seed 0.
             sim.positions = sim.positions + perturbation(scene, task.point.start - 1, task.setup.shift)
         watch()
-        sim.run(task.setup.until, frames=2, samples=task.setup.samples, observers=[table], progress=watch)
+        sim.run(task.setup.until, frames=2, samples=task.setup.samples, observers=[curves], progress=watch)
     except RunStopped:
         raise
     except _TimeLimit as error:
@@ -178,49 +187,56 @@ def make_run(task: RunTask) -> RunResult:
     except UnstableError as error:
         outcome, message = UNSTABLE, str(error)
     except InputError as error:
-        outcome, message = REFUSED, str(error)
-    except Exception as error:  # noqa: BLE001 - of a measure, or a fault of ours: the other runs go on
+        outcome, message = FAILED if curves.has_begun else REFUSED, str(error)
+    except Exception as error:  # noqa: BLE001 - a fault of ours, or no memory: the other runs go on
         outcome, message = FAILED, f"{type(error).__name__}: {error}"
     message = " ".join(message.split())
-    if sim is None or not table.rows:
+    # An unstable simulation is at its last state without a fault, which may be before its last sample.
+    history = {} if sim is None else curves.table(sim.time)
+    if sim is None or not history or not len(history["time"]):
         return RunResult(task.point, outcome, message)
-    history = table.table()
-    if outcome == UNSTABLE:  # the simulation is at its last state without a fault, which may be before the last sample
-        history = {name: column[history["time"] <= sim.time] for name, column in history.items()}
-    facts = _facts(sim, history) | {"wall_time": time.perf_counter() - began}
+    facts = _facts(sim, history, as_record(task.setup.record)) | {"wall_time": time.perf_counter() - began}
     return RunResult(task.point, outcome, message, facts, history)
 
 
-def _facts(sim: Simulation, history: Mapping[str, Floats]) -> dict[str, float | None]:
+def _facts(sim: Simulation, history: Mapping[str, Floats], record: Record) -> dict[str, float | None]:
     """The numbers of a row."""
     facts: dict[str, float | None] = {"time": sim.time, **curve_features(history)}
     balance = energy_balance(dict(history))
     facts |= {"energy_error": balance.pop("error"), **balance}
     for name, column in history.items():
-        if name not in NAMED:
+        if name in record or (name not in NAMED and not name.startswith(DETAILS)):
             facts |= {f"final_{name}": float(column[-1]), f"lowest_{name}": float(column.min())}
             facts[f"highest_{name}"] = float(column.max())
     steps = {"dt": sim.dt, "steps": sim.step_count, "rejected_steps": sim.rejected_count}
     return facts | steps | {"evaluations": sim.evaluation_count}
 
 
-class _Table:
+class _Curves:
     """Observer that keeps the history."""
 
-    def __init__(self, record: Mapping[str, Measure]) -> None:
-        self._record = record
-        self.rows: list[list[float]] = []
+    def __init__(self, record: Record | Sequence[str]) -> None:
+        self._record = as_record(record)
+        self._table: HistoryTable | None = None
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the run has come to its first step."""
+        return self._table is not None
 
     def start(self, sim: Simulation) -> None:
-        self._corners = Corners(sim.assembly, stowed_turn(sim))
+        own = HistoryTable(sim).columns
+        wanted: dict[str, Any] = {}
+        for name, measure in self._record.items():
+            if measure is not None:
+                wanted[name] = measure
+            elif name not in own:
+                wanted[name] = OF_MOTION[name], MEASURE_UNITS[name]
+        self._table = HistoryTable(sim, Measures(wanted))
 
     def sample(self, sim: Simulation) -> None:
-        if self.rows and sim.time <= self.rows[-1][0]:
-            return  # an unstable run is set back to its last good state
-        positions, ledger = sim.positions, sim.ledger()
-        row = [sim.time, self._corners.deployment_rate(positions), self._corners.phase_difference(positions)]
-        row += [ledger[name] for name in ("error", "reference_energy", "kinetic", "stored")]
-        self.rows.append(row + [number_of(name, measure(sim), "a measure") for name, measure in self._record.items()])
+        if self._table is not None:
+            self._table.add(sim)
 
     def frame(self, sim: Simulation) -> None:
         """Keeps no shapes."""
@@ -228,7 +244,7 @@ class _Table:
     def finish(self, sim: Simulation, error: BaseException | None) -> None:
         """Has nothing to close."""
 
-    def table(self) -> dict[str, Floats]:
-        columns = (*NAMED, "kinetic_energy", "stored_energy", *self._record)
-        values = np.array(self.rows, dtype=np.float64).reshape(-1, len(columns))
-        return {name: values[:, k].copy() for k, name in enumerate(columns)}
+    def table(self, until: float) -> dict[str, Floats]:
+        """The columns up to a time [s]."""
+        table = {} if self._table is None else self._table.table()
+        return {name: column[table["time"] <= until].copy() for name, column in table.items()}

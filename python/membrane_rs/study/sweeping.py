@@ -1,0 +1,334 @@
+"""Sweeps: runs of one scene over values of its parameters, each from one or several starts, as one table."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from membrane_rs import scenes
+from membrane_rs._arrays import Floats
+from membrane_rs._files import path_of, reading_errors
+from membrane_rs._validation import show
+from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.plotting.sweep import Varied, plot_sweep
+from membrane_rs.scene import Scene
+from membrane_rs.study.common.kept_runs import RUNS, point_mark, read_request, read_run
+from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where, units_of
+from membrane_rs.study.common.one_run import FINISHED, Record, RunPoint, RunResult, RunSetup
+from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.rows import table_format, to_pandas, write_table
+from membrane_rs.study.common.sampling import GRID, is_sampled, points_of
+from membrane_rs.study.common.vary import Parameter, parameters_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TABLE, FIGURE = "table", "sweep"
+OUTPUTS = (f"{TABLE}.*", f"{FIGURE}.png")
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The runs of a sweep.
+
+    Attributes
+    ----------
+    parameters : sequence of Parameter
+        What was varied.
+    points : sequence of RunPoint
+        All runs, by values, those of one start after another.
+    rows : sequence of dict
+        Those that were made, in the same order: "run", its number, the values by key, "start", "outcome", "message",
+        and the numbers of the run.
+    path : Path or None
+        The folder.
+    sample : str
+        The design.
+    units : mapping
+        Units of the measures that were recorded.
+    """
+
+    parameters: Sequence[Parameter]
+    points: Sequence[RunPoint]
+    rows: Sequence[Mapping[str, Any]]
+    path: Path | None = None
+    sample: str = GRID
+    units: Mapping[str, str] = field(default_factory=dict)
+    _histories: Mapping[int, Mapping[str, Floats]] = field(default_factory=dict, repr=False)
+
+    def history(self, run: int) -> Mapping[str, Floats]:
+        """The history of a run by its number: (samples,) arrays by column; empty where it did not begin.
+
+        Raises
+        ------
+        InputError
+            No such run, or one that was not made.
+        OutputError
+            A damaged file.
+        """
+        if not isinstance(run, int) or not 0 <= run < len(self.points):
+            raise InputError(f"run = {show(run)}: must be from 0 to {len(self.points) - 1}")
+        if run in self._histories:
+            return self._histories[run]
+        path = None if self.path is None else _file(self.path, self.points[run])
+        if path is None or not path.is_file():
+            raise InputError(f"run = {run}: was not made yet; repeat the sweep to go on with it")
+        return read_run(path).history
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The rows as a table of pandas. Raises MissingExtraError without it."""
+        return to_pandas(self.rows, self._first())
+
+    def outcomes(self) -> dict[str, int]:
+        """Number of runs by outcome."""
+        return dict(Counter(str(row["outcome"]) for row in self.rows))
+
+    def failures(self) -> list[Mapping[str, Any]]:
+        """The rows of runs that did not come to their end."""
+        return [row for row in self.rows if row["outcome"] != FINISHED]
+
+    def summary(self) -> str:
+        """How many runs there are and how they ended, and what failed and why."""
+        counts = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes().items())
+        lines = [f"{len(self.rows)} of {len(self.points)} runs: {counts or 'none made'}"]
+        for row in self.failures():
+            lines.append(f"run {row['run']} ({self.name_of(row)}) {row['outcome']}: {row['message']}")
+        return "\n".join(lines)
+
+    def name_of(self, row: Mapping[str, Any]) -> str:
+        """The values and the start of a run, as text."""
+        values = [f"{parameter.key} = {row[parameter.key]}" for parameter in self.parameters]
+        return ", ".join([*values, f"start {row['start']}"])
+
+    def save_table(self, path: str | Path) -> None:
+        """Write the rows as Parquet or CSV, by the ending of `path`.
+
+        Raises
+        ------
+        InputError
+            Another ending.
+        OutputError
+            It cannot be written.
+        MissingExtraError
+            Parquet without pyarrow.
+        """
+        path = path_of(path)
+        table_format(path.suffix.removeprefix("."))
+        write_table(path, self.rows, self._first())
+
+    def plot(self, columns: Sequence[str] | None = None, **options: Any) -> Any:
+        """The sweep in one figure: maps over two parameters of a grid, else each number against each parameter.
+
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            Numbers of the rows, a panel for each. Default: up to four in which runs differ.
+        **options
+            As in `membrane_rs.plotting.plot_comparison`: path, title, dpi, style.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            No run or no parameter, a column that no run has, no run with a number.
+        OutputError
+            `path` cannot be written.
+        """
+        varied = [Varied(one.key, one.unit, one.values, one.is_log) for one in self.parameters]
+        return plot_sweep(self.rows, varied, columns, sampled=is_sampled(self.sample), units=self.units, **options)
+
+    def _first(self) -> list[str]:
+        return ["run", *(parameter.key for parameter in self.parameters), "start", "outcome", "message"]
+
+
+def sweep(
+    scene: Scene | str | Path,
+    vary: Mapping[str, Any],
+    *,
+    starts: int = 1,
+    sample: str = GRID,
+    seed: int = 0,
+    until: float | None = None,
+    samples: int | None = None,
+    record: Record | Sequence[str] | None = None,
+    shift: float = SHIFT,
+    time_limit: float | None = None,
+    executor: Where = "threads",
+    jobs: int | None = None,
+    out: str | Path | None = None,
+    table: str | None = None,
+    overwrite: bool = False,
+    retry: bool = False,
+    progress: Progress | None = None,
+) -> Sweep:
+    """Run a scene for all combinations, or samples, of some of its values.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one, or the path of a scene file.
+    vary : mapping
+        By dotted key (see `Scene.with_values`) a list of values, or a text as on the command line: "1,3,10",
+        "5 um:10 um:6", "10:1000:log5"; for samples "10:1000" or "10:1000:log".
+    starts : int
+        Runs for each combination: the first from the scene's own start, others from perturbed ones.
+    sample : str
+        "grid": all combinations. "lhs:20": a Latin hypercube of so many samples. "sobol:32": a Sobol sequence.
+    seed : int
+        Of the samples.
+    until : float, optional
+        Time at the end [s]. Default: the scene's.
+    samples : int, optional
+        Rows of each history. Default: the scene's.
+    record : mapping or sequence of str, optional
+        Measures: by the name of a column a function of the simulation, or a tuple of that and its unit, as in
+        `membrane_rs.run`; or names of known ones, such as ["largest_speed"].
+    shift : float
+        Standard deviation of the perturbation of each coordinate of a start [m].
+    time_limit : float, optional
+        Wall time after which a run is ended [s].
+    executor : Executor, "threads" or "processes"
+        Where runs are made: an executor of `concurrent.futures` (also distributed's `Client.get_executor()`), or this
+        machine.
+    jobs : int, optional
+        Runs at a time. Default: one for each core; 1000 in an executor of the caller.
+    out : path, optional
+        Folder of the runs and their table. With the same request it is gone on with. Default: nothing is written.
+    table : {"parquet", "csv"}, optional
+        Format of the table in the folder. Default: Parquet where pyarrow is installed, else CSV.
+    overwrite : bool
+        Whether the runs of another request in the folder are removed.
+    retry : bool
+        Whether runs that crashed or ran out of time are made again.
+    progress : callable, optional
+        Called with the number of runs that are done, that of all, and the last one.
+
+    Returns
+    -------
+    Sweep
+        Rows and histories. They depend neither on the executor nor on the order of runs.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        Keys or values that the scene does not accept one by one, all at once; no run, or too many.
+    OutputError
+        A folder of another request, or one that cannot be written.
+    ExecutorError
+        An executor that takes no more runs.
+    KeyboardInterrupt
+        Ctrl-C; runs that are done are kept in the folder.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import sweep
+    >>> found = sweep("spinning-tether", {"laws.spin.frequency": [1.0, 2.0]}, until=0.01, samples=3)
+    >>> [(row["laws.spin.frequency"], row["outcome"]) for row in found.rows]
+    [(1.0, 'finished'), (2.0, 'finished')]
+    """
+    chosen = scenes.scene_of(scene)
+    sampled = is_sampled(sample)
+    parameters = parameters_of(chosen, vary, sampled=sampled)
+    points = with_starts(points_of(parameters, sample, seed), starts)
+    request = {
+        "kind": "sweep",
+        "vary": {parameter.key: parameter.as_table() for parameter in parameters},
+        "sample": sample,
+        **({"seed": seed} if sampled else {}),
+        "starts": starts,
+        "points": [list(point.values.values()) for point in points[::starts]],
+    }
+    setup = RunSetup(until, samples, record or {}, shift, time_limit)
+    ending = None if out is None else table_format(table)
+    rows: dict[int, Mapping[str, Any]] = {}
+    histories: dict[int, Mapping[str, Floats]] = {}
+
+    def found() -> Sweep:
+        kept = [rows[k] for k in sorted(rows)]
+        return Sweep(parameters, points, kept, runs.path, sample, units_of(runs.setup), histories)
+
+    with ManyRuns(
+        chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS,
+        overwrite=overwrite, retry=retry,
+    ) as runs:  # fmt: skip
+        try:
+            for k, result in runs.results(points, progress):
+                rows[k] = {"run": k, **result.row()}
+                if out is None:
+                    histories[k] = result.history
+        finally:
+            if runs.path is not None and ending is not None and rows:
+                found().save_table(runs.path / f"{TABLE}.{ending}")
+    return found()
+
+
+def with_starts(values: Sequence[Mapping[str, Any]], starts: int) -> list[RunPoint]:
+    """A run for each combination of values and each start. Raises InputError and InputTypeError."""
+    if isinstance(starts, bool) or not isinstance(starts, int):
+        raise InputTypeError(f"starts = {show(starts)}: must be a whole number")
+    if starts < 1:
+        raise InputError(f"starts = {show(starts)}: must be 1 or above; the first is the scene's own")
+    if len(values) * starts > MOST_RUNS:
+        raise InputError(
+            f"{len(values):,} combinations of values from {starts:,} starts are {len(values) * starts:,} runs: must be "
+            f"at most {MOST_RUNS:,}; give fewer values or starts"
+        )
+    return [RunPoint(point, start) for point in values for start in range(starts)]
+
+
+def open_sweep(path: str | Path) -> Sweep:
+    """Read the folder of a sweep, also of one that goes on or was stopped.
+
+    Raises
+    ------
+    MissingFileError
+        No sweep there.
+    OutputError
+        A damaged file.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import open_sweep, sweep
+    >>> made = sweep("spinning-tether", {"laws.spin.frequency": [1.0, 2.0]}, until=0.01, samples=3, out="two-runs")
+    >>> open_sweep("two-runs").rows == made.rows
+    True
+    """
+    folder = path_of(path)
+    request = read_request(folder)
+    with reading_errors(folder, "folder of a sweep"):
+        parameters = [
+            Parameter(
+                str(key),
+                str(entry["unit"]),
+                tuple(map(_plain, entry["values"])),
+                bool(entry["is_range"]),
+                bool(entry["is_log"]),
+            )
+            for key, entry in request["vary"].items()
+        ]
+        starts, keys = int(request["starts"]), [parameter.key for parameter in parameters]
+        values = [dict(zip(keys, map(_plain, point), strict=True)) for point in request["points"]]
+        points = with_starts(values, starts)
+        rows = [{"run": k, **result.row()} for k, result in _made(folder, points)]
+        return Sweep(parameters, points, rows, folder, str(request["sample"]), dict(request["record"]))
+
+
+def _made(folder: Path, points: Sequence[RunPoint]) -> Iterator[tuple[int, RunResult]]:
+    for k, point in enumerate(points):
+        if (path := _file(folder, point)).is_file():
+            yield k, read_run(path)
+
+
+def _file(folder: Path, point: RunPoint) -> Path:
+    return folder / RUNS / f"{point_mark(point)}.npz"
+
+
+def _plain(value: Any) -> Any:
+    """A value of a request, where lists stand for tuples."""
+    return tuple(map(_plain, value)) if isinstance(value, list) else value
