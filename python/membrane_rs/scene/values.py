@@ -95,7 +95,7 @@ def unit_at(scene: Changeable, key: str) -> str:
 
 
 def key_at(scene: Changeable, key: str) -> str:
-    """The one key, of all that name a value, that has the name of its place rather than its index. Raises SceneError."""
+    """Of all keys that name a value, the one by the name of its place rather than its index. Raises SceneError."""
     place, name, inside = _read(scene, key)
     return ".".join(filter(None, (place.label, name, inside)))
 
