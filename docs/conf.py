@@ -31,7 +31,7 @@ extensions = [
 exclude_patterns = ["gallery/*.ipynb", "gallery/*.md5", "gallery/*.py", "**/.ipynb_checkpoints"]
 nitpicky = True
 # Types and terms of other packages: their pages are on the network, which the build does not use.
-nitpick_ignore_regex = [("py:.*", r"(?!membrane_rs).*"), ("py:obj", ".*")]
+nitpick_ignore_regex = [("py:.*", r"(?s)(?!membrane_rs).*"), ("py:obj", r"(?s).*")]
 default_role = "py:obj"
 suppress_warnings = ["config.cache"]
 

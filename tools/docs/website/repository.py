@@ -31,7 +31,7 @@ def as_page(text: str, docs: Path) -> str:
     for path, page in PAGES.items():
         text = re.sub(rf"\]\((\.\./)?{re.escape(path)}", f"]({page}", text)
     text = re.sub(r"\]\((\.\./)?docs/", "](", text)
-    return re.sub(r"\[docs/([\w-]+\.md)\](?=\()", lambda found: f"[{title(docs / found[1])}]", text)
+    return re.sub(r"\[(?:docs/)?([\w-]+\.md)\](?=\()", lambda found: f"[{title(docs / found[1])}]", text)
 
 
 def title(page: Path) -> str:
