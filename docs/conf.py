@@ -50,6 +50,7 @@ html_math_renderer = "mathml"
 sphinx_gallery_conf = {
     "examples_dirs": ["../examples/gallery"],
     "gallery_dirs": ["gallery"],
+    "image_scrapers": ("matplotlib", "website.figures.figures_of_block"),
     "filename_pattern": r"/\w+\.py",
     "within_subsection_order": "FileNameSortKey",
     "download_all_examples": False,

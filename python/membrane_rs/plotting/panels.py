@@ -62,6 +62,7 @@ def draw_panels(content: Content, panels: Sequence[Panel], style: Style, title: 
     places = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0])
     for axes, panel in zip(places, panels, strict=True):
         _draw(axes, panel, content)
+        _fit_label(axes, style)
         axes.margins(x=0.0)
     if len(content.runs) == 1 and not content.ensembles:
         source = content.runs[0]
@@ -70,7 +71,11 @@ def draw_panels(content: Content, panels: Sequence[Panel], style: Style, title: 
     places[-1].set_xlabel(axis_label(label_of("time"), "s"))
     add_letters(places, style)
     add_title(places[0], title, style)
-    add_legend(figure, places, style)
+    shared = [axes for axes, panel in zip(places, panels, strict=True) if len(panel.columns) == 1]
+    for axes in places:
+        if axes not in shared:
+            _add_own_legend(axes, style)
+    add_legend(figure, shared, style)
     figure.align_ylabels(places)
     return figure, places
 
@@ -90,13 +95,23 @@ def add_legend(figure: StyledFigure, places: Sequence[Axes], style: Style) -> No
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             known.setdefault(label, handle)
     if known:
-        size = _small(style)
-        # A line and the space beside it are 5 of the size of the font.
-        longest = max(map(_width_of_text, known)) * INCH / 72.0 + 5.0 * size
-        columns = max(1, min(len(known), int(style.millimetres / longest)))
+        size, columns = _small(style), _legend_columns(list(known), style.millimetres, style)
         figure.legend(list(known.values()), list(known), loc="outside upper center", ncols=columns)
         width, height = figure.get_size_inches()
         figure.set_size_inches(width, height + 1.6 * size * -(-len(known) // columns) / INCH)
+
+
+def _add_own_legend(axes: Axes, style: Style) -> None:
+    """A legend of one panel, above it at the right."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = _legend_columns(labels, style.millimetres - 25.0, style)
+    axes.legend(handles, labels, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.1)
+
+
+def _legend_columns(labels: Sequence[str], room: float, style: Style) -> int:
+    """Columns of a legend that has so much room [mm]: a line and the space beside it are 5 of the size of the font."""
+    longest = max(map(_width_of_text, labels), default=0.0) * INCH / 72.0 + 5.0 * _small(style)
+    return max(1, min(len(labels), int(room / longest)))
 
 
 def space_times(axes: Axes, style: Style) -> None:
@@ -105,6 +120,14 @@ def space_times(axes: Axes, style: Style) -> None:
 
     room = max(style.millimetres - 20.0, 10.0) / (0.6 * 8.0 * _small(style))
     axes.xaxis.set_major_locator(MaxNLocator(max(2, min(9, int(room))), steps=[1, 2, 2.5, 5, 10]))
+
+
+def _fit_label(axes: Axes, style: Style) -> None:
+    """Put the unit in a line of its own where the label is longer than the panel is high."""
+    room = (style.height_of_panel - 8.0) / INCH * 72.0
+    text = axes.get_ylabel()
+    if _width_of_text(text) * style.font_size / max(style.font_size - 1.0, 1.0) > room:
+        axes.set_ylabel(text.replace(" [", "\n["))
 
 
 def _small(style: Style) -> float:

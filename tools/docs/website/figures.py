@@ -1,0 +1,25 @@
+"""Figures that scripts of the gallery have made without pyplot, as its pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from membrane_rs.plotting import save_figure
+from membrane_rs.plotting.styled_figure import StyledFigure
+from sphinx_gallery.scrapers import figure_rst
+
+
+def figures_of_block(_block: object, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
+    """Save the figures that a block has made, and give the text that shows them.
+
+    The arguments are those of a scraper of sphinx-gallery. A figure is shown by the first block that has it.
+    """
+    shown = block_vars["example_globals"].setdefault("_shown_figures", [])
+    files = []
+    for value in list(block_vars["example_globals"].values()):
+        if isinstance(value, StyledFigure) and not any(value is figure for figure in shown):
+            shown.append(value)
+            files.append(next(block_vars["image_path_iterator"]))
+            save_figure(value, files[-1], dpi=150.0)
+    text: str = figure_rst(files, gallery_conf["src_dir"])
+    return text
