@@ -15,7 +15,7 @@ from functools import wraps
 from typing import Annotated, Any, get_args, get_origin
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from membrane_rs.cli.reporting import (
     FAILED,
@@ -76,8 +76,28 @@ _Quiet = Annotated[
 ]
 
 
+def _flags_without_type(params: list[Any]) -> list[Any]:
+    """Parameters whose help does not say `<bool>` beside a flag, as if it took a value."""
+    for param in params:
+        if getattr(param, "is_flag", False) and param.metavar is None:
+            param.metavar = ""
+    return params
+
+
+class Command(TyperCommand):
+    """One command."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Its arguments and options."""
+        return _flags_without_type(super().get_params(ctx))
+
+
 class Commands(TyperGroup):
     """The commands in the order of their panels."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """The options before a command."""
+        return _flags_without_type(super().get_params(ctx))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names."""
@@ -138,7 +158,8 @@ def command(
     panel :
         One of `PANELS`, under which the help lists it.
     example :
-        One line that runs, without the program's name: "run spinning-tether --until 0.01".
+        What runs in an empty folder within seconds, without the program's name: "run spinning-tether --until 0.01";
+        lines before the last prepare it.
     name :
         The command's name. Default: the function's, with hyphens.
     hidden :
@@ -167,14 +188,20 @@ def command(
         call.__annotations__ = kinds
         app.command(
             name,
-            help=literal(inspect.getdoc(function) or ""),
-            epilog=literal(f"Example: membrane-rs {example}"),
+            cls=Command,
+            help=literal(_without_breaks(inspect.getdoc(function) or "")),
+            epilog=literal("Example: " + "\n".join(f"membrane-rs {line}" for line in example.splitlines())),
             rich_help_panel=panel,
             hidden=hidden,
         )(call)
         return function
 
     return register
+
+
+def _without_breaks(words: str) -> str:
+    """Paragraphs of a docstring, each in one line, which the help wraps itself."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in words.split("\n\n"))
 
 
 def _with_literal_help(kind: Any) -> Any:

@@ -170,6 +170,16 @@ def numbers(text: str, option: str, unit: str = "") -> list[float]:
     return found
 
 
+def words(text: str, option: str) -> list[str]:
+    """Words separated by commas. Raises InputError, which names the option, for an empty one."""
+    from membrane_rs.errors import InputError
+
+    found = [word.strip() for word in text.split(",")]
+    if not all(found):
+        raise InputError(f"{option} = {text!r}: must be names separated by commas")
+    return found
+
+
 def whole(number: float, option: str) -> int:
     """A whole number of at least 1. Raises InputError, which names the option."""
     from membrane_rs.errors import InputError

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 NOBODY = dict.fromkeys(("pid", "host", "start"), "unknown")
 
 
-@command(RUNS, example="run spinning-tether --until 0.01")
+@command(RUNS, example="run spinning-tether --until 0.01 --frames 5")
 def run(
     scene: SceneArgument,
     *,
@@ -94,7 +94,7 @@ def run(
         _run(sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, checkpoint=checkpoint)
 
 
-@command(RUNS, example="resume runs/spinning-tether --until 0.02")
+@command(RUNS, example="run spinning-tether --until 0.01 --no-pictures\nresume runs/spinning-tether --until 0.02")
 def resume(
     source: Annotated[
         Path, typer.Argument(metavar="SOURCE", help="A run's folder, or a saved state, such as its state.npz.")

@@ -160,7 +160,7 @@ def ablate(
     _save(found, out or Path("runs") / f"{chosen.name}-ablation", json=json)
 
 
-@command(STUDIES, example="mesh-study okuizumi-model-1 --rows 2,4 --until 0.0001 --jobs 1")
+@command(STUDIES, example="mesh-study okuizumi-model-1 --rows 8 --forms paper,strain --until 0.0001")
 def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,

@@ -9,6 +9,7 @@ from membrane_rs.errors import AuditWarning
 from membrane_rs.study.ablation import Ablation, ablate
 from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
+from membrane_rs.study.comparison import Comparison, Difference, compare
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
@@ -19,6 +20,8 @@ __all__ = [
     "FORMS",
     "Ablation",
     "Calibration",
+    "Comparison",
+    "Difference",
     "Ensemble",
     "LengthScales",
     "MeshRun",
@@ -27,6 +30,7 @@ __all__ = [
     "ablate",
     "agreeing",
     "calibrate",
+    "compare",
     "ensemble",
     "jobs_of",
     "mesh_study",
