@@ -11,7 +11,11 @@ from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
 from membrane_rs.cli.options import count_option
 
 
-@command(LOOKING, example="figures runs/spinning-tether --format pdf,png --width 85mm")
+@command(
+    LOOKING,
+    example="run spinning-tether --until 0.01 --frames 3 --no-pictures\n"
+    "figures runs/spinning-tether --format pdf,png --width 85mm",
+)
 def figures(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run, whichever way it ended.")],
     *,
