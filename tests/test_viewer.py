@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import Creases, Cylinder, InputError, Schedule
+from membrane_rs import Creases, Cylinder, InputError, MissingFileError, OutputError, Schedule
 from membrane_rs.plotting.actors import film_colors
 from membrane_rs.plotting.fields import field_named
 from membrane_rs.plotting.viewer import viewer as module
@@ -19,6 +20,7 @@ from membrane_rs.plotting.viewer.keys import KEYS, key_table
 from membrane_rs.plotting.viewer.pictures import save_new
 from membrane_rs.plotting.viewer.viewer import FOR_CAMERA, FOR_RANGE, PLAIN, Viewer
 from membrane_rs.plotting.viewer.window import Window
+from PIL import Image
 from small_scenes import hanging_strip, refused
 from viewed_run import CountedFrames, with_frames
 
@@ -229,8 +231,50 @@ def test_pictures_replace_no_file(tmp_path: Any) -> None:
     image = np.zeros((4, 5, 3), np.uint8)
     names = [save_new(image, tmp_path, "a/b: 0.1 s").name for _ in range(3)]
     assert names == ["a-b-0.1-s.png", "a-b-0.1-s-2.png", "a-b-0.1-s-3.png"]
-    refused(lambda: save_new(image, tmp_path / "none", "x"), membrane_rs.OutputError, "none")
+    refused(lambda: save_new(image, tmp_path / "none", "x"), OutputError, "none")
     assert save_new(image, tmp_path, "../..").parent == tmp_path
+
+
+def test_a_picture_is_saved_where_it_is_told(strip: Any, tmp_path: Any) -> None:
+    shown = strip.view(color="speed", time=0.021, where="picture")
+    assert repr(shown) == "<view of hanging at 0.020 s, coloured by speed>"
+    assert "data:image/png;base64,iVBOR" in shown._repr_html_()
+    path = shown.save(tmp_path / "picture.png")
+    with Image.open(path) as picture:
+        assert picture.size == (960, 600)
+    refused(lambda: shown.save(path), OutputError, "picture.png: is there already")
+    refused(lambda: shown.save(tmp_path / "none" / "a.png"), OutputError, "none")
+    refused(lambda: strip.view(time=float("nan"), where="picture"), InputError, "time = nan: must be finite")
+    refused(lambda: strip.view(where="wall"), InputError, "where = 'wall': must be one of window, notebook, browser")
+
+
+def test_where_pyvista_fails_the_picture_is_by_matplotlib(strip: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("membrane_rs.plotting.viewer.notebook.pyvista_works", lambda: False)
+    monkeypatch.setattr("membrane_rs.plotting.painter._pyvista.works", False)
+    shown = strip.view(where="notebook")
+    assert shown.page is None
+    assert "for want of OpenGL" in shown._repr_html_()
+
+
+def test_without_trame_a_notebook_has_a_picture_and_a_hint(strip: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "trame", None)
+    shown = strip.view(where="notebook")
+    assert shown.page is None
+    assert 'pip install "membrane_rs[view]"' in shown._repr_html_()
+
+
+def test_a_folder_or_a_scene_is_viewed(strip: Any, tmp_path: Any) -> None:
+    membrane_rs.run(strip.scene, until=0.01, frames=3, out=tmp_path / "run", pictures=False)
+    again = membrane_rs.view(str(tmp_path / "run"), time=1.0, where="picture")
+    assert again is not None
+    assert again.viewer.time == 0.01
+    start = membrane_rs.view("spinning-tether", where="picture")
+    assert start is not None
+    assert (len(start.viewer.times), start.viewer.time) == (1, 0.0)
+    staged = membrane_rs.view("okuizumi-stage-1", where="picture")
+    assert staged is not None
+    assert staged.viewer.subject.has_hub
+    refused(lambda: membrane_rs.view(tmp_path, where="picture"), MissingFileError, "summary.json")
 
 
 def test_every_key_has_what_it_does() -> None:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from membrane_rs.cli.application import LOOKING, command
-from membrane_rs.cli.options import load
+from membrane_rs.cli.options import load, numeric_option
 from membrane_rs.plotting.viewer.keys import KEYS
 
 
@@ -34,6 +34,12 @@ def view(
     scale: Annotated[
         str, typer.Option(help="Colours span the values of the whole run (run), or of each frame (frame).")
     ] = "run",
+    time: Annotated[
+        float | None, numeric_option(help="Time of the frame that is shown first (s). Default: the start.")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="Save a picture (PNG) into this file, which is not there yet; no window.")
+    ] = None,
     browser: Annotated[
         bool, typer.Option("--browser", help="Serve it as a page for a browser on this machine, until Ctrl-C.")
     ] = False,
@@ -45,4 +51,7 @@ def view(
     from membrane_rs import view as look
 
     shown = source if Path(source).is_dir() else load(source)
-    look(shown, color=color, camera=camera, scale=scale, where="browser" if browser else "window")
+    where = "picture" if picture is not None else "browser" if browser else "window"
+    view_of_run = look(shown, color=color, camera=camera, scale=scale, time=time, where=where)
+    if view_of_run is not None and picture is not None:
+        view_of_run.save(picture)

@@ -66,12 +66,18 @@ class Run(KnownAttributes):
         return list(self.summary.get("stages") or [])
 
     def view(
-        self, *, color: str = "film", camera: str = "turning", scale: str = "run", where: str | None = None
+        self,
+        *,
+        color: str = "film",
+        camera: str = "turning",
+        scale: str = "run",
+        time: float | None = None,
+        where: str | None = None,
     ) -> NotebookView | None:
         """Look at it, in a window or in a notebook: see `membrane_rs.view`."""
         from membrane_rs.plotting.viewer import look_at
 
-        return look_at(self, color=color, camera=camera, scale=scale, where=where)
+        return look_at(self, color=color, camera=camera, scale=scale, time=time, where=where)
 
     def __repr__(self) -> str:
         """Scene, outcome and sizes."""

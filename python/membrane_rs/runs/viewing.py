@@ -27,6 +27,7 @@ def view(
     color: str = "film",
     camera: str = "turning",
     scale: str = "run",
+    time: float | None = None,
     where: str | None = None,
 ) -> NotebookView | None:
     """Look at a run in a window, with a slider for the time; in a notebook, in a page of the cell.
@@ -42,8 +43,11 @@ def view(
         Whether the camera turns with the hub.
     scale : {"run", "frame"}
         Whether the colours span the values of the whole run, or of each frame.
+    time : float, optional
+        Of the frame that is shown first, the nearest one [s]. Default: the first.
     where : {"window", "notebook", "browser", "picture"}, optional
-        "browser" serves a page until Ctrl-C. Default: a notebook where Python runs in one, else a window.
+        "browser" serves a page until Ctrl-C, "picture" gives a picture, to be saved. Default: a notebook where
+        Python runs in one, else a window.
 
     Returns
     -------
@@ -68,7 +72,7 @@ def view(
     >>> membrane_rs.view(run, color="speed", where="picture")
     <view of hanging-strip at 0.000 s, coloured by speed>
     """
-    return run_of(run).view(color=color, camera=camera, scale=scale, where=where)
+    return run_of(run).view(color=color, camera=camera, scale=scale, time=time, where=where)
 
 
 def run_of(source: Run | Scene | str | Path) -> Run:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import base64
 import io
+from pathlib import Path
 from typing import Any
 
 from membrane_rs._extras import need
+from membrane_rs._files import path_of
 from membrane_rs.errors import MissingExtraError
 from membrane_rs.plotting.painter import painter, pyvista_works
 from membrane_rs.plotting.picture import Image, turned
 from membrane_rs.plotting.scenery import Scenery
 from membrane_rs.plotting.viewer.canvas import canvas_of
 from membrane_rs.plotting.viewer.page import SIZE, Page
+from membrane_rs.plotting.viewer.pictures import save_as
 from membrane_rs.plotting.viewer.viewer import Viewer
 
 PICTURE_SIZE = 700
@@ -52,6 +55,10 @@ class NotebookView:
 
     def __repr__(self) -> str:
         return f"<view of {self.viewer.name} at {self.viewer.words()}, coloured by {self.viewer.color}>"
+
+    def save(self, path: str | Path) -> Path:
+        """Write the picture as a PNG file that is not there yet. Raises OutputError."""
+        return save_as(self._image, path_of(path))
 
     def _repr_html_(self) -> str:
         """The picture, and why it is one."""

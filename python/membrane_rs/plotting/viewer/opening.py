@@ -20,12 +20,15 @@ def look_at(
     color: str = FILM,
     camera: str = TURNING,
     scale: str = RUN,
+    time: float | None = None,
     where: str | None = None,
     folder: Path | None = None,
 ) -> NotebookView | None:
     """Look at a run: what `membrane_rs.view` does, once it has the run."""
     place = one_of("where", where or default_place(), (WINDOW, NOTEBOOK, BROWSER, PICTURE))
     viewer = Viewer(run, color, camera, scale)
+    if time is not None:
+        viewer.go_to(time)
     if place in (NOTEBOOK, PICTURE):
         return NotebookView(viewer, is_live=place == NOTEBOOK)
     if place == BROWSER:

@@ -113,7 +113,7 @@ class Page:
                         density="compact",
                         classes="time",
                     )
-                    html.Span("{{ words }}", style="min-width: 80px; white-space: nowrap;")
+                    html.Span("{{ words }}", classes="words", style="min-width: 80px; white-space: nowrap;")
                 vuetify3.VSelect(
                     v_model=("color",), items=("colors", items), label="Colour", density="compact", hide_details=True,
                     variant="outlined", style="max-width: 230px;", classes="colour",

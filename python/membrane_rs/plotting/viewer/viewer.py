@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -27,6 +28,8 @@ TURNING, FIXED = "turning", "fixed"
 RUN, FRAME = "run", "frame"
 FOR_CAMERA, FOR_RANGE = 5, 24
 """Frames that are read for the camera, at once, and for the ranges of colours, once a field is chosen."""
+BETWEEN = 1.05
+"""Frames between those that are read for the camera may be larger by this factor."""
 PLAY_SECONDS, FRAMES_A_SECOND = (4.0, 20.0), 20.0
 """A run is played in this time at the speed of 1: by so many frames a second, within these bounds."""
 SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -99,11 +102,10 @@ class Viewer:
         assembly = (scene.staged(0) if scene.stages else scene).assemble()
         self.subject = Subject.of_scene(scene, assembly, shapes)
         self._bodies = BodiesInTime.of_scene(scene, self._stages, shapes[0])
-        reach = max(reach_of(*pair) for pair in zip(shapes, map(self._bodies.at, (f.time for f in some)), strict=True))
-        if self.subject.has_hub:
-            self.subject = replace(
-                self.subject, camera=replace(self.subject.camera, reach=max(self.subject.reach, reach))
-            )
+        if self.subject.has_hub:  # not the flat shape that a run may never come to
+            solids = [self._bodies.at(frame.time) for frame in some]
+            reach = max(reach_of(*pair) for pair in zip(shapes, solids, strict=True)) or 1.0
+            self.subject = replace(self.subject, camera=replace(self.subject.camera, reach=BETWEEN * reach))
         found = {field.name: field for frame in some for field in fields_of(frame)}
         self.fields: list[Field | None] = [None, *found.values()]
         self._ranges: dict[str, tuple[float, float]] = {}
@@ -142,7 +144,9 @@ class Viewer:
         return float(np.clip(len(self.times) / FRAMES_A_SECOND, *PLAY_SECONDS))
 
     def go_to(self, time: float) -> None:
-        """Show the frame nearest to a time [s]."""
+        """Show the frame nearest to a time [s]. Raises InputError for one that is no number."""
+        if not math.isfinite(time):
+            raise InputError(f"time = {show(time)}: must be finite; the run goes to {self.times[-1]:.6g} s")
         self.show_frame(int(np.abs(self.times - time).argmin()))
 
     def show_frame(self, index: int) -> None:
@@ -239,7 +243,7 @@ class Viewer:
         shown, camera = self.shown(), self.subject.camera
         points = turned(shown.positions, shown.hub_angle)
         if self.subject.has_hub:
-            return replace(camera, reach=reach_of(points, shown.solids))
+            return replace(camera, reach=reach_of(points, shown.solids) or 1.0)
         found = Camera.of([points], self.subject.triangles, about_axis=False)
         return replace(found, view=camera.view, up=camera.up)
 
