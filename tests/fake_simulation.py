@@ -72,6 +72,7 @@ class FakeSimulation:
 
     stage = 0
     stage_name = ""
+    stopped_by = None
     boundaries = ()
     stages = ()
     law_names = ()

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from killed_runs import run_copied
 from membrane_rs import (
     AuditWarning,
     Cylinder,
@@ -30,7 +31,6 @@ from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.runs import resume
 from membrane_rs.scene.bodies import Body
 from small_scenes import cord
-from test_resume import run_copied
 from typer.testing import CliRunner
 
 

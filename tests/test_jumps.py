@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from killed_runs import contents, run_copied
 from membrane_rs import (
     Cylinder,
     Fixed,
@@ -30,7 +31,6 @@ from membrane_rs.results import read_summary
 from membrane_rs.runs import resume
 from methods import METHODS, ORDER, WAYS
 from small_scenes import Floats, cord, hanging_strip, rates
-from test_resume import contents, run_copied
 
 AT = 0.0312345
 """Time of a jump [s], at the end of no step."""

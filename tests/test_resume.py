@@ -9,7 +9,6 @@ import json
 import shutil
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,48 +16,17 @@ from typing import Any
 import numpy as np
 import pytest
 from fake_simulation import summary
+from killed_runs import RUN, contents, run_copied
 from membrane_rs import InputError, MissingFileError, OutputError, Simulation, UnstableError, scenes
 from membrane_rs.cli import app
 from membrane_rs.results import read_history, read_pvd, read_summary
 from membrane_rs.results.vtk import FrameWriter
-from membrane_rs.runs import RunFolder, resume
+from membrane_rs.runs import resume
 from membrane_rs.simulation import integrators
 from membrane_rs.simulation.checkpoint import StateFile
 from typer.testing import CliRunner
 
 SCENE = scenes.load("single-crease")
-RUN: dict[str, Any] = {"until": 0.02, "frames": 9, "samples": 41, "pictures": False, "checkpoint": 0.0}
-
-
-class Copies:
-    """An observer behind a run's folder that copies it at each frame, when what was begun before is written."""
-
-    def __init__(self, results: RunFolder) -> None:
-        self._results, self._count = results, 0
-
-    def start(self, sim: Simulation) -> None: ...
-
-    def sample(self, sim: Simulation) -> None: ...
-
-    def frame(self, sim: Simulation) -> None:
-        while not self._results._record.background.is_idle:
-            time.sleep(0.001)
-        shutil.copytree(self._results.path, self._results.path.with_name(f"left-{self._count}"))
-        self._count += 1
-
-    def finish(self, sim: Simulation, error: BaseException | None) -> None: ...
-
-
-def run_copied(sim: Simulation, path: Path, *, pictures: bool = False, **changes: Any) -> None:
-    """Run into `path`, and leave a copy of it at each frame."""
-    results = RunFolder(path, pictures=pictures)
-    sim.run(**RUN | changes, observers=[results, Copies(results)])
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    """The bytes of all files of a run but its summary, which holds times of the clock."""
-    files = (file for file in folder.rglob("*") if file.is_file() and file.name != "summary.json")
-    return {str(file.relative_to(folder)): file.read_bytes() for file in files}
 
 
 @pytest.mark.parametrize("integrator", integrators())

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from killed_runs import contents, run_copied
 from membrane_rs import InputError, Scene, Simulation, Stage
 from membrane_rs.errors import SceneError
 from membrane_rs.results import read_history, read_pvd
 from membrane_rs.runs import resume
 from staged_scenes import free, oscillator, started
-from test_resume import contents, run_copied
 
 FIRST = Stage("damped", 0.1, frames=3, samples=6)
 EVENT = free("until fast", 0.5, measure="kinetic_energy", above=0.05, frames=51, samples=101)

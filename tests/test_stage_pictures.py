@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fake_simulation import small_sail
+from killed_runs import contents
 from membrane_rs import Cylinder, Fixed, Schedule, Simulation, Stage
 from membrane_rs.plotting import animation
 from membrane_rs.plotting.animation import NEARBY, Picture, smoothed, write_animation
@@ -17,7 +18,6 @@ from membrane_rs.results import read_pvd
 from membrane_rs.results.vtk import read_frame
 from membrane_rs.runs import RunFolder, resume
 from PIL import Image
-from test_resume import contents
 
 STAGES = (
     Stage("Hold: still", 2e-4, frames=8),

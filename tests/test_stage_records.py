@@ -39,7 +39,7 @@ def test_motion_that_is_set_opens_the_balance_anew() -> None:
 def test_the_wall_time_of_a_stage_is_from_its_beginning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a clock that shows the simulated time."""
     sim = started(oscillator(Stage("a", 0.1), free("b", 0.05), free("c", 0.2)), "rk4", 1e-3)
-    monkeypatch.setattr("membrane_rs.results.summary.perf_counter", lambda: sim.time)
+    monkeypatch.setattr("membrane_rs.results.run_summary.perf_counter", lambda: sim.time)
     sim.run(out=tmp_path, frames=4, samples=41, pictures=False)
     summary = read_summary(tmp_path)
     assert summary["stage_starts"] == pytest.approx([0.0, 0.1, 0.15])

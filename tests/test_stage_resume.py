@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from killed_runs import contents, run_copied
 from membrane_rs import Fixed, InputError, InputTypeError, Scene, Simulation, Spin, Stage, Tether
 from membrane_rs.results import read_history, read_pvd, read_summary
 from membrane_rs.runs import resume
 from small_scenes import hanging_strip, refused
 from staged_scenes import free, oscillator, started
-from test_resume import contents, run_copied
 
 METHODS = ("rk4", "leapfrog", "dopri5", "generalized_alpha")
 STAGES = (

@@ -57,7 +57,7 @@ class History(Writer):
 
     def _begin(self, sim: Stepper, record: Record) -> None:
         self._record, self._path = record, record.path / HISTORY
-        self._history = HistoryTable(sim)
+        self._history = HistoryTable(sim, record.measures)
 
     def _open(self, mode: str) -> None:
         with output_errors(self._path):

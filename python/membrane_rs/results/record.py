@@ -9,6 +9,7 @@ from typing import Any
 
 from membrane_rs._arrays import Floats
 from membrane_rs.results.background import Background
+from membrane_rs.results.recorded import Measures
 
 Progress = Callable[[str, int, int], None]
 """Called with what is drawn, pictures done, and pictures in all."""
@@ -20,6 +21,8 @@ class RunData:
 
     request: dict[str, Any] = field(default_factory=dict)
     """What the run was asked for, as summary.json says it."""
+    measures: Measures = field(default_factory=Measures)
+    """What the history records beside its own columns."""
     summary: dict[str, Any] = field(default_factory=dict)
     """What summary.json says; written again when all outputs have finished."""
     table: dict[str, Floats] = field(default_factory=dict)

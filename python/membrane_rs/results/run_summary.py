@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from dataclasses import asdict
 from importlib import metadata
@@ -77,13 +77,15 @@ class RunSummary:
             **({"stages": self._stages(sim)} if sim.scene.stages else {}),
             "pictures": "none",
         }
+        if sim.stopped_by is not None:
+            self._record.summary["stopped"] = {"by": sim.stopped_by, "time": sim.time}
         self._contacts.finish(sim, error)
         if error is None:
             add_findings(self._record.summary, self._contacts.findings(sim))
 
     def close(self, error: BaseException | None) -> None:
         """Say how the run ended, when all outputs have. Raises OutputError."""
-        self._record.summary["outcome"] = outcome(error)
+        self._record.summary["outcome"] = outcome(error, self._record.summary.get("stopped"))
         if isinstance(error, Interrupted):
             self._record.summary["signal"] = error.name
         self.write()
@@ -128,10 +130,10 @@ class RunSummary:
         return perf_counter() - self._began
 
 
-def outcome(error: BaseException | None) -> str:
-    """How a run ended, in a word, with the reason of a failure."""
+def outcome(error: BaseException | None, stopped: Mapping[str, Any] | None = None) -> str:
+    """How a run ended, in a word, with the reason of a failure, or what stopped it when."""
     if error is None:
-        return "finished"
+        return "finished" if stopped is None else f"stopped: {stopped['by']}, at {stopped['time']:.9g} s"
     if isinstance(error, KeyboardInterrupt):
         return "interrupted"
     if isinstance(error, UnstableError):

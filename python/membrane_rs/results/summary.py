@@ -6,12 +6,15 @@ audit                 what the audit of the scene found, errors first: for each 
                       "warning" or "info"), kind, count, message and remedy; behind them what
                       the run found: what began a later stage inside a body, and what its bodies did
 scene                 name of the scene
-outcome               "running"; at the end "finished", "interrupted", "unstable: ..." or "failed: ...". `read_summary`
+outcome               "running"; at the end "finished", "stopped: ..." (by what, and when), "interrupted",
+                      "unstable: ..." or "failed: ...". `read_summary`
                       gives "killed" in place of "running" where no process goes on with the run
 process               by which the run goes on, or went on last: pid, host, and start, its time and date
 request               what the run was asked for: until [s]; frames and samples, their numbers or times [s] (with
                       stages more are written: those that stages ask for, and one at each boundary); pictures,
-                      crossings, whether they are wanted; checkpoint, the seconds of wall time between two checkpoints
+                      crossings, whether they are wanted; checkpoint, the seconds of wall time between two checkpoints;
+                      where they were given, every, the interval between samples [s]; record, the units of the measures
+                      recorded, by their names; stop, what may end the run early, of a function its name alone
 resumed               how often the run was resumed in this folder; not there where it was not
 counts                size of the scene, as `Scene.counts` gives it
 integrator            name of the method; with stages this and the next three are those of the stage in which the run
@@ -39,6 +42,7 @@ At the end, too:
 rejected_steps        steps rejected because of their error
 evaluations           evaluations of the forces
 newton_iterations, factorisations, fallbacks    of an implicit method, as in `Motion.statistics`
+stopped               what ended the run before its time, "by", and when, "time" [s]; not there where nothing did
 signal                "SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGUSR1" or "SIGUSR2", where one interrupted the run
 frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
@@ -95,7 +99,7 @@ class Summary(RunSummary, Writer):
         before = read_summary(record.path)
         self._begin(record, before.get("wall_time") or 0.0, before.get("bodies"))
         self._stage_starts = dict(enumerate(before.get("stage_starts") or ()))
-        at_end = ("signal", "frames", "samples", "energy_balance", "curves", "crossings", "pictures")
+        at_end = ("signal", "stopped", "frames", "samples", "energy_balance", "curves", "crossings", "pictures")
         record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
             "outcome": "running",
             "process": this_process(),

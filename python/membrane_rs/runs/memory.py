@@ -24,16 +24,9 @@ MOST_BYTES = 2**32
 
 
 class RunMemory(Recorder):
-    """An observer that keeps a run in memory: frames as compact copies, the history, the summary. For one run.
+    """An observer that keeps a run in memory: frames as compact copies, the history, the summary. For one run."""
 
-    Parameters
-    ----------
-    measures : Measures, optional
-        That the history records.
-    """
-
-    def __init__(self, measures: Measures | None = None) -> None:
-        self._measures = measures or Measures()
+    def __init__(self) -> None:
         self._data, self._summary = RunData(), RunSummary()
         self._frames: list[Frame] = []
         self._history: HistoryTable | None = None
@@ -43,7 +36,7 @@ class RunMemory(Recorder):
         """A request without pictures."""
         return replace(request, pictures=False)
 
-    def prepare(self, sim: Stepper, request: Request) -> None:
+    def prepare(self, sim: Stepper, request: Request, measures: Measures | None = None) -> None:
         """Note what is known at the start. Raises InputError for more frames than fit into memory."""
         count = sum(request.output_times(sim.time, sim.scene).values())
         size = Frame.of(sim).nbytes
@@ -52,7 +45,7 @@ class RunMemory(Recorder):
                 f"frames: {count} of {size / 1e6:.3g} MB each are {count * size / 1e9:.3g} GB in memory, more than "
                 f"{MOST_BYTES / 1e9:.3g} GB; ask for fewer, or give out=, a folder from which they are read one by one"
             )
-        self._data.request = request.as_table()
+        self._data.request, self._data.measures = request.as_table(), measures or Measures()
         self._data.summary["audit"] = [finding.as_dict() for finding in audit_of_motion(sim).findings]
         self._summary.start(sim, self._data)
         self._fields = FrameFields(sim)
@@ -61,7 +54,7 @@ class RunMemory(Recorder):
     def start(self, sim: Stepper) -> None:
         """Begin the history."""
         self._summary.relaxed(sim)
-        self._history = HistoryTable(sim, self._measures)
+        self._history = HistoryTable(sim, self._data.measures)
 
     def sample(self, sim: Stepper) -> None:
         """Keep a row."""
@@ -82,7 +75,7 @@ class RunMemory(Recorder):
         if self._is_ended or not self._is_prepared:
             return
         self._is_ended = True
-        history = self._history or HistoryTable(sim, self._measures)
+        history = self._history or HistoryTable(sim, self._data.measures)
         self._data.table = history.table()
         self._summary.finish(sim, error)
         self._summary.close(error)
@@ -92,6 +85,6 @@ class RunMemory(Recorder):
         """The run, once it has ended; None where it was refused before it began."""
         if not self._is_ended:
             return None
-        history = RunHistory(self._data.table, self._measures.units)
+        history = RunHistory(self._data.table, self._data.measures.units)
         frames = KeptFrames(self._frames, self._fields, history)
         return Run(self._scene, history, frames, plain(self._data.summary))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from membrane_rs.results.recorded import Measures
 from membrane_rs.runs.request import Request
 from membrane_rs.simulation.stepper import Stepper
 
@@ -18,8 +19,8 @@ class Recorder:
         """A request with what is to be kept."""
         return request
 
-    def prepare(self, sim: Stepper, request: Request) -> None:
-        """Before the start is relaxed."""
+    def prepare(self, sim: Stepper, request: Request, measures: Measures | None = None) -> None:
+        """Before the start is relaxed; with the measures that the history is to record."""
 
     def start(self, sim: Stepper) -> None:
         """Before the first step."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from membrane_rs._validation import number_of, show
-from membrane_rs.errors import InputError, OutputError
+from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import MOST_INSTANTS
 from membrane_rs.simulation.output_times import SAME_TIME, output_times, with_boundaries
@@ -31,6 +32,12 @@ class Request:
     pictures: bool = True
     crossings: bool = False
     checkpoint: float = CHECKPOINT
+    every: float | None = None
+    """Interval between two samples [s], in place of their number."""
+    record: Mapping[str, str] = field(default_factory=dict)
+    """Units of the measures that are recorded, by their names."""
+    stop: str | Mapping[str, Any] | None = None
+    """What may end the run before its time; of a function its name alone."""
 
     def __post_init__(self) -> None:
         """Lists and arrays of times as plain lists."""
@@ -40,6 +47,20 @@ class Request:
         if seconds < 0:
             raise InputError(f"checkpoint = {seconds}: must be at least 0 (s of wall time between two checkpoints)")
         object.__setattr__(self, "checkpoint", seconds)
+        if self.every is not None:
+            object.__setattr__(self, "every", _interval(self.every, self.until))
+        if not isinstance(self.record, Mapping) or not all(isinstance(unit, str) for unit in self.record.values()):
+            raise InputTypeError(f"record = {show(self.record)}: must be a table of names and units")
+        if not isinstance(self.stop, str | Mapping | None):
+            raise InputTypeError(f"stop = {show(self.stop)}: must be a text or a table")
+
+    @property
+    def sample_times(self) -> Instants:
+        """The samples, as a run takes them."""
+        if self.every is None:
+            return self.samples
+        count = math.floor(self.until / self.every * (1.0 + SAME_TIME))
+        return [float(f"{k * self.every:.12g}") for k in range(count + 1)]
 
     @classmethod
     def of(cls, summary: Mapping[str, Any], where: str) -> Request:
@@ -54,7 +75,8 @@ class Request:
 
     def as_table(self) -> dict[str, Any]:
         """The same as a table."""
-        return asdict(self)
+        table = asdict(self)
+        return {name: value for name, value in table.items() if value or name not in ("every", "record", "stop")}
 
     def output_times(self, start: float, scene: Scene, starts: Sequence[float] = ()) -> dict[float, bool]:
         """The instants [s] that a run from `start` on shows, and whether each is a frame. `starts` are those of the
@@ -62,7 +84,7 @@ class Request:
 
         Raises InputError and InputTypeError for instants that are none.
         """
-        settings = (self.frames, self.samples, scene.run.snapshots)
+        settings = (self.frames, self.sample_times, scene.run.snapshots)
         times = output_times(start, self.until, *settings, stages=scene.stages, starts=starts)
         return with_boundaries(times, [bound for bound in starts[1:] if bound >= start])
 
@@ -98,6 +120,16 @@ class Request:
                 raise InputError(f"until = {until} s: that is {count:.1e} instants; give an earlier time")
             after = [float(f"{self.until + k * spacing:.12g}") for k in range(1, int(count + 1e-9) + 1)]
         return [time for time in (*known, *after) if time < until] + [until]
+
+
+def _interval(every: Any, until: float) -> float:
+    """An interval between samples [s], checked."""
+    seconds = number_of("every", every)
+    if seconds <= 0.0:
+        raise InputError(f"every = {seconds} s: must be above 0, such as 1e-3 (s between two samples)")
+    if until / seconds > MOST_INSTANTS:
+        raise InputError(f"every = {seconds} s: that is {until / seconds:.1e} samples; give a longer interval")
+    return seconds
 
 
 def _listed(instants: Any) -> list[float]:

@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from membrane_rs._files import path_of
-from membrane_rs._validation import number_of
+from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.results.record import Progress
+from membrane_rs.results.recorded import Measures, Recorded
 from membrane_rs.results.state import STATE
 from membrane_rs.results.summary import SUMMARY, folder_of_run, read_summary
 from membrane_rs.runs import signals
@@ -17,6 +18,7 @@ from membrane_rs.runs.request import Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.simulation import Simulation
 from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.stopping import Stop, StopWhen
 
 
 def resume(
@@ -27,6 +29,8 @@ def resume(
     observers: Sequence[Observer[Simulation]] = (),
     progress: Callable[[Simulation], None] | None = None,
     drawing: Progress | None = None,
+    record: Recorded | None = None,
+    stop_when: StopWhen | None = None,
 ) -> Simulation:
     """Continue the run of a folder in the same folder, from its last checkpoint to its end.
 
@@ -44,6 +48,10 @@ def resume(
         Draw pictures at the end. Default: what the run was asked for.
     observers, progress
         As for `Simulation.run`; `drawing` is the `progress` of `RunFolder`.
+    record, stop_when
+        The functions that the run was given, as for `membrane_rs.run`, since no file holds them: the same measures with
+        the same units, and what may end the run. That is needed only where it is a function. A run that it has ended
+        goes on beyond, to a later `until`, without it, unless it is given again.
 
     Returns
     -------
@@ -57,7 +65,8 @@ def resume(
     OutputError
         Another run goes on in the folder; its files are damaged; it cannot be written.
     InputError
-        The run became unstable, its checkpoint is damaged, or `until` is before it.
+        The run became unstable, its checkpoint is damaged, or `until` is before it; functions that the run was given
+        are missing, or others are given.
     """
     path = folder_of_run(path_of(folder, "folder"))
     summary = read_summary(path)
@@ -65,23 +74,67 @@ def resume(
     if summary["outcome"].startswith("unstable"):
         raise InputError(f"{path}: the run ended {summary['outcome']}; it cannot go on: change the scene or its step")
     end = request.until if until is None else number_of("until", until)
-    request = replace(request, pictures=request.pictures if pictures is None else pictures)
+    is_stopped = "stopped" in summary and summary["outcome"].startswith("stopped")
+    measures, stop = _measures(path, request, record), _stop(path, request, stop_when, is_stopped=is_stopped)
+    stop_table = None if stop is None else stop.table
+    request = replace(request, pictures=request.pictures if pictures is None else pictures, stop=stop_table)
     with signals.interruptible():
         results = RunFolder(path, True, pictures=request.pictures, crossings=request.crossings, progress=drawing)
         with results.reopened():
-            sim = Simulation.restore(path / STATE)
+            # What had ended a run is not looked for from before that, where the run goes on beyond.
+            sim = Simulation._of_file(path / STATE, stop=None if is_stopped else stop)
             if end < sim.time:
                 raise InputError(f"until = {end} s: the run has come to {sim.time:.6g} s already; give a later time")
-            if summary["outcome"] == "finished" and end == request.until:
+            if (summary["outcome"] == "finished" or is_stopped) and end == request.until:
+                sim._end_stop()
                 return sim
             if end != request.until:
                 request = request.until_later(end)
             sim.run(
                 end,
                 request.frames,
-                samples=request.samples,
+                samples=request.samples if request.every is None else None,
+                every=request.every,
+                record=measures,
+                stop_when=stop,
                 observers=(*observers, results),
                 progress=progress,
                 checkpoint=request.checkpoint,
             )
     return sim
+
+
+def _measures(path: Path, request: Request, record: Recorded | None) -> Recorded | None:
+    """The functions of a run's measures. Raises InputError where they are not those that it recorded."""
+    given = Measures(record).units
+    for name in (*request.record, *given):
+        if name not in given:
+            functions = ", ".join(f"{show(known)}: ..." for known in request.record)
+            raise InputError(
+                f"{path}: the run records {show(name)}, a function, which no file holds; resume it from Python: "
+                f"membrane_rs.resume(folder, record={{{functions}}})"
+            )
+        if name not in request.record:
+            raise InputError(f"record[{show(name)}]: the run in {path} does not record it; leave it out")
+        if given[name] != request.record[name]:
+            known = f"the run in {path} has it in {request.record[name]!r}"
+            raise InputError(f"record[{show(name)}]: is given in {given[name]!r}, but {known}; give that unit")
+    return record
+
+
+def _stop(path: Path, request: Request, stop_when: StopWhen | None, *, is_stopped: bool) -> Stop | None:
+    """What may end a run. Raises InputError where that was a function, which is not given, or is another one."""
+    if stop_when is not None:
+        stop = Stop(stop_when)
+        if stop.table != request.stop:
+            what = f"the run in {path} has {show(request.stop)}" if request.stop else f"the run in {path} has none"
+            raise InputError(f"stop_when = {show(stop.table)}: {what}; give that, or run the scene again")
+        return stop
+    if request.stop is None or is_stopped:
+        return None
+    if isinstance(request.stop, str):
+        raise InputError(
+            f"{path}: the run ends by {show(request.stop)}, a function, which no file holds; resume it from Python: "
+            "membrane_rs.resume(folder, stop_when=...)"
+        )
+    return Stop(request.stop)

@@ -36,6 +36,7 @@ from membrane_rs.results.frames import Frames
 from membrane_rs.results.history import HISTORY, History
 from membrane_rs.results.pvd import PVD
 from membrane_rs.results.record import Progress, Record
+from membrane_rs.results.recorded import Measures
 from membrane_rs.results.run_summary import add_findings
 from membrane_rs.results.scene_file import SceneFile
 from membrane_rs.results.state import State
@@ -162,7 +163,7 @@ class RunFolder(KnownAttributes, Recorder):
         finally:
             self._place.release()
 
-    def prepare(self, sim: Stepper, request: Request) -> None:
+    def prepare(self, sim: Stepper, request: Request, measures: Measures | None = None) -> None:
         """Make the folder, take its lock, clear it of an earlier run, and write a first checkpoint and summary.
 
         A run that is prepared can be resumed, even if it is killed before `start`, which does what is left. Raises
@@ -172,6 +173,7 @@ class RunFolder(KnownAttributes, Recorder):
         unwritten: OutputError | None = None
         with self._claimed():
             self._record.request, self._interval = request.as_table(), request.checkpoint
+            self._record.measures = measures or Measures()
             self._state.start(sim, self._record)
             if self._is_resumed:
                 self._summary.resume(sim, self._record)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from membrane_rs import scenes
 from membrane_rs.errors import Interrupted, MembraneError
+from membrane_rs.results.recorded import Recorded
 from membrane_rs.runs.memory import RunMemory
 from membrane_rs.runs.opening import open_run
 from membrane_rs.runs.request import CHECKPOINT
@@ -16,6 +17,7 @@ from membrane_rs.runs.simulation import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
+from membrane_rs.simulation.stopping import StopWhen
 
 
 def run(
@@ -25,8 +27,11 @@ def run(
     integrator: str | None = None,
     dt: float | None = None,
     start: Motion | str | Path | None = None,
+    record: Recorded | None = None,
+    every: float | None = None,
     samples: int | Sequence[float] | None = None,
     frames: int | Sequence[float] | None = None,
+    stop_when: StopWhen | None = None,
     out: str | Path | None = None,
     overwrite: bool = False,
     pictures: bool = True,
@@ -44,6 +49,9 @@ def run(
             frames,
             out,
             samples=samples,
+            record=record,
+            every=every,
+            stop_when=stop_when,
             observers=[*observers, *([] if memory is None else [memory])],
             progress=progress,
             overwrite=overwrite,

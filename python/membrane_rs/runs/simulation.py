@@ -14,6 +14,8 @@ from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.check.scene_audit import warn_of
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.results.body_contacts import BodyContacts
+from membrane_rs.results.history_table import HistoryTable
+from membrane_rs.results.recorded import Measures, Recorded
 from membrane_rs.runs import signals
 from membrane_rs.runs.recorder import Recorder
 from membrane_rs.runs.request import CHECKPOINT, Request
@@ -24,6 +26,7 @@ from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
+from membrane_rs.simulation.stopping import Stop, StopWhen
 
 
 class Simulation(Stepper):
@@ -135,6 +138,9 @@ class Simulation(Stepper):
         pictures: bool = True,
         crossings: bool = False,
         checkpoint: float = CHECKPOINT,
+        record: Recorded | None = None,
+        every: float | None = None,
+        stop_when: StopWhen | Stop | None = None,
     ) -> RunFolder | None:
         """Step to `until`, and call the observers at frames and samples.
 
@@ -162,6 +168,9 @@ class Simulation(Stepper):
         checkpoint : float, optional
             For the folder: seconds of wall time between two checkpoints (state.npz), from which
             `membrane_rs.runs.resume` goes on should the process be killed. Default: 10.
+        record, every, stop_when
+            As for `membrane_rs.run`; `record` needs something that keeps a history. A run that `stop_when` has ended is
+            told by `stopped_by`.
 
         Returns
         -------
@@ -186,26 +195,30 @@ class Simulation(Stepper):
             raise InputTypeError(f"observers = {show(observers)}: must be a list of observers")
         if progress is not None and not callable(progress):
             raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
+        _check_every(every, samples)
+        stop = stop_when if stop_when is None or isinstance(stop_when, Stop) else Stop(stop_when)
+        measures = Measures(record)
         request = Request(
             end,
             settings.frames if frames is None else frames,
             settings.samples if samples is None else samples,
             checkpoint=checkpoint,
+            every=every,
+            record=measures.units,
+            stop=None if stop is None else stop.table,
         )
         # Refused before anything is written.
         has_folder = out is not None or any(isinstance(observer, RunFolder) for observer in observers)
-        for name, is_given, is_used in (
-            ("overwrite", overwrite, out is not None),
-            ("pictures", not pictures, has_folder),
-            ("crossings", crossings, out is not None),
-            ("checkpoint", checkpoint != CHECKPOINT, has_folder),
-        ):
-            if is_given and not is_used:
-                given = {"overwrite": overwrite, "pictures": pictures, "crossings": crossings, "checkpoint": checkpoint}
-                value = given[name]
-                raise InputError(
-                    f"{name} = {value}: without out nothing is written; give out a folder, or leave this out"
-                )
+        has_history = out is not None or any(isinstance(observer, Recorder) for observer in observers)
+        _refuse_unused(
+            ("overwrite", overwrite, overwrite and out is None),
+            ("pictures", pictures, not pictures and not has_folder),
+            ("crossings", crossings, crossings and out is None),
+            ("checkpoint", checkpoint, checkpoint != CHECKPOINT and not has_folder),
+            ("record", list(measures.units), bool(measures.units) and not has_history),
+        )
+        if measures.units:
+            HistoryTable(self, measures).add(self)
         self._check_end(end)
         self._check_stages_last(end)
         if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
@@ -227,14 +240,30 @@ class Simulation(Stepper):
         self.until = end
         with signals.interruptible():
             try:
+                self._begin_stop(stop)
                 for each in recorders:
-                    each.prepare(self, each.asked(request))
+                    each.prepare(self, each.asked(request), measures)
                 if settings.relax > 0 and not self.is_relaxed and self.time == 0.0:
                     self.relax()
                 with signals.held():
-                    self.march(end, request.frames, request.samples, all_observers, progress, between=between)
+                    self.march(end, request.frames, request.sample_times, all_observers, progress, between=between)
             except BaseException as error:
                 for each in recorders:
                     each.finish(self, error)
                 raise
+            finally:
+                self._end_stop()
         return folder
+
+
+def _check_every(every: float | None, samples: object) -> None:
+    """Refuse an interval between samples beside their number or times. Raises InputError."""
+    if every is not None and samples is not None:
+        raise InputError(f"every = {show(every)}: samples are given too; leave one of them out")
+
+
+def _refuse_unused(*options: tuple[str, object, bool]) -> None:
+    """Refuse options that have no effect, each with its name, its value, and whether it has none. Raises InputError."""
+    for name, value, is_unused in options:
+        if is_unused:
+            raise InputError(f"{name} = {value}: without out nothing is written; give out a folder, or leave this out")

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 MADE = (
     "scene", "assembly", "_core", "_limit", "_motions_set", "_digest", "masses", "spring_pairs", "_stage_scene",
-    "_timeline", "_stage_end",
+    "_timeline", "_stage_end", "_stop",
 )  # fmt: skip
 """Attributes that follow from scene and state."""
 

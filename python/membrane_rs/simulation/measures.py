@@ -85,20 +85,21 @@ def reading(measure: Callable[[Any], object], sim: Motion, where: str, unit: str
 
 
 class Follower:
-    """Evaluates the measure of a stage. An angle is followed from the turn nearest to the flat shape at the start of
-    the stage, of a wound sail from that of the roll, by less than half a turn from one call of `at_check` to the next.
+    """Evaluates the measure of a stage, or of what ends a run. An angle is followed from the turn nearest to the flat
+    shape at the start of the stage, of a wound sail from that of the roll, by less than half a turn from one call of
+    `at_check` to the next.
     """
 
-    def __init__(self, stage: Stage, where: str, sim: Motion) -> None:
-        self._stage, self.where = stage, f"{where}.measure = {stage.measure_name!r}"
+    def __init__(self, stage: Stage, where: str, sim: Motion, purpose: str = "it ends a stage") -> None:
+        self._stage, self.where, self._purpose = stage, where, purpose
         self._corners = Corners(sim.assembly, stowed_turn(sim)) if stage.measure == PHASE else None
 
-    def value(self, sim: Motion) -> float:
-        """The measure now.
+    def excess(self, sim: Motion) -> float:
+        """By how much the measure is beyond its value now.
 
         Raises InputError and InputTypeError for what is no finite number, InputError where it steps the simulation.
         """
-        return self._value(sim, deepcopy(self._corners))
+        return self._value(sim, deepcopy(self._corners)) - (self._stage.level or 0.0)
 
     def at_check(self, sim: Motion) -> Follower:
         """The follower from now on, where nodes may have turned."""
@@ -131,10 +132,11 @@ class Follower:
             value = _evaluated(OF_MOTION[measure] if isinstance(measure, str) else measure, sim)
         if before != (sim._core.step_count, sim._core.time):
             raise InputError(f"{self.where}: has stepped the simulation; a measure only reads")
-        return number_of(f"{self.where} at t = {sim.time:.6g} s", value, "it ends a stage")
+        return number_of(f"{self.where} at t = {sim.time:.6g} s", value, self._purpose)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Follower:
         """A copy that follows on by itself."""
         made = Follower.__new__(Follower)
-        made._stage, made.where, made._corners = self._stage, self.where, deepcopy(self._corners, memo)
+        made._stage, made.where, made._purpose = self._stage, self.where, self._purpose
+        made._corners = deepcopy(self._corners, memo)
         return made

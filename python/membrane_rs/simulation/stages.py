@@ -9,14 +9,21 @@ from dataclasses import replace
 from typing import Any
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import number_of, show
-from membrane_rs.errors import InputError, InputTypeError, UnstableError
+from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.measures import Follower, is_measured
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.output_times import is_same_time
-from membrane_rs.simulation.stage_end import StageEnd, next_adaptive, step_end
-from membrane_rs.simulation.timeline import BY_DURATION, BY_MEASURE, ENTRIES, StageRecord, Timeline
+from membrane_rs.simulation.stage_end import StageEnd, Watch, next_adaptive, step_end
+from membrane_rs.simulation.timeline import (
+    BY_DURATION,
+    BY_MEASURE,
+    StageRecord,
+    Timeline,
+    summed,
+    sums,
+    without_energy,
+)
 
 
 class StagedMotion(Motion):
@@ -33,7 +40,7 @@ class StagedMotion(Motion):
         self._given = (integrator, dt)
         laws, potentials = dict.fromkeys(self._core.law_names), dict.fromkeys(self._potentials())
         for k in range(1, len(scene.stages)):
-            with _named(f"stages[{k}]"):
+            with named(f"stages[{k}]"):
                 trial = Motion(scene.staged(k), *self._method(k))
             laws |= dict.fromkeys(trial._core.law_names)
             potentials |= dict.fromkeys(name for name in trial.energies() if name != "kinetic")
@@ -133,27 +140,7 @@ class StagedMotion(Motion):
         found = super().ledger()
         if self._timeline is None:
             return found
-        past = self._past()
-        work: dict[str, float] = {}
-        for by_law in (*(record.work_by_law for record in past), found["work_by_law"]):
-            for law, joule in by_law.items():
-                work[law] = work.get(law, 0.0) + joule
-        residual = math.fsum(
-            [found["error"] * found["reference_energy"], *(r.error * r.reference_energy for r in past)]
-        )
-        reference = max([found["reference_energy"], *(record.reference_energy for record in past)])
-        motors = [*(record.motor_work for record in past), found["motor_work"]]
-        known = [motor for motor in motors if motor is not None]
-        by_stage = [(record.name, record.changes) for record in self.stages]
-        found |= {
-            "work": math.fsum(work.values()),
-            "work_by_law": work,
-            "motor_work": math.fsum(known) if len(known) == len(motors) else None,
-            "reference_energy": reference,
-            "error": residual / reference if reference > 0.0 else 0.0,
-            "changes": {f"{name}: {term}": joule for name, changes in by_stage for term, joule in changes.items()},
-        }
-        return found
+        return found | summed(found, self._past(), self.stages)
 
     def _past(self) -> list[StageRecord]:
         return [] if self._timeline is None else self._timeline.past
@@ -178,7 +165,7 @@ class StagedMotion(Motion):
             steps=core.step_count,
             evaluations=core.evaluation_count,
             rejected_steps=core.rejected_count,
-            changes=_sums(line.changes, balance.changes),
+            changes=sums(line.changes, balance.changes),
             work_by_law=dict(balance.work_by_law),
             reference_energy=balance.reference_energy,
             error=balance.error,
@@ -194,30 +181,34 @@ class StagedMotion(Motion):
         """Step to a time [s], at most to the end of the present stage, where the next one begins, or stop after about
         `seconds` of wall time. Whether it came there.
         """
-        line, core = self._timeline, self._core
-        if line is None:
+        line, core, check = self._timeline, self._core, self._stage_end
+        if line is None and check is None:
             return core.reach(time, seconds)
-        stage_end = self._stage_end
         if is_measured(self):
             raise InputError("a measure has stepped the simulation; a measure only reads")
-        if line.ended_by is not None:
+        if line is not None and line.ended_by is not None:
             raise self._over()
-        goal = min(time, line.end)
+        goal = min(time, self.stage_end)
         try:
-            if stage_end is not None:
-                if not stage_end.look_ahead(goal, seconds):
+            if check is not None:
+                if not check.look_ahead(goal, seconds):
                     return False
-                goal = goal if stage_end.event is None else min(goal, stage_end.event)
+                goal = goal if check.event is None else min(goal, check.event)
             if not core.reach(goal, seconds):
                 return False
         except UnstableError:
-            self._open_check()
+            self._reopen_check()
             raise
-        if stage_end is not None and goal == stage_end.event:
-            self._wholly(lambda: self._end_stage(BY_MEASURE))
-        elif goal == line.end:
+        passed = None if check is None or goal != check.event else check.passed
+        if passed is not None:
+            self._wholly(lambda: self._pass(passed))
+        elif goal == self.stage_end:
             self._wholly(lambda: self._end_stage(BY_DURATION))
         return True
+
+    def _pass(self, passed: Watch) -> None:
+        """A measure has passed its value now: end the present stage."""
+        self._end_stage(BY_MEASURE)
 
     def _step(self, count: int) -> None:
         """Take steps through the stages; the rest of a step up to the end of a stage is none of them."""
@@ -266,7 +257,7 @@ class StagedMotion(Motion):
         velocities = core.velocities()
         starts = [*line.starts, core.time]
         index = line.index + 1
-        with _named(f"stages[{index}]"):
+        with named(f"stages[{index}]"):
             self._simulate(self.scene.staged(index, starts), *self._method(index))
         self._core.start_from(time, angle, positions, velocities)
         if (jump := self._core.hub_rate - rate) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
@@ -296,99 +287,34 @@ class StagedMotion(Motion):
         if self._timeline is not None:
             line = self._timeline
             line.changes = {}
-            line.past = [_without_energy(record) for record in line.past]
+            line.past = [without_energy(record) for record in line.past]
             self._open_check()
 
     def _open_check(self) -> None:
-        """Begin to follow the measure of the present stage, from now on."""
-        line, self._stage_end = self._timeline, None
-        if line is not None and line.stage.measure is not None and line.ended_by is None:
-            follower = Follower(line.stage, f"stages[{line.index}]", self).at_check(self)
-            self._stage_end = StageEnd(self, line.stage, line.end, follower)
+        """Begin to follow the measures that may end something, from now on."""
+        watches, self._stage_end = self._watches(), None
+        if watches:
+            self._stage_end = StageEnd(self, self.stage_end, watches)
             self._stage_end.open()
 
-    def state(self) -> dict[str, Any]:
-        """As `Motion.state`; with stages also how far the run has come in them ("stage_index", ...). In a stage that a
-        measure may end, the motion is that at its last evaluation, from which `set_state` steps to "stage_now".
-        """
-        found = super().state()
-        line, check = self._timeline, self._stage_end
-        if line is None:
-            return found
-        if check is not None:
-            for name in self._core.progress():
-                del found[name]
-            found |= check.state
-            found |= {"stage_now": self.time, "stage_is_armed": int(check.is_armed)}
-            if check.follower.turned is not None:
-                found["stage_turned"] = check.follower.turned
-        integrator, dt = self._given
-        given = {"stage_method": integrator or "", "stage_given_dt": dt or 0.0}
-        return {**found, **line.saved(), **given}
+    def _reopen_check(self) -> None:
+        """The same after the core was set back."""
+        self._open_check()
 
-    def set_state(self, state: dict[str, Any]) -> None:
-        """As `Motion.set_state`; with stages also the stage."""
-        if self._timeline is None or not isinstance(state, dict):
-            super().set_state(state)
-            return
-        if is_measured(self):
-            raise InputError("a measure has set the motion; a measure only reads")
-        own = {name: value for name, value in state.items() if name in ENTRIES}
-        plain = {name: value for name, value in state.items() if name not in own}
-        self._wholly(lambda: self._set_state(own, plain))
+    def _watches(self) -> list[Watch]:
+        """The measure that may end the present stage, from now on."""
+        line = self._timeline
+        if line is None or line.stage.measure is None or line.ended_by is not None:
+            return []
+        return [Watch.of_stage(line.stage, self._follower().at_check(self))]
 
-    def _set_state(self, own: dict[str, Any], plain: dict[str, Any]) -> None:
-        index = own.get("stage_index")
-        methods = [self._method(k)[0] or self.scene.staged(k).run.integrator for k in range(len(self.scene.stages))]
-        is_older = "motor_numbers" not in plain
-        line = self._timeline = self._present().loaded(own, methods, is_older=is_older)
-        integrator, dt = self._method(line.index)
-        scene = self.scene.staged(line.index, line.starts)
-        saved = plain.get("dt")
-        is_free = dt is None and scene.run.dt is None and plain.get("is_adaptive") is False and saved is not None
-        with _named(f"stages[{index}]"):
-            self._simulate(scene, integrator, number_of("saved state: dt", saved) if is_free else dt)
-            self._given_dt = None if is_free else self._given_dt
-        self._stage_end = None
-        super().set_state(plain)
-        if not line.starts[-1] - 1e-12 * abs(self.time) <= self.time <= line.end:
-            raise InputError(
-                f"saved state: it is at {self.time:.6g} s, which is not in {line.stage.name!r}, from "
-                f"{line.starts[-1]:.6g} to {line.end:.6g} s; it is damaged: give one that a simulation gave"
-            )
-        if line.ended_by is None and (line.stage.measure is not None or "stage_now" in own):
-            self._resume_check(own)
-
-    def _resume_check(self, own: dict[str, Any]) -> None:
+    def _follower(self) -> Follower:
         line = self._present()
-        is_armed, now = own.get("stage_is_armed"), number_of("saved state: stage_now", own.get("stage_now"))
-        if not isinstance(is_armed, int) or is_armed not in (0, 1):
-            raise InputTypeError(f"saved state: stage_is_armed = {show(is_armed)}: must be 0 or 1")
-        if not self.time <= now <= line.end:
-            raise InputError(f"saved state: stage_now = {now:.6g} s: must be from {self.time:.6g} to {line.end:.6g} s")
-        if line.stage.measure is not None:  # else it was a function, and its file is read for the motion alone
-            follower = Follower(line.stage, f"stages[{line.index}]", self)
-            follower.resume(self, own.get("stage_turned"))
-            self._stage_end = StageEnd(self, line.stage, line.end, follower, is_armed=bool(is_armed))
-        if now > self.time:
-            self._reach(now)
-            if self.time != now:
-                raise InputError("saved state: its stage has ended before stage_now; it is damaged")
-
-
-def _sums(*tables: dict[str, float]) -> dict[str, float]:
-    """Sums by name, those that are not 0."""
-    names = dict.fromkeys(name for table in tables for name in table)
-    sums = {name: math.fsum(table.get(name, 0.0) for table in tables) for name in names}
-    return {name: value for name, value in sums.items() if value != 0.0}
-
-
-def _without_energy(record: StageRecord) -> StageRecord:
-    return replace(record, changes={}, work_by_law={}, reference_energy=0.0, error=0.0, motor_work=0.0)
+        return Follower(line.stage, f"stages[{line.index}].measure = {line.stage.measure_name!r}", self)
 
 
 @contextmanager
-def _named(where: str) -> Iterator[None]:
+def named(where: str) -> Iterator[None]:
     """Name the stage in an error of its scene."""
     try:
         yield

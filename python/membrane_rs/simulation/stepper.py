@@ -17,11 +17,12 @@ from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.checkpoint import StateFile, read_state
 from membrane_rs.simulation.continuation import unknown_entries
+from membrane_rs.simulation.measures import is_measured
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import is_same_time, output_times
-from membrane_rs.simulation.stages import StagedMotion
-from membrane_rs.simulation.timeline import ENTRIES
+from membrane_rs.simulation.stopping import Stop, StoppableMotion
+from membrane_rs.simulation.timeline import ENTRIES, OF_STOP
 
 MOST_STEPS = 10**15
 """More steps than this are taken as an input error: they would take centuries."""
@@ -29,7 +30,7 @@ CHUNK = 0.1
 """Wall time after which a run on its way to the next output calls what watches it [s]."""
 
 
-class Stepper(StagedMotion):
+class Stepper(StoppableMotion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
     """
@@ -67,6 +68,8 @@ class Stepper(StagedMotion):
             raise InputTypeError(f"n = {show(n)}: must be a whole number of steps") from None
         if not 0 <= count <= MOST_STEPS:
             raise InputError(f"n = {show(count)}: must be a whole number of steps, from 0 to {MOST_STEPS:.0e}")
+        if is_measured(self):
+            raise InputError("a measure has stepped the simulation; a measure only reads")
         if self._timeline is None:
             self._core.step(count)
         else:
@@ -168,9 +171,9 @@ class Stepper(StagedMotion):
             time = self.stage_end
         self._refuse_past(time)
         is_boundary = self._advance(time, watchers)
-        is_end = self.time >= end or self.is_over
+        is_end = self.time >= end or self.is_over or self.is_stopped
         self._core.check(is_end)
-        self._show(observers, is_frame=is_frame or is_boundary)
+        self._show(observers, is_frame=is_frame or is_boundary or self.is_stopped)
         for watcher in watchers if not is_end else watchers[: progress is not None]:
             watcher(self)
         return is_end
@@ -277,17 +280,18 @@ class Stepper(StagedMotion):
         return cls._of_file(path)
 
     @classmethod
-    def _of_file(cls, path: str | Path, *, motion_alone: bool = False) -> Self:
-        """The same; for its motion alone, without measures that were functions."""
+    def _of_file(cls, path: str | Path, *, motion_alone: bool = False, stop: Stop | None = None) -> Self:
+        """The same; for its motion alone, without measures that were functions; with what may end its run."""
         path = path_of(path)
         scene, state = read_state(path, motion_alone=motion_alone)
         try:
             sim = cls._with_method_of(scene, state)
             sim.is_relaxed = bool(state.pop("is_relaxed"))
-            own = ENTRIES if scene.stages else ()
+            own = (*(ENTRIES if scene.stages else ()), *OF_STOP)
             for name, words in unknown_entries([name for name in state if name not in own], sim.law_names).items():
                 warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=3)
                 del state[str(name)]
+            sim._stop = stop
             sim.set_state(state)
         except ValueError as error:
             raise InputError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -195,6 +195,41 @@ class Timeline:
         return made
 
 
+def summed(present: Mapping[str, Any], past: Sequence[StageRecord], stages: Sequence[StageRecord]) -> dict[str, Any]:
+    """What the energy balance says of all stages together: that of the present one, and records of those before it."""
+    work: dict[str, float] = {}
+    for by_law in (*(record.work_by_law for record in past), present["work_by_law"]):
+        for law, joule in by_law.items():
+            work[law] = work.get(law, 0.0) + joule
+    residual = math.fsum(
+        [present["error"] * present["reference_energy"], *(r.error * r.reference_energy for r in past)]
+    )
+    reference = max([present["reference_energy"], *(record.reference_energy for record in past)])
+    motors = [*(record.motor_work for record in past), present["motor_work"]]
+    known = [motor for motor in motors if motor is not None]
+    by_stage = [(record.name, record.changes) for record in stages]
+    return {
+        "work": math.fsum(work.values()),
+        "work_by_law": work,
+        "motor_work": math.fsum(known) if len(known) == len(motors) else None,
+        "reference_energy": reference,
+        "error": residual / reference if reference > 0.0 else 0.0,
+        "changes": {f"{name}: {term}": joule for name, changes in by_stage for term, joule in changes.items()},
+    }
+
+
+def sums(*tables: dict[str, float]) -> dict[str, float]:
+    """Sums by name, those that are not 0."""
+    names = dict.fromkeys(name for table in tables for name in table)
+    found = {name: math.fsum(table.get(name, 0.0) for table in tables) for name in names}
+    return {name: value for name, value in found.items() if value != 0.0}
+
+
+def without_energy(record: StageRecord) -> StageRecord:
+    """A record once the energy balance is opened anew."""
+    return replace(record, changes={}, work_by_law={}, reference_energy=0.0, error=0.0, motor_work=0.0)
+
+
 def _matrix(rows: Sequence[Mapping[str, float]], names: Sequence[str]) -> Floats:
     values = [[row.get(name, 0.0) for name in names] for row in rows]
     return np.array(values, dtype=np.float64).reshape(len(rows), len(names))
@@ -226,5 +261,7 @@ def _damaged(what: str) -> InputError:
 
 
 OF_CHECK = ("stage_now", "stage_is_armed", "stage_turned")
+OF_STOP = ("stop_now", "stop_side", "stop_turned")
+"""Entries of the state of a run that a measure may end, of any scene."""
 ENTRIES = (*Timeline([], [], []).saved(), *OF_CHECK, "stage_method", "stage_given_dt")
 """Entries of the state of a staged scene, beside those of a scene without stages."""

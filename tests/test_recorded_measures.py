@@ -1,0 +1,127 @@
+"""Measures that a run records: columns of its history, in memory and in a folder, checked, and resumed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from killed_runs import contents, run_copied
+from membrane_rs import InputError, Simulation, open_run, resume, run, scenes
+from numpy.testing import assert_array_equal
+
+TETHER = "spinning-tether"
+
+
+def speed(sim: Simulation) -> float:
+    return float(np.linalg.norm(sim.velocities, axis=1).max())
+
+
+def stepping(sim: Simulation) -> float:
+    sim.step()
+    return 1.0
+
+
+def setting(sim: Simulation) -> float:
+    sim.positions = sim.positions
+    return 1.0
+
+
+RECORD: dict[str, Any] = {"speed": (speed, "m/s"), "twice": lambda sim: 2.0 * sim.time}
+
+
+def test_measures_are_columns_with_their_units(tmp_path: Path) -> None:
+    kept = run(TETHER, 2e-3, samples=5, frames=2, record=RECORD)
+    written = run(TETHER, 2e-3, samples=5, frames=2, record=RECORD, out=tmp_path / "run", pictures=False)
+    assert list(kept.history)[-2:] == ["speed", "twice"]
+    assert (kept.history.units["speed"], kept.history.units["twice"]) == ("m/s", "")
+    assert_array_equal(kept.history["twice"], 2.0 * kept.history["time"])
+    sim = Simulation(scenes.load(TETHER))
+    sim.reach(2e-3)
+    assert kept.history["speed"][-1] == speed(sim)
+    assert dict(written.history.units) == dict(kept.history.units)
+    assert_array_equal(written.history["speed"], kept.history["speed"])
+    assert open_run(tmp_path / "run").summary["request"]["record"] == {"speed": "m/s", "twice": ""}
+
+
+def test_samples_at_an_interval() -> None:
+    result = run(TETHER, 2.5e-3, every=1e-3, frames=2)
+    assert result.history["time"].tolist() == [0.0, 1e-3, 2e-3, 2.5e-3]
+    with pytest.raises(InputError, match="leave one of them out"):
+        run(TETHER, 1e-3, every=1e-3, samples=3)
+
+
+@pytest.mark.parametrize(
+    ("every", "words"),
+    [(0.0, "must be above 0"), (-1.0, "above 0"), (1e-12, "longer"), (math.nan, "finite"), ("a", "number")],
+)
+def test_what_is_no_interval_is_refused(every: Any, words: str) -> None:
+    with pytest.raises(InputError, match=f"every.*{words}"):
+        run(TETHER, 1e-3, every=every)
+
+
+@pytest.mark.parametrize(
+    ("measure", "words"),
+    [
+        (lambda _: 1 / 0, r"record\['it'\] at t = 0 s: raised ZeroDivisionError: division by zero; mend"),
+        (lambda _: math.nan, r"record\['it'\] at t = 0 s = nan: must be finite"),
+        (lambda _: None, r"record\['it'\] at t = 0 s = None: must be a number"),
+        (lambda sim: sim.positions, r"gave an array of shape \(11, 3\); must give one number, such as its .max\(\)"),
+        (stepping, "a measure only reads"),
+        (setting, "a measure only reads"),
+        (lambda sim: sim.reach(1.0) or 1.0, "a measure only reads"),
+        (3.0, r"record\['it'\] = 3.0: must be a function"),
+        ((speed, 3), "the unit 3: must be a text"),
+        ((speed, "m\n"), "one line"),
+    ],
+)
+def test_what_is_no_measure_is_refused(measure: Any, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=words):
+        run(TETHER, 1e-3, record={"it": measure}, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("name", ["time", "work_spin", "energy_turned_over", "", " a", "a\nb", "x" * 101, "\ud800", 3])
+def test_names_that_no_column_can_have_are_refused(name: Any) -> None:
+    with pytest.raises(InputError, match="record"):
+        run(TETHER, 1e-3, record={name: speed})
+
+
+def test_a_measure_that_fails_later_ends_the_run_and_loses_nothing() -> None:
+    with pytest.raises(InputError, match=r"record\['it'\] at t = .* s: raised ValueError: late") as caught:
+        run(TETHER, 2e-3, every=5e-4, frames=2, record={"it": _late})
+    assert caught.value.run.history["time"].tolist() == [0.0, 5e-4]
+    assert caught.value.run.outcome.startswith("failed: InputError")
+
+
+def _late(sim: Simulation) -> float:
+    if sim.time > 9e-4:
+        raise ValueError("late")
+    return 0.0
+
+
+def test_record_needs_a_history() -> None:
+    with pytest.raises(InputError, match="record"):
+        Simulation(scenes.load(TETHER)).run(1e-3, record={"speed": speed})
+
+
+def test_a_run_with_measures_is_resumed_with_them(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    run_copied(Simulation(scenes.load("single-crease")), whole, record=RECORD, samples=None, every=1e-3)
+    left = tmp_path / "left-4"
+    for record, words in (
+        (None, r"records 'speed', a function.*record=\{'speed': ..., 'twice': ...\}"),
+        ({"speed": (speed, "m/s")}, "records 'twice'"),
+        ({**RECORD, "more": speed}, "does not record it"),
+        ({**RECORD, "speed": (speed, "km/s")}, "give that unit"),
+    ):
+        with pytest.raises(InputError, match=words):
+            resume(left, record=record)
+    again = resume(left, record=RECORD)
+    assert again.time == 0.02
+    assert contents(left) == contents(whole)
+    assert dict(open_run(left).history.units) == dict(open_run(whole).history.units)
+    resume(left, 0.025, record=RECORD)
+    assert open_run(left).history["time"][-2:].tolist() == [0.024, 0.025]
