@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from browser import browser  # noqa: F401 - the fixture
 
 
 @pytest.fixture(scope="session", autouse=True)

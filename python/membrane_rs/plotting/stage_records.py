@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 
 from membrane_rs.simulation.timeline import StageRecord
 
 _NAMES = tuple(field.name for field in fields(StageRecord))
+_NEEDED = tuple(field.name for field in fields(StageRecord) if field.default is MISSING)
+"""What a summary of an earlier version has, too."""
 
 
 def stage_records(given: Iterable[object]) -> list[StageRecord]:
@@ -16,6 +18,6 @@ def stage_records(given: Iterable[object]) -> list[StageRecord]:
     for stage in given:
         if isinstance(stage, StageRecord):
             found.append(stage)
-        elif isinstance(stage, Mapping) and all(name in stage for name in _NAMES):
-            found.append(StageRecord(**{name: stage[name] for name in _NAMES}))
+        elif isinstance(stage, Mapping) and all(name in stage for name in _NEEDED):
+            found.append(StageRecord(**{name: stage[name] for name in _NAMES if name in stage}))
     return found

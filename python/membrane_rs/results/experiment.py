@@ -22,6 +22,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, read_text
+from membrane_rs._quantities import conversion
 from membrane_rs._read_only import ReadOnly
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, MissingFileError
@@ -31,8 +32,6 @@ MOST_BYTES = 2**26
 """A longer file is not read: it has a million lines of eight columns."""
 MOST_COLUMNS = 1000
 _HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\])?\s*")
-_UNIT = re.compile(r"(?!.*(\d\d|\d\s*(\*\*|\^)|\(\s*\d))[^\W\d%][\w*/^. ()°-]{0,40}|%|°")
-"""Letters, with at most one digit each: pint would raise 9 to the 9 to the 9."""
 _MISSING = ("", "nan", "na", "n/a", "-")
 
 
@@ -119,8 +118,8 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
         raise InputError(f"{path} holds names of columns and no line of numbers; add the measured values")
     table = np.array(rows)
     for k, (name, unit) in enumerate(given.items()):
-        if unit and wanted.get(name):
-            table[:, k] = converted(table[:, k], unit, wanted[name], f"{path}, line {place}, column {name!r}")
+        if unit and wanted.get(name, unit) != unit:
+            table[:, k] = _converted(table[:, k], unit, wanted[name], f"{path}, line {place}, column {name!r}")
     time = table[:, names.index(TIME)]
     _check_times(path, time, numbers)
     columns = {name: table[:, k] for k, name in enumerate(names) if name != TIME}
@@ -129,20 +128,13 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     )
 
 
-def converted(values: Floats, unit: str, wanted: str, place: str) -> Floats:
+def _converted(values: Floats, unit: str, wanted: str, place: str) -> Floats:
     """Values in one unit as values in another. Raises InputError, which names the place."""
-    import pint
-
     try:
-        if not _UNIT.fullmatch(unit):
-            raise ValueError
-        registry = pint.application_registry
-        found: Floats = np.asarray(registry.Quantity(values, unit).to(wanted).magnitude, dtype=np.float64)
-    except pint.DimensionalityError:
-        raise InputError(f"{place}: {unit!r} is no unit of what is recorded in {wanted!r}; write such a unit") from None
-    except Exception:  # noqa: BLE001 - pint's parser raises errors of many kinds
-        raise InputError(f"{place}: {show(unit)} is no unit that is known; write one such as {wanted!r}") from None
-    return found
+        factor, offset = conversion(unit, wanted)
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
+    return values * factor + offset
 
 
 def _cells(path: Path) -> Iterator[tuple[int, list[str]]]:

@@ -1,0 +1,130 @@
+"""The report of runs, as a file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from membrane_rs._extras import need
+from membrane_rs._files import path_of, write_text
+from membrane_rs._validation import check_kind, show
+from membrane_rs.errors import InputError, InputTypeError, OutputError
+from membrane_rs.results.experiment import Experiment, read_experiment
+from membrane_rs.runs import Run, open_run
+
+REPORT = "report.html"
+MOST_RUNS = 100
+
+
+def write_report(
+    runs: Run | str | Path | Sequence[Run | str | Path],
+    path: str | Path = REPORT,
+    *,
+    data: str | Path | Experiment | Sequence[str | Path | Experiment] = (),
+    ensemble: bool = False,
+    title: str | None = None,
+    overwrite: bool = False,
+) -> Path:
+    """Write a page of one or several runs.
+
+    It is one HTML file that opens from disk and loads nothing: the deployment in 3D, the contact sheet, curves of all
+    runs over one another, and of the run that is chosen in the page the energy balance, the audit, timings and the
+    scene.
+
+    Parameters
+    ----------
+    runs : Run, path, or a list of them
+        What `membrane_rs.run` gave, or folders of runs.
+    path : path
+        The file, "report.html" where not given.
+    data : path, Experiment, or a list of them
+        Measured curves to be drawn over those of the runs: CSV files with a column "time" and others named as in
+        history.csv, see `membrane_rs.results.read_experiment`.
+    ensemble : bool
+        Draw the mean of the runs and one standard deviation to each side, for runs of one scene from several starts.
+    title : str, optional
+        Default: the name of the scene, or of the runs.
+    overwrite : bool
+        Replace a file that is there.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        No run, an ensemble of one, data without a column of the runs.
+    MissingFileError
+        No run in a folder, no file of data.
+    OutputError
+        A run is damaged; the file is there, or cannot be written.
+    MissingExtraError
+        k3d, matplotlib or Pillow is not installed.
+
+    Examples
+    --------
+    >>> import membrane_rs, tempfile
+    >>> from membrane_rs.report import write_report
+    >>> run = membrane_rs.run("spinning-tether", 1e-2, frames=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_report(run, folder + "/tether.html").read_text()[:15]
+    '<!doctype html>'
+    """
+    need("k3d", "matplotlib", "PIL", use="a page of runs")
+    from membrane_rs.report.page import page
+    from membrane_rs.report.sources import Sources, labelled
+
+    file = path_of(path)
+    check_kind(title, (str, type(None)), "title", "a text")
+    chosen = [_run(one, f"runs[{k}]") for k, one in enumerate(_list_of(runs, (Run, str, os.PathLike)))]
+    if not chosen:
+        raise InputError("runs: none is given; give a run or the folder of one")
+    if len(chosen) > MOST_RUNS:
+        raise InputError(f"runs: {len(chosen)} are given, and a page holds at most {MOST_RUNS}; leave some out")
+    if ensemble and len(chosen) < 2:
+        raise InputError("ensemble: one run has no spread; give several runs of the scene, or leave it out")
+    if file.exists() and not overwrite:
+        raise OutputError(f"{file} is there already; give another name, or replace it with overwrite (--overwrite)")
+    units = {name: unit for run in reversed(chosen) for name, unit in run.history.units.items()}
+    given = _list_of(data, (Experiment, str, os.PathLike))
+    experiments = [one if isinstance(one, Experiment) else read_experiment(one, units) for one in given]
+    for experiment in experiments:
+        if not any(name in units for name in experiment.columns):
+            recorded = ", ".join(name for name in units if name != "time")
+            have = ", ".join(experiment.columns)
+            raise InputError(
+                f"data {experiment.name}: its columns, {have}, are none of the runs; theirs are {recorded}"
+            )
+    sources = Sources(labelled(chosen), experiments, ensemble)
+    write_text(
+        file, page(sources, title or _title(sources.runs[0].run.scene.name, [one.label for one in sources.runs]))
+    )
+    return file
+
+
+def _run(given: object, place: str) -> Run:
+    if isinstance(given, Run):
+        return given
+    if isinstance(given, str | Path | os.PathLike):
+        return open_run(path_of(given, place))
+    raise InputTypeError(f"{place} = {show(given)}: must be a run, or the folder of one")
+
+
+def _list_of(given: object, kinds: tuple[type, ...]) -> list[Any]:
+    """One thing, or the things of a list."""
+    if isinstance(given, kinds):
+        return [given]
+    if not isinstance(given, Sequence):
+        raise InputTypeError(f"{show(given)}: must be one, or a list of several")
+    return list(given)
+
+
+def _title(scene: str, labels: Sequence[str]) -> str:
+    if len(labels) == 1:
+        return scene
+    some = ", ".join(labels[:4])
+    return f"{some} and {len(labels) - 4} others" if len(labels) > 4 else some

@@ -1,0 +1,123 @@
+"""A headless Chromium for tests of pages: what it shows, what its console says, what it asks the network for.
+
+Chromium and its driver come from the system (Debian: chromium, chromium-driver); without them a test is skipped. The
+network is cut off.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+DRIVER = "chromedriver"
+SECONDS = 120.0
+"""A page that takes longer for what is waited for fails its test; software draws slowly on a busy machine."""
+Pixels = NDArray[np.uint8]
+
+
+def missing() -> str | None:
+    """Why no page can be opened here; None where it can."""
+    if not any(map(shutil.which, PROGRAMS)):
+        return f"no Chromium: none of {', '.join(PROGRAMS)} is installed"
+    return None if shutil.which(DRIVER) else f"no {DRIVER} is installed"
+
+
+class Browser:
+    """One window of Chromium."""
+
+    def __init__(self, width: int = 1280, height: int = 900) -> None:
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+
+        options = webdriver.ChromeOptions()
+        options.binary_location = str(next(filter(None, map(shutil.which, PROGRAMS))))
+        for flag in (
+            "--headless=new", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+            "--force-device-scale-factor=1", f"--window-size={width},{height}", "--disable-dev-shm-usage",
+        ):  # fmt: skip
+            options.add_argument(flag)
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            options.add_argument("--no-sandbox")  # Chromium refuses root its sandbox
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.driver: Any = webdriver.Chrome(options, Service(str(shutil.which(DRIVER))))
+        self.driver.set_page_load_timeout(SECONDS)
+        self.driver.set_script_timeout(SECONDS)
+        self.driver.execute_cdp_cmd("Network.enable", {})
+        self.cut_off()
+
+    def cut_off(self) -> None:
+        """Let nothing through the network."""
+        off = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+        self.driver.execute_cdp_cmd("Network.emulateNetworkConditions", off)
+
+    def open(self, path: Path) -> None:
+        """Open a file, with logs that hold nothing of before."""
+        self.console()
+        self.requests()
+        self.driver.get(path.resolve().as_uri())
+
+    def run(self, script: str, *values: object) -> Any:
+        """What a script in the page returns."""
+        return self.driver.execute_script(script, *values)
+
+    def find(self, selector: str) -> Any:
+        """The first element of a CSS selector."""
+        return self.driver.find_element("css selector", selector)
+
+    def wait(self, holds: Callable[[], object], what: str) -> None:
+        """Wait until something holds; fail by its name."""
+        end = time.monotonic() + SECONDS
+        while not holds():
+            assert time.monotonic() < end, f"waited {SECONDS:g} s until {what}; the console says {self.console()}"
+            time.sleep(0.02)
+
+    def pixels(self, selector: str) -> Pixels:
+        """What an element shows, (height, width, 3)."""
+        from PIL import Image
+
+        with Image.open(io.BytesIO(self.find(selector).screenshot_as_png)) as image:
+            return np.asarray(image.convert("RGB"))
+
+    def console(self) -> list[str]:
+        """Warnings and errors of the console since it was last asked."""
+        entries = self.driver.get_log("browser")
+        return [entry["message"] for entry in entries if entry["level"] in ("WARNING", "SEVERE")]
+
+    def requests(self) -> set[str]:
+        """The kinds of what was asked for since the last call, such as "file" and "https", but for data."""
+        messages = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        sent = [message["params"] for message in messages if message["method"] == "Network.requestWillBeSent"]
+        return {params["request"]["url"].partition(":")[0] for params in sent} - {"data", "blob"}
+
+    def media(self, **features: str) -> None:
+        """Emulate media: `media(prefers_color_scheme="dark")`, `media(media="print")`; nothing: back to normal."""
+        kind = features.pop("media", "")
+        pairs = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": pairs})
+
+    def close(self) -> None:
+        """End the program."""
+        self.driver.quit()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """A Chromium, or a skipped test."""
+    reason = missing()
+    if reason is not None:
+        pytest.skip(reason)
+    pytest.importorskip("selenium")
+    made = Browser()
+    yield made
+    made.close()
