@@ -39,5 +39,10 @@ figure = plot_comparison(ensembles={"four starts": runs}, columns=["largest_film
 # -----------------------
 
 figure = plot_comparison(
-    runs[:2], ["largest_film_stress"], ensembles={"four starts": runs}, spread="range", labels=["first", "second"], style="paper"
+    runs[:2],
+    ["largest_film_stress"],
+    ensembles={"four starts": runs},
+    spread="range",
+    labels=["first", "second"],
+    style="paper",
 )

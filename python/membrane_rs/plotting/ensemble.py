@@ -36,6 +36,13 @@ class Ensemble:
     shows_members: bool = False
     """Whether each of them is drawn, as a thin line."""
 
+    def __post_init__(self) -> None:
+        """Refuse times that do not ascend, between which nothing can be interpolated. Raises InputError."""
+        for k, member in enumerate(self.members):
+            if not (np.diff(member.time) > 0.0).all():
+                place = f"ensembles[{self.label!r}][{k}]"
+                raise InputError(f"{place}: times must ascend; order the samples by time, each time once")
+
     def band(self, column: str) -> Band:
         """Mean and spread of a column at the times of the member that came farthest; others are interpolated, and
         count as far as they came.

@@ -162,7 +162,11 @@ class Style:
 
     def _own(self) -> dict[str, Any]:
         from cycler import cycler
+        from matplotlib.colors import is_color_like
 
+        for color in self.colors:
+            if not is_color_like(color):
+                raise InputError(f"Style.colors: {show(color)} is no colour of matplotlib; write one as '#0072B2'")
         small = max(self.font_size - 1.0, 1.0)
         return {
             "font.family": [self.font],
@@ -177,7 +181,7 @@ class Style:
             "legend.handlelength": 2.4,
             "lines.linewidth": self.line_width,
             "lines.markersize": 3.0 * self.line_width,
-            "axes.prop_cycle": _checked(lambda: cycler(color=list(self.colors)), "Style.colors", self.colors),
+            "axes.prop_cycle": cycler(color=list(self.colors)),
             "axes.linewidth": 0.6,
             "axes.spines.top": False,
             "axes.spines.right": False,
