@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
 from membrane_rs.cli.options import numeric_option, words
 
@@ -22,6 +23,7 @@ def compare(
         list[str],
         typer.Argument(
             metavar="CURVES",
+            autocompletion=completion.runs,
             help="Folders of runs, and CSV files of measured curves: a column 'time' [s], others named as in "
             "history.csv, with units as in 'hub_torque [mN m]'.",
         ),

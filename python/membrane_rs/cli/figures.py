@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
 from membrane_rs.cli.options import count_option
 
@@ -17,7 +18,12 @@ from membrane_rs.cli.options import count_option
     "figures runs/spinning-tether --format pdf,png --width 85mm",
 )
 def figures(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run, whichever way it ended.")],
+    run: Annotated[
+        Path,
+        typer.Argument(
+            metavar="RUN", help="The folder of a run, whichever way it ended.", autocompletion=completion.runs
+        ),
+    ],
     *,
     out: Annotated[
         Path | None, typer.Option(help="Folder of the figures. Default: figures/ in that of the run.")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from membrane_rs._renamed import deprecated
+from membrane_rs.cli import completion
 
 if TYPE_CHECKING:
     from membrane_rs.mesh.findings import Audit
@@ -61,12 +62,18 @@ def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
     return typer.Option(help=help, parser=count, metavar="INTEGER")
 
 
-SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene, or the path of a TOML file.")]
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="A built-in scene, or the path of a TOML file.", autocompletion=completion.scenes
+    ),
+]
 Set = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
+        autocompletion=completion.keys,
         help="A value in place of the scene's: laws.creases.stiffness=20, material.thickness=12.5um, "
         "laws.spin.frequency=25rpm, mesh.fold_lines=3, laws.air_drag=false. May be given several times.",
     ),
@@ -74,7 +81,9 @@ Set = Annotated[
 Until = Annotated[
     float | None, quantity_option("s", help="Simulated time at the end [s], or as 20ms. Default: the scene's.")
 ]
-Integrator = Annotated[str | None, typer.Option(help="Name of the method. Default: the scene's.")]
+Integrator = Annotated[
+    str | None, typer.Option(help="Name of the method. Default: the scene's.", autocompletion=completion.methods)
+]
 Dt = Annotated[
     float | None,
     quantity_option("s", help="Step [s], or as 2us. Default: from stability and slow motion; dopri5: by its error."),

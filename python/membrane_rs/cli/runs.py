@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import (
     FAILED,
     RUNS,
@@ -97,7 +98,12 @@ def run(
 @command(RUNS, example="run spinning-tether --until 0.01 --no-pictures\nresume runs/spinning-tether --until 0.02")
 def resume(
     source: Annotated[
-        Path, typer.Argument(metavar="SOURCE", help="A run's folder, or a saved state, such as its state.npz.")
+        Path,
+        typer.Argument(
+            metavar="SOURCE",
+            help="A run's folder, or a saved state, such as its state.npz.",
+            autocompletion=completion.runs,
+        ),
     ],
     *,
     until: Until = None,

@@ -100,6 +100,11 @@ def key_at(scene: Changeable, key: str) -> str:
     return ".".join(filter(None, (place.label, name, inside)))
 
 
+def keys_of(scene: Changeable) -> list[str]:
+    """All keys of fields that `Scene.with_values` takes for a scene, those of laws that it lacks among them."""
+    return _all_keys([*_places(scene)])
+
+
 def _read(scene: Changeable, key: str) -> tuple[Place, str, str]:
     """The place, the field and what is inside it that a key names. Raises SceneError."""
     if not isinstance(key, str) or len(key) > LONGEST_KEY:
@@ -223,9 +228,7 @@ def _rebuilt(change: Change) -> Any:
 
 def _hint(places: list[Place], key: str) -> str:
     """What may have been meant by a key that names nothing."""
-    known = ["name"]
-    for place in [*places, *_absent(places)]:
-        known += _keys(place)
+    known = ["name", *_all_keys(places)]
     last = key.rpartition(".")[2]
     others = [name for name, _ in OTHER_NAMES.get(last.lower(), ())]
     alike = [other for other in known if last in other.split(".") or other.split(".")[-1] in others]
@@ -238,6 +241,11 @@ def _hint(places: list[Place], key: str) -> str:
 def _shown(key: str, value: object) -> str:
     """A key with its value, in messages."""
     return f"{key if key.isprintable() and 0 < len(key) <= LONGEST_SHOWN else show(key)} = {show(value)}"
+
+
+def _all_keys(places: list[Place]) -> list[str]:
+    """The keys of all places, and of laws that the scene lacks."""
+    return [key for place in [*places, *_absent(places)] for key in _keys(place)]
 
 
 def _keys(place: Place) -> list[str]:

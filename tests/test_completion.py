@@ -1,0 +1,66 @@
+"""What a shell completes: commands, scenes, runs, methods, dotted keys."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from membrane_rs import Simulation, integrators, scenes
+from membrane_rs.cli import completion
+
+PROGRAM = "import sys; from membrane_rs.cli import main; sys.argv = ['membrane-rs']; main()"
+
+
+def completed(line: str, folder: Path) -> list[str]:
+    """What bash is offered at the end of a line."""
+    words = line.split(" ")
+    asked = {"_MEMBRANE_RS_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        env=os.environ | asked,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.stderr == ""
+    return done.stdout.split()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text("")
+    Path("runs/no-run").mkdir(parents=True)
+    for out in ("runs/first", "runs/second", "third"):
+        Simulation(scenes.load("spinning-tether")).run(1e-4, frames=2, out=out, pictures=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("membrane-rs che", ["check"]),
+        ("membrane-rs run spinning-t", ["spinning-tether"]),
+        ("membrane-rs run m", ["mine.toml"]),
+        ("membrane-rs resume r", ["runs/first", "runs/second"]),
+        ("membrane-rs compare third runs/s", ["runs/second"]),
+        ("membrane-rs run spinning-tether --integrator leap", ["leapfrog"]),
+        ("membrane-rs run spinning-tether --until 1 --set laws.spin.f", ["laws.spin.frequency="]),
+        ("membrane-rs run nowhere --set laws.spin.f", []),
+        ("membrane-rs run spinning-tether --overw", ["--overwrite"]),
+    ],
+)
+def test_the_end_of_a_line(line: str, offered: list[str], folder: Path) -> None:
+    assert completed(line, folder) == offered
+
+
+def test_all_is_offered(folder: Path) -> None:
+    assert [name for name, _ in completion.scenes("")] == [*scenes.names(), "mine.toml"]
+    assert completion.methods("") == list(integrators())
+    assert completion.runs("") == ["third", "runs/first", "runs/second"]
+    assert completion.runs("nowhere/") == []
