@@ -19,7 +19,6 @@ from membrane_rs.cli import sweep as sweep
 from membrane_rs.cli import view as view
 from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output
 
-# A command is registered by the import of its file, one line each.
 __all__ = ["app", "main"]
 
 

@@ -37,7 +37,8 @@ Uncertainty = Annotated[
 
 @command(
     MANY_RUNS,
-    example="calibrate spinning-tether --data measured.csv --vary laws.spin.frequency=1:4 --samples 51 --out fitted",
+    example="""run spinning-tether --set laws.spin.frequency=2.5 --until 0.05 --no-pictures --out runs/other
+calibrate spinning-tether --data runs/other/history.csv --columns hub_force --vary laws.spin.frequency=1:4""",
 )
 def calibrate(
     scene: SceneArgument,
@@ -49,6 +50,9 @@ def calibrate(
     method: Annotated[
         str, typer.Option(help="least-squares, or nelder-mead where curves are too rough for differences.")
     ] = "least-squares",
+    columns: Annotated[
+        str | None, typer.Option(metavar="NAMES", help="Columns of the data, separated by commas. Default: all.")
+    ] = None,
     uncertainty: Uncertainty = None,
     step: Annotated[
         float | None, numeric_option(help="Step of differences, as a share of the ranges. Default: 0.02; 0.05.")
@@ -80,6 +84,8 @@ def calibrate(
     report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-calibration"
     given: dict[str, Any] = {"until": until, "samples": samples, "record": record, "shift": shift, "jobs": jobs}
+    if columns is not None:
+        given["columns"] = [name.strip() for name in columns.split(",")]
     with run_counter() as progress:
         found = fit(
             chosen, data, varied, starts=starts, method=method, uncertainty=_deviations(uncertainty or []), step=step,

@@ -48,6 +48,7 @@ def fit(
     *,
     starts: int = 1,
     method: str = LEAST_SQUARES,
+    columns: Sequence[str] | None = None,
     uncertainty: Mapping[str, float | str] | None = None,
     step: float | None = None,
     until: float | None = None,
@@ -77,6 +78,8 @@ def fit(
         Runs of each set of values, whose mean is compared: the scene's own start and perturbed ones.
     method : {"least-squares", "nelder-mead"}
         The second where curves are too rough for differences; it needs more runs.
+    columns : sequence of str, optional
+        Columns of the data that are compared. Default: all.
     uncertainty : mapping, optional
         Standard deviation of each value of a column, by its name, in its unit or as text with one. Default: unknown,
         each column then counts by its own spread.
@@ -135,14 +138,14 @@ def fit(
     measured = _measured(data, wanted)
     planned = planned_starts(chosen.stages)[-1] if chosen.stages else chosen.run.until
     end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
-    columns = data_columns(measured, uncertainty, end)
-    wanted |= {one.name: None for one in columns if one.name in MEASURE_UNITS and one.name not in wanted}
+    curves_of_data = data_columns(measured, columns, uncertainty, end)
+    wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
     setup = RunSetup(end, samples, wanted, shift)
     request = {"kind": "fit", "vary": {one.key: one.as_table() for one in parameters}}
     with ManyRuns(
         chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS, overwrite=overwrite
     ) as runs:
-        model = FitModel(runs, parameters, columns, starts, most_runs, progress)
+        model = FitModel(runs, parameters, curves_of_data, starts, most_runs, progress)
         first = np.array([_share_of(chosen, one) for one in parameters])
         (begun,) = _first_curves(model, first)
         outcome = _minimised(model, first, method, share)
@@ -236,7 +239,7 @@ def _minimised(model: FitModel, first: Floats, method: str, step: float) -> str:
             simplex = np.vstack([first, *(first + row for row in np.diag(away))])
             model.curves(list(simplex))
             bounds = [(0.0, 1.0)] * len(first)
-            options: Any = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-9, "maxfev": 10**6}
+            options: Any = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": np.inf, "maxfev": 10**6}
             found = minimize(square_sum, first, method="Nelder-Mead", bounds=bounds, options=options)
     except BudgetSpent:
         return f"stopped at {model.most_runs} runs (most_runs)"

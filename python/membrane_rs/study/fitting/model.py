@@ -55,7 +55,9 @@ class DataColumn:
     has_deviation: bool
 
 
-def data_columns(data: Experiment, uncertainty: Mapping[str, float | str] | None, until: float) -> list[DataColumn]:
+def data_columns(
+    data: Experiment, columns: Sequence[str] | None, uncertainty: Mapping[str, float | str] | None, until: float
+) -> list[DataColumn]:
     """The curves of measured data up to a time [s].
 
     Raises
@@ -66,12 +68,14 @@ def data_columns(data: Experiment, uncertainty: Mapping[str, float | str] | None
     if uncertainty is not None and not isinstance(uncertainty, Mapping):
         raise InputTypeError(f"uncertainty = {show(uncertainty)}: must be a table of standard deviations by column")
     given = dict(uncertainty or {})
-    names = [
-        name for name in data.columns if not name.endswith(DEVIATION) or name[: -len(DEVIATION)] not in data.columns
-    ]
-    stranger = next((name for name in given if name not in names), None)
-    if stranger is not None:
-        raise InputError(f"uncertainty of {show(stranger)}: {data.name} has no such column; it has {', '.join(names)}")
+    names = [name for name in data.columns if name.removesuffix(DEVIATION) not in set(data.columns) - {name}]
+    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
+        raise InputTypeError(f"columns = {show(columns)}: must be a list of names of columns of the data")
+    for place, wanted in (("columns", columns or ()), ("uncertainty", given)):
+        stranger = next((name for name in wanted if name not in names), None)
+        if stranger is not None:
+            raise InputError(f"{place}: {data.name} has no column {show(stranger)}; it has {', '.join(names)}")
+    names = names if columns is None else list(dict.fromkeys(columns))
     found = []
     for name in names:
         known = np.isfinite(data.columns[name]) & (data.time >= 0.0) & (data.time <= until)
