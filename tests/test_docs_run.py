@@ -15,7 +15,7 @@ from membrane_rs import Simulation
 from membrane_rs.cli import app
 from typer.testing import CliRunner
 
-NOT_RUN = {"studies.md": 1, "viewer.md": 1}
+NOT_RUN = {"studies.md": 1, "sweeps.md": 1, "viewer.md": 1}
 """How many blocks of a page are not run; those of any other page all are."""
 RUNNABLE = [page for page in PAGES if any(block.is_code for block in blocks(page))]
 

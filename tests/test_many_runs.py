@@ -261,7 +261,7 @@ def test_executors_of_the_caller_that_break() -> None:
     context, odd = get_context("spawn"), replace(SETUP, record={"odd": lambda sim: sim.time})
     setup = replace(SETUP, record={"time_again": dies_at_fifty})
     with ProcessPoolExecutor(1, context) as broken, ManyRuns(falling(), setup, executor=broken) as runs:
-        refused(lambda: runs.all_results(POINTS), ExecutorError, "go on with a new one")
+        refused(lambda: runs.all_results(POINTS), ExecutorError, "go on with a new executor")
     with ProcessPoolExecutor(1, context) as unable, ManyRuns(falling(), odd, executor=unable) as runs:
         refused(lambda: runs.all_results(POINTS), InputError, "top level of a module")
     with ManyRuns(falling(), odd) as runs:

@@ -178,25 +178,21 @@ def _given(**options: Any) -> dict[str, Any]:
 
 def _made(make: Callable[[Where, Progress], Sweep], scene: Scene, folder: Path, dask: str | None) -> Sweep:
     """The runs, with their progress; where they are interrupted, how to go on with them."""
+    from membrane_rs.study.common.kept_runs import count_kept
+
     report_audit(scene)
-    done = 0
-    with run_counter() as counted:
-
-        def progress(*now: Any) -> None:
-            nonlocal done
-            done = now[0]
-            counted(*now)
-
-        try:
+    try:
+        with run_counter() as progress:
             if dask is None:
                 return make("processes", progress)
             with _cluster(dask) as executor:
                 return make(executor, progress)
-        except KeyboardInterrupt as stop:
-            if not done:
-                raise
-            tell(f"Stopped. {done} runs are kept in {folder}; the same command goes on with them.")
-            raise typer.Exit(exit_code(stop)) from None
+    except KeyboardInterrupt as stop:
+        kept = count_kept(folder)
+        if not kept:
+            raise
+        typer.echo(f"Stopped. {kept} runs are kept in {folder}; the same command goes on with them.", err=True)
+        raise typer.Exit(exit_code(stop)) from None
 
 
 @contextmanager

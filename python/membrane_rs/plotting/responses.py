@@ -91,6 +91,8 @@ def responses_of(
         for name in dict.fromkeys(name for row in rows for name in row)
         if name not in (*varied, "run", "start") and np.isfinite(response_of(name, units).values(rows)).any()
     ]
+    if not known:
+        raise InputError("no run has come to its end; see in the table what failed")
     if names is not None:
         unknown = next((name for name in names if name not in known), None)
         if unknown is not None:
@@ -102,11 +104,7 @@ def responses_of(
         for response in (response_of(name, units) for name in dict.fromkeys((*recorded, *PREFERRED)) if name in known)
         if _differ(response, rows)
     ]
-    if not found:
-        found = [response_of(name, units) for name in PREFERRED if name in known][:1]
-    if not found:
-        raise InputError("no run has come far enough for a figure; see what failed in the table")
-    return found[:MOST]
+    return found[:MOST] or [response_of(next((name for name in PREFERRED if name in known), known[0]), units)]
 
 
 def _differ(response: Response, rows: Sequence[Row]) -> bool:

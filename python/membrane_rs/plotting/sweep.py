@@ -11,6 +11,7 @@ import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +35,8 @@ LEAST_SPREAD = 1e-6
 """A spread over starts that is a smaller share of the mean is not written into the cell of a map."""
 FLAT = 0.72
 """Height of a panel, over that of a panel against time."""
+WRAP = 22
+"""Letters in a line beside a panel."""
 LOG_RATIO = 20.0
 """Ratio of the largest to the smallest value from which a list of values is shown on a logarithmic axis."""
 MOST_CELLS = 12
@@ -111,7 +114,7 @@ def plot_sweep(
     check_kind(title, str, "title", "a text")
     if not rows or not parameters:
         raise InputError("a sweep without runs, or without parameters, has no figure; plot_ensemble shows starts alone")
-    shown = responses_of(rows, columns, units or {}, [one.key for one in parameters])
+    shown = responses_of(_good(rows), columns, units or {}, [one.key for one in parameters])
     with look.context():
         if len(parameters) == 2 and not sampled and min(len(one.values) for one in parameters) > 1:
             figure = _maps(rows, parameters, shown, look)
@@ -154,14 +157,12 @@ def _effects(
         factor, unit = prefixed(response.unit, [response.values(_good(rows))])
         for axes, parameter in zip(line, parameters, strict=True):
             _draw_effect(axes, rows, parameters, parameter, (response, factor), sampled=sampled)
-        line[0].set_ylabel(axis_label(plain_text(response.label), unit))
+        line[0].set_ylabel(_wrapped(response.label, unit))
     for axes, parameter in zip(panels[-1], parameters, strict=True):
         _set_axis(axes.xaxis, parameter)
         axes.set_xlabel(axis_label(plain_text(parameter.key), parameter.unit))
         if parameter.has_log_axis:
-            axes.set_xscale("log")
-            if not sampled:
-                _set_log_ticks(axes, parameter)
+            _set_log_axis(axes, parameter, sampled=sampled)
     add_letters(list(panels.ravel()), style)
     _add_failures(figure, rows)
     figure.align_ylabels(list(panels[:, 0]))
@@ -225,7 +226,7 @@ def _maps(rows: Sequence[Row], parameters: Sequence[Varied], shown: Sequence[Res
             place = list(up.values).index(y), list(across.values).index(x)
             cells[place] = mean_and_spread(response.values(_good(some)) / factor)
         image = axes.imshow(cells[..., 0], origin="lower", aspect="auto", cmap="viridis")
-        figure.colorbar(image, ax=axes, label=axis_label(plain_text(response.label), unit))
+        figure.colorbar(image, ax=axes, label=_wrapped(response.label, unit))
         axes.grid(visible=False)
         _write_cells(axes, cells, points, parameters)
         for axis, parameter in ((axes.xaxis, across), (axes.yaxis, up)):
@@ -266,11 +267,23 @@ def _set_axis(axis: Any, parameter: Varied) -> None:
         axis.set_ticks(ticks, [_word(parameter.values[k]) for k in ticks])
 
 
-def _set_log_ticks(axes: Axes, parameter: Varied) -> None:
-    """The values themselves as ticks of a logarithmic axis, where they are few."""
-    if 1 < len(parameter.values) <= 8:
-        axes.set_xticks(list(parameter.values), [_word(value) for value in parameter.values])
-        axes.minorticks_off()
+def _set_log_axis(axes: Axes, parameter: Varied, *, sampled: bool) -> None:
+    """A logarithmic axis, whose ticks are the values themselves where they are few."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axes.set_xscale("log")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: _word(value)))
+    if not sampled and 1 < len(parameter.values) <= 8:
+        axes.set_xticks(list(parameter.values))
+    else:
+        decades = math.log10(max(parameter.values) / min(parameter.values))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.0 else (1.0,), numticks=7))
+
+
+def _wrapped(label: str, unit: str) -> str:
+    """Label and unit in lines that fit beside a panel."""
+    return "\n".join(wrap(axis_label(plain_text(label), unit), WRAP))
 
 
 def _some(ticks: Sequence[int]) -> list[int]:

@@ -29,7 +29,7 @@ from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
 
 CURVES = "curves"
 """The file of means and spreads."""
-NOTHING = "ensemble: no run has come to its end; see what failed in the table"
+NOTHING = "ensemble: no run has come to its end; see in the table what failed"
 NOT_OF_THE_MOTION = ("time", "dt", "steps", "rejected_steps", "evaluations", "wall_time")
 
 

@@ -148,6 +148,11 @@ class KeptRuns:
         return self.path / RUNS / f"{point_mark(point)}.npz"
 
 
+def count_kept(folder: Path) -> int:
+    """Number of runs that a folder holds."""
+    return sum(1 for _ in (folder / RUNS).glob("*.npz"))
+
+
 def point_mark(point: RunPoint) -> str:
     """A short mark of values and start, the same for the same bits."""
     text = json.dumps({"values": dict(point.values), "start": point.start}, sort_keys=True)

@@ -53,7 +53,10 @@ class Lane:
         """The error of an executor that cannot be made anew."""
         reason = " ".join(str(error).split()) or type(error).__name__
         name = type(self.executor).__name__
-        return ExecutorError(f"executor {name}: takes no more runs ({reason}); go on with a new one")
+        return ExecutorError(
+            f"executor {name}: takes no more runs ({reason}); those that are done are in the folder, if there is one: "
+            "go on with a new executor"
+        )
 
     def renew(self, error: BaseException) -> None:
         """Replace a broken executor. Raises ExecutorError where the caller has made it."""

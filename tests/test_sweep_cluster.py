@@ -1,0 +1,130 @@
+"""A sweep on a cluster of dask: scheduler and workers are processes, and one worker is killed in the middle."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from membrane_rs import InputError, scenes
+from membrane_rs.cli import app
+from membrane_rs.runs import Simulation
+from membrane_rs.study import open_sweep, sweep
+from membrane_rs.study.common.cluster import cluster
+from membrane_rs.study.common.one_run import RunResult
+from small_scenes import refused
+from typer.testing import CliRunner
+
+pytest.importorskip("distributed")
+
+BEGUN = "MEMBRANE_RS_TEST_BEGUN"
+"""The environment variable of the folder in which workers note the runs that they begin."""
+VARY = {"laws.spin.frequency": [1.0, 1.5, 2.0, 2.5]}
+
+
+@dataclass
+class Cluster:
+    """Address of the scheduler, workers, and the folder of their notes."""
+
+    address: str
+    workers: list[subprocess.Popen[bytes]]
+    folder: Path
+
+
+def begun(sim: Simulation) -> float:
+    """Notes by which process a run is begun, and takes a while."""
+    if sim.time == 0.0:
+        (Path(os.environ[BEGUN]) / f"{os.getpid()}-{time.monotonic_ns()}").touch()
+    time.sleep(0.02)
+    return sim.time
+
+
+@pytest.fixture(scope="module")
+def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """The address of a scheduler, and two workers of one thread each; all of them end with the tests."""
+    folder = tmp_path_factory.mktemp("cluster")
+    file, started = folder / "scheduler.json", []
+    here = {**os.environ, "PYTHONPATH": str(Path(__file__).parent), BEGUN: str(folder)}
+    quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": here, "cwd": folder}
+
+    def start(command: str, *words: str) -> subprocess.Popen[bytes]:
+        line = [sys.executable, "-m", "distributed.cli." + command, "--scheduler-file", str(file), "--no-dashboard"]
+        started.append(subprocess.Popen([*line, *words], **quiet))
+        return started[-1]
+
+    try:
+        start("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+        workers = [start("dask_worker", "--nthreads", "1", "--no-nanny", "--name", name) for name in "ab"]
+        until = time.monotonic() + 120.0
+        while not file.is_file() and time.monotonic() < until:
+            time.sleep(0.05)
+        yield Cluster(json.loads(file.read_text())["address"], workers, folder)
+    finally:
+        for process in reversed(started):
+            process.kill()
+        for process in started:
+            process.wait()
+
+
+def rows(found: Any) -> list[dict[str, Any]]:
+    return [{name: value for name, value in row.items() if name != "wall_time"} for row in found.rows]
+
+
+def test_the_command_on_a_cluster(processes: Cluster, tmp_path: Path) -> None:
+    words = ["sweep", "spinning-tether", "--vary", "laws.spin.frequency=1,2", "--until", "1ms", "--samples", "3"]
+    made = CliRunner().invoke(app, [*words, "--dask", processes.address, "--out", str(tmp_path / "out")])
+    assert made.exit_code == 0, made.output
+    assert "2 of 2 runs: 2 finished" in made.output
+
+
+def test_a_killed_worker_loses_no_run_and_makes_none_twice(
+    processes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    address, workers = processes.address, processes.workers
+    (tmp_path / "here").mkdir()
+    options: dict[str, Any] = {"starts": 3, "until": 0.02, "samples": 21, "record": {"begun": (begun, "s")}}
+
+    def kill(done: int, total: int, result: RunResult) -> None:
+        assert (total, result.outcome) == (12, "finished")
+        if done == 3:
+            workers[0].send_signal(signal.SIGKILL)
+
+    with cluster(address) as executor:
+        found = sweep(
+            "spinning-tether", VARY, out=tmp_path / "out", table="csv", executor=executor, progress=kill, **options
+        )
+        notes = {file.name: int(file.name.partition("-")[0]) for file in processes.folder.glob("[0-9]*-*")}
+    assert workers[0].wait() == -signal.SIGKILL
+    # Both have begun runs, and more were begun than there are: one was cut off, and made again by the other.
+    assert set(notes.values()) == {worker.pid for worker in workers}
+    assert len(notes) > 12
+    assert [(row["run"], row["outcome"]) for row in found.rows] == [(k, "finished") for k in range(12)]
+    assert len(list((tmp_path / "out" / "runs").iterdir())) == 12
+    assert len((tmp_path / "out" / "table.csv").read_text().splitlines()) == 13
+    monkeypatch.setenv(BEGUN, str(tmp_path / "here"))
+    assert rows(found) == rows(sweep("spinning-tether", VARY, **options)) == rows(open_sweep(tmp_path / "out"))
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "", "tcp://", "http://["])
+def test_no_scheduler(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("membrane_rs.study.common.cluster.SECONDS", 0.5)
+
+    def connected() -> None:
+        with cluster(address):
+            pass
+
+    refused(connected, InputError, "no scheduler answers there")
+
+
+def test_scenes_are_sent_small() -> None:
+    from membrane_rs.study.common.one_run import packed
+
+    assert len(packed(scenes.load("okuizumi-model-1"))) < 10**5
