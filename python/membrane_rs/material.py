@@ -28,6 +28,16 @@ class Material:
     ------
     InputError, InputTypeError
         A value outside its range, or no number.
+
+    Examples
+    --------
+    >>> from membrane_rs import Material
+    >>> film = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)
+    >>> film.thickness
+    7.5e-06
+    >>> Material(3.2e9, 0.34, 1420.0, -7.5e-6)
+    Traceback (most recent call last):
+    membrane_rs.errors.InputError: Material.thickness = -7.5e-06: must be greater than 0 (m)
     """
 
     youngs_modulus: Annotated[Positive, Unit("Pa")]

@@ -9,7 +9,25 @@ from membrane_rs.scene import Scene
 
 
 def facts(scene: Scene) -> dict[str, str]:
-    """What a scene is, by name, each with its unit: size, area, thickness, masses, spin."""
+    """What a scene is, by name, each with its unit: size, area, thickness, masses, spin.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    dict of str to str
+        Values with their units, by name.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.check import facts
+    >>> facts(scenes.load("okuizumi-model-1"))["thickness"]
+    '7.5e-06 m'
+    """
     assembly = scene.assemble()
     found: dict[str, str] = {}
     for name, points in (("size", assembly.reference), ("at start", assembly.positions)):

@@ -112,12 +112,37 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
         The findings of all `CHECKS` and `STEPPING_CHECKS`, and of `COSTLY_CHECKS` or a note that those were left out.
         Of a scene with stages those of each stage, which a message names unless they all have it; those `OF_START` of
         the first stage alone.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.check import audit
+    >>> audit(scenes.load("spinning-tether"), costly=False).ok
+    True
     """
     return _audit(scene, Stepping.of_scene, COSTLY_CHECKS if costly else [_left_out])
 
 
 def audit_of_motion(sim: Motion) -> Audit:
-    """The same of the scene of a simulation, with the method and the step that it has; costly checks left out."""
+    """The same of the scene of a simulation, with the method and the step that it has; costly checks left out.
+
+    Parameters
+    ----------
+    sim : Motion
+        The simulation.
+
+    Returns
+    -------
+    Audit
+        The findings.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.check import audit_of_motion
+    >>> audit_of_motion(Simulation(scenes.load("spinning-tether"))).ok
+    True
+    """
 
     def stepping_of(scene: Scene) -> Stepping:
         is_present = scene is (sim.stage_scene if sim.scene.stages else sim.scene)
@@ -174,6 +199,23 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
 
     `Springs.negative` "clip" or "keep" accepts negative springs, and "keep" the modes that grow by them; a strain limit
     above the strain at the start accepts that.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    tuple of Finding
+        Each once.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.check import unaccepted_errors
+    >>> unaccepted_errors(scenes.load("spinning-tether"))
+    ()
     """
     stages = [scene.staged(k) for k in range(len(scene.stages))] or [scene]
     found = [error for k, staged in enumerate(stages) for error in _unaccepted(staged, _of_stage(CHECKS, k))]

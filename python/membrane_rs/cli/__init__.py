@@ -7,6 +7,8 @@ commands, so that `--help` is quick.
 
 from __future__ import annotations
 
+# A command is registered by the import of its file: one line each.
+from membrane_rs.cli import calibrate as calibrate
 from membrane_rs.cli import compare as compare
 from membrane_rs.cli import figures as figures
 from membrane_rs.cli import report as report
@@ -17,7 +19,6 @@ from membrane_rs.cli import sweep as sweep
 from membrane_rs.cli import view as view
 from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output
 
-# A command is registered by the import of its file, one line each.
 __all__ = ["app", "main"]
 
 

@@ -56,6 +56,13 @@ class Disc(Pattern):
     ------
     MeshError
         A hole that leaves no disc, too few rings for so small a hole, or more nodes than fit.
+
+    Examples
+    --------
+    >>> from membrane_rs.folding import Disc
+    >>> mesh = Disc(radius=0.1, rings=8).mesh()
+    >>> mesh.node_count, len(mesh.node_sets["rim"])
+    (217, 48)
     """
 
     radius: Annotated[Positive, Unit("m")]

@@ -35,6 +35,13 @@ class EquilateralLattice(Pattern):
     ------
     MeshError
         More nodes than fit.
+
+    Examples
+    --------
+    >>> from membrane_rs.folding import EquilateralLattice
+    >>> mesh = EquilateralLattice(side=0.01, columns=10, rows=8).mesh()
+    >>> float(mesh.flatness().min().round(3))
+    0.866
     """
 
     side: Annotated[Positive, Unit("m")]

@@ -14,13 +14,36 @@ from membrane_rs.mesh import Mesh
 
 @runtime_checkable
 class Pattern(Protocol):
-    """Makes a flat mesh, its creases and its folded shape. A class that derives from it needs `mesh` alone."""
+    """Makes a flat mesh, its creases and its folded shape. A class that derives from it needs `mesh` alone.
+
+    Examples
+    --------
+    >>> from membrane_rs.folding import PATTERNS, Pattern
+    >>> isinstance(PATTERNS["strip"](length=0.1, width=0.01, columns=10), Pattern)
+    True
+    """
 
     def mesh(self) -> Mesh:
-        """The mesh, whose `source` is this pattern."""
+        """The mesh, whose `source` is this pattern.
+
+        Returns
+        -------
+        Mesh
+            Flat, with its stowed positions and creases.
+        """
 
     def refined(self, density: float) -> Pattern:
         """The pattern with `density` times as many cells along each direction.
+
+        Parameters
+        ----------
+        density : float
+            Factor of the number of cells along each direction [-].
+
+        Returns
+        -------
+        Pattern
+            Of the same kind.
 
         Raises
         ------
@@ -30,7 +53,13 @@ class Pattern(Protocol):
         raise InputError(f"density = {density:g}: the pattern {type(self).__name__} cannot be made coarser or finer")
 
     def counts(self) -> dict[str, int] | None:
-        """ "masses", "springs" and "elements" as the literature counts them; None: as the mesh has them."""
+        """ "masses", "springs" and "elements" as the literature counts them; None: as the mesh has them.
+
+        Returns
+        -------
+        dict of str to int, or None
+            By name.
+        """
         return None
 
 

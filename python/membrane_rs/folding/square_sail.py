@@ -74,6 +74,19 @@ class SquareSail(StowedPattern):
     ------
     MeshError
         Dimensions that do not go together.
+
+    Examples
+    --------
+    >>> from membrane_rs.folding import SquareSail
+    >>> sail = SquareSail(outer_width=0.3, inner_width=0.09, fold_lines=5)
+    >>> mesh = sail.mesh()
+    >>> mesh.node_count == len(mesh.positions), sorted(sail.counts())
+    (True, ['elements', 'masses', 'springs'])
+    >>> finer = sail.refined(2.0).mesh()
+    >>> len(finer.triangles) == 4 * len(mesh.triangles)
+    True
+    >>> sail.with_rows(24).rows
+    24
     """
 
     outer_width: Annotated[Positive, Unit("m")] = 0.455
@@ -169,7 +182,19 @@ class SquareSail(StowedPattern):
         return 2.0 * math.pi * (self.turns or 0.0)
 
     def facts(self) -> dict[str, str]:
-        """Radii, turns and distance of layers of the wound sail; nothing of the cross."""
+        """Radii, turns and distance of layers of the wound sail; nothing of the cross.
+
+        Returns
+        -------
+        dict of str to str
+            Values with their units, by name.
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import SquareSail
+        >>> list(SquareSail(stowage="wound").facts())
+        ['roll']
+        """
         if self.stowage == "cross":
             return {}
         path = self._wound_path()
@@ -183,6 +208,11 @@ class SquareSail(StowedPattern):
         """(k, 2) points in plan [m] of a cord to a node of the diagonals, at `node` (3,) in the flat sail.
 
         In the wound sail it lies in the middle of an arm, from the hairpin on. None for other nodes, and in the cross.
+
+        Parameters
+        ----------
+        node : int
+            Of the inner edge, where a tether ends.
         """
         x, y = float(node[0]), float(node[1])
         row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)
@@ -254,7 +284,18 @@ class SquareSail(StowedPattern):
         return replace(self, rows=rows, columns=columns)
 
     def with_rows(self, rows: int) -> SquareSail:
-        """The sail with so many rows of cells in each petal. Raises MeshError for no multiple of the strips."""
+        """The sail with so many rows of cells in each petal. Raises MeshError for no multiple of the strips.
+
+        Parameters
+        ----------
+        rows : int
+            From the inner to the outer edge.
+
+        Returns
+        -------
+        SquareSail
+            With the same dimensions.
+        """
         return replace(self, rows=rows)
 
     def _petal(self) -> FlatPetal:

@@ -43,6 +43,13 @@ class Strip(Pattern):
     ------
     MeshError
         A crease that falls inside a column, or twice in one place; more nodes than fit.
+
+    Examples
+    --------
+    >>> from membrane_rs.folding import Strip
+    >>> mesh = Strip(length=0.1, width=0.02, columns=10, creases=[0.5], fold_angle=1.0).mesh()
+    >>> sorted(mesh.node_sets), mesh.fold_angles.tolist()
+    (['crease-0', 'end', 'start'], [1.0])
     """
 
     length: Annotated[Positive, Unit("m")]

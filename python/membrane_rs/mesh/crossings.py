@@ -35,6 +35,16 @@ class Crossings:
         that passes exactly through an edge or a node of another one touches its triangles, and crosses none of them.
     candidates : int
         Pairs whose bounding boxes overlap or touch, which were looked at one by one.
+
+    Examples
+    --------
+    Two triangles that share no node, one through the other:
+
+    >>> from membrane_rs import Mesh
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, -1], [0.2, 0.2, 1], [0.3, 0.3, 1]]
+    >>> found = Mesh(points, [[0, 1, 2], [3, 4, 5]]).crossings()
+    >>> found.count, found.pairs.tolist()
+    (1, [[0, 1]])
     """
 
     pairs: Ints

@@ -36,6 +36,16 @@ class Finding:
         What it is, in numbers; what to do.
     where : tuple of int
         The first ten: nodes, triangles, or rows of `mesh.edges`, as the message says.
+
+    Examples
+    --------
+    >>> from membrane_rs.mesh import Finding
+    >>> found = Finding("warning", "strain", 2, "2 edges are strained by 1 %", "move their nodes")
+    >>> print(found)
+    warning: 2 edges are strained by 1 %
+        move their nodes
+    >>> found.as_dict()["count"]
+    2
     """
 
     severity: Severity
@@ -52,19 +62,59 @@ class Finding:
         return f"{self.severity}: {self.message}{remedy}"
 
     def as_dict(self) -> dict[str, Any]:
-        """Severity, kind, count, message and remedy, as summary.json holds them."""
+        """Severity, kind, count, message and remedy, as summary.json holds them.
+
+        Returns
+        -------
+        dict of str to object
+            By these names.
+        """
         return {name: getattr(self, name) for name in ("severity", "kind", "count", "message", "remedy")}
 
 
 @dataclass(frozen=True)
 class Audit:
-    """All that the audit found, errors first."""
+    """All that the audit found, errors first.
+
+    Parameters
+    ----------
+    findings : tuple of Finding
+        Errors first, then warnings, then facts.
+
+    Examples
+    --------
+    >>> from membrane_rs import Mesh
+    >>> sliver = Mesh([[0, 0, 0], [1, 0, 0], [0.5, 1e-9, 0], [0.5, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> audit = sliver.audit()
+    >>> audit.ok, audit.find("degenerate").count
+    (False, 1)
+    >>> audit.without_facts().findings[0].severity
+    'error'
+    """
 
     findings: tuple[Finding, ...]
 
     @classmethod
     def of(cls, findings: Iterable[Finding]) -> Audit:
-        """Findings in any order."""
+        """Findings in any order.
+
+        Parameters
+        ----------
+        findings : iterable of Finding
+            In any order.
+
+        Returns
+        -------
+        Audit
+            Of these, in order.
+
+        Examples
+        --------
+        >>> from membrane_rs.mesh import Audit, Finding
+        >>> audit = Audit.of([Finding("info", "pieces", 1, "one piece", "")])
+        >>> audit.ok
+        True
+        """
         return cls(tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity))))
 
     @property
@@ -83,11 +133,28 @@ class Audit:
         return self._of_severity("warning")
 
     def find(self, kind: str) -> Finding | None:
-        """The finding of a kind, or None."""
+        """The finding of a kind, or None.
+
+        Parameters
+        ----------
+        kind : str
+            See `Finding`.
+
+        Returns
+        -------
+        Finding or None
+            The first one.
+        """
         return next((finding for finding in self.findings if finding.kind == kind), None)
 
     def without_facts(self) -> Audit:
-        """Errors and warnings alone."""
+        """Errors and warnings alone.
+
+        Returns
+        -------
+        Audit
+            Without findings of severity "info".
+        """
         return Audit(self.errors + self.warnings)
 
     def __str__(self) -> str:

@@ -8,25 +8,21 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._files import path_of
 from membrane_rs._given_arrays import numeric
-from membrane_rs._validation import check_text, show
-from membrane_rs.errors import InputError, InputTypeError, MeshError
+from membrane_rs.errors import InputError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit
 from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
 from membrane_rs.mesh.file import ARRAYS, read_mesh, write_mesh
 from membrane_rs.mesh.findings import Audit
 from membrane_rs.mesh.fold_angles import check_fold_angles, fold_angles_of
-from membrane_rs.mesh.queries import distinct
+from membrane_rs.mesh.given_mesh import fitting, indices_of, node_sets_of, or_empty, points_of
 from membrane_rs.mesh.triangulation import Triangulation, frozen
-
-LONGEST_NAME = 1000
-"""Characters of the name of a node set: archives cut longer ones than some ten thousand."""
 
 
 class Mesh(Triangulation):
@@ -67,6 +63,21 @@ class Mesh(Triangulation):
         Something that is no number, or no whole number where an index is asked for.
 
     A mesh is read only, its arrays as well.
+
+    Examples
+    --------
+    A square of two triangles that share a valley fold:
+
+    >>> from membrane_rs import Material, Mesh
+    >>> corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> mesh = Mesh(corners, [[0, 1, 2], [0, 2, 3]], creases=[[0, 2]], fold_angles=[0.5], node_sets={"base": [0, 1]})
+    >>> mesh.node_count, len(mesh.edges), mesh.node_sets["base"].tolist()
+    (4, 5, [0, 1])
+    >>> film = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
+    >>> mesh.areas().tolist(), round(float(mesh.masses(film).sum()), 5)
+    ([0.5, 0.5], 0.01065)
+    >>> float(abs(mesh.strain()).max()), mesh.audit(film).ok
+    (0.0, True)
     """
 
     ONCE: ClassVar[tuple[str, ...]] = (*Triangulation.ONCE, "positions", "fold_angles", "source")
@@ -83,19 +94,19 @@ class Mesh(Triangulation):
         bridges: ArrayLike | None = None,
         source: object = None,
     ) -> None:
-        nodes = _points(reference, "reference")
+        nodes = points_of(reference, "reference")
         self.source = source
         n = len(nodes)
         if n == 0:
             raise MeshError("reference has no nodes; a mesh needs at least three")
-        corners = _indices(triangles, "triangles", 3, n)
+        corners = indices_of(triangles, "triangles", 3, n)
         if len(corners) == 0:
             raise MeshError("triangles is empty; a mesh needs at least one triangle")
-        stowed = nodes if positions is None else _fitting(positions, n)
-        folded = _indices(_or_empty(creases), "creases", 2, n)
-        super().__init__(nodes, corners, folded, _indices(_or_empty(bridges), "bridges", 2, n))
+        stowed = nodes if positions is None else fitting(positions, n)
+        folded = indices_of(or_empty(creases), "creases", 2, n)
+        super().__init__(nodes, corners, folded, indices_of(or_empty(bridges), "bridges", 2, n))
         self.positions: Floats = stowed
-        self._node_sets = _node_sets({} if node_sets is None else node_sets, n)
+        self._node_sets = node_sets_of({} if node_sets is None else node_sets, n)
         self._check_creases()
         self.fold_angles: Floats = self._fold_angles(fold_angles)
 
@@ -107,10 +118,27 @@ class Mesh(Triangulation):
     def strain(self, positions: ArrayLike | None = None) -> Floats:
         """(e,) strain of each edge, by default in the stowed positions; inf for an edge of no length.
 
+        Parameters
+        ----------
+        positions : (n, 3) array_like, optional
+            Of the nodes [m]. Default: the stowed positions.
+
+        Returns
+        -------
+        (e,) float64
+            Strain of each edge [-], in the order of `edges`.
+
         Raises
         ------
         MeshError, InputTypeError
             Positions that do not fit the mesh.
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import Strip
+        >>> mesh = Strip(length=0.1, width=0.01, rows=1, columns=10).mesh()
+        >>> float(mesh.strain(1.01 * mesh.reference).max().round(6))
+        0.01
         """
         points = self.positions if positions is None else self.checked_positions(positions)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -141,6 +169,11 @@ class Mesh(Triangulation):
             Whether modes that grow by negative springs are computed, which takes some seconds for 50,000 nodes.
         crossings : bool
             Whether triangles that pass through each other are counted, as `Mesh.crossings` does.
+
+        Returns
+        -------
+        Audit
+            What was found, errors first.
         """
         points = self.positions if positions is None else self.checked_positions(positions)
         return audit(self, material, points, self.strain(points), springs=springs, growth=growth, crossings=crossings)
@@ -167,6 +200,12 @@ class Mesh(Triangulation):
             Positions that do not fit the mesh.
         InputError
             A limit below 0.
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import SquareSail
+        >>> SquareSail().mesh().crossings().count
+        0
         """
         points = self.positions if positions is None else self.checked_positions(positions)
         return crossings(self.triangles, points, limit)
@@ -174,12 +213,22 @@ class Mesh(Triangulation):
     def checked_positions(self, positions: ArrayLike) -> Floats:
         """A read-only copy of positions that fit this mesh.
 
+        Parameters
+        ----------
+        positions : (n, 3) array_like
+            Of the nodes [m].
+
+        Returns
+        -------
+        (n, 3) float64
+            The copy [m].
+
         Raises
         ------
         MeshError, InputTypeError
             Another shape than (n, 3), NaN or infinite, no numbers.
         """
-        return _fitting(positions, self.node_count)
+        return fitting(positions, self.node_count)
 
     def save(self, path: str | Path) -> None:
         """Write the mesh into one numpy archive (.npz), whole or not at all.
@@ -187,12 +236,28 @@ class Mesh(Triangulation):
         `membrane_rs.mesh.file` describes the format: the arrays of this class by their names, node sets as
         "node_set:<name>". A scene file names it as `[mesh] file = "mesh.npz"`.
 
+        Parameters
+        ----------
+        path : path
+            Of the file, which ends in .npz.
+
         Raises
         ------
         InputError
             A path that does not end in .npz.
         OutputError
             It cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from membrane_rs import Mesh
+        >>> mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     mesh.save(Path(folder) / "mesh.npz")
+        ...     Mesh.load(Path(folder) / "mesh.npz")
+        Mesh(3 nodes, 1 triangles, 0 crease edges)
         """
         file = path_of(path)
         if file.suffix != ".npz":
@@ -202,6 +267,16 @@ class Mesh(Triangulation):
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """The mesh that `save` wrote; its `source` is None.
+
+        Parameters
+        ----------
+        path : path
+            Of the file.
+
+        Returns
+        -------
+        Mesh
+            Equal to the one that was saved.
 
         Raises
         ------
@@ -260,85 +335,3 @@ class Mesh(Triangulation):
             )
         check_fold_angles(self, self.positions, angles)
         return frozen(angles)
-
-
-def _or_empty(pairs: ArrayLike | None) -> ArrayLike:
-    return np.empty((0, 2), dtype=np.int64) if pairs is None else pairs
-
-
-def _points(values: ArrayLike, name: str) -> Floats:
-    array = numeric(values, name, "fiu", "numbers, in metres", MeshError)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshError(f"{name} has shape {array.shape}; it must be (n, 3), one row x, y, z for each node")
-    with np.errstate(over="ignore"):
-        points = np.array(array, dtype=np.float64, order="C")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise MeshError(
-            f"{name}[{bad[0]}] = {points[bad[0]].tolist()} is not finite ({len(bad)} such nodes); "
-            "replace NaN and infinite values by numbers"
-        )
-    return frozen(points)
-
-
-def _fitting(positions: ArrayLike, node_count: int) -> Floats:
-    """A copy of positions, (n, 3) [m], that fit a mesh of so many nodes."""
-    points = _points(positions, "positions")
-    if len(points) != node_count:
-        raise MeshError(f"positions has {len(points)} nodes and reference {node_count}; give one row for each node")
-    return points
-
-
-def _indices(values: ArrayLike, name: str, width: int, node_count: int) -> Ints:
-    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
-    if array.size == 0:
-        array = np.empty((0, width), dtype=np.int64)
-    if width == 3 and array.shape[1:] == (4,):
-        raise MeshError(
-            f"{name} has shape {array.shape}: these are quadrilaterals; split each a, b, c, d into the triangles "
-            "a, b, c and a, c, d: numpy.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])"
-        )
-    if array.ndim != 2 or array.shape[1] != width:
-        raise MeshError(f"{name} has shape {array.shape}; it must be (k, {width}), node indices in each row")
-    _check_range(array, name, node_count)
-    rows: Ints = np.array(array, dtype=np.int64, order="C")
-    ordered = np.sort(rows, axis=1)
-    bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
-    if len(bad):
-        raise MeshError(
-            f"{name}[{bad[0]}] = {rows[bad[0]].tolist()} names a node twice ({len(bad)} such rows); "
-            "remove the row or correct it"
-        )
-    return frozen(rows)
-
-
-def _node_sets(sets: Mapping[str, ArrayLike], node_count: int) -> dict[str, Ints]:
-    if not isinstance(sets, Mapping) or not all(isinstance(name, str) for name in sets):
-        raise InputTypeError("node_sets must be a dict from names (str) to lists of node indices")
-    for name in sets:
-        check_text(name, "node_sets: the name")
-        if not 1 <= len(name) <= LONGEST_NAME or "\0" in name:
-            raise MeshError(
-                f"node_sets: the name {show(name)}: must be 1 to {LONGEST_NAME} characters without a NUL, for files"
-            )
-    return {name: _node_set(nodes, f"node_sets['{name}']", node_count) for name, nodes in sets.items()}
-
-
-def _node_set(values: ArrayLike, name: str, node_count: int) -> Ints:
-    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
-    if array.ndim != 1:
-        raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of node indices")
-    _check_range(array, name, node_count)
-    nodes: Ints = frozen(np.array(array, dtype=np.int64))
-    if len(distinct(nodes)) < len(nodes):
-        raise MeshError(f"{name} names a node twice; name it once")
-    return nodes
-
-
-def _check_range(array: NDArray[Any], name: str, node_count: int) -> None:
-    if array.size and (array.min() < 0 or array.max() >= node_count):
-        bad = np.argwhere((array < 0) | (array >= node_count))[0]
-        raise MeshError(
-            f"{name}[{', '.join(map(str, bad))}] = {array[tuple(bad)]} is no node; "
-            f"indices run from 0 to {node_count - 1}"
-        )

@@ -56,6 +56,18 @@ class NetModuli:
     local_extremes : tuple of float
         Least and greatest E/E_Y over all directions, each as a mean over the surroundings of the inner nodes. On a
         mesh whose cells turn from place to place, as on a disc, the whole hides how these differ.
+
+    Examples
+    --------
+    >>> from membrane_rs import Material
+    >>> from membrane_rs.folding import EquilateralLattice
+    >>> from membrane_rs.mesh import net_moduli
+    >>> film = Material(3.2e9, 1 / 3, 1420.0, 7.5e-6)
+    >>> net = net_moduli(EquilateralLattice(side=0.01, columns=12, rows=12).mesh(), film, relaxed=True)
+    >>> net.stiffness.shape, net.film_poisson_ratio
+    ((3, 3), 0.3333333333333333)
+    >>> bool(net.modulus(30.0) > 0.9), bool(net.shear_modulus(30.0) > 0.8), bool(0.2 < net.poisson_ratio(30.0) < 0.5)
+    (True, True, True)
     """
 
     stiffness: Floats
@@ -64,18 +76,51 @@ class NetModuli:
     local_extremes: tuple[float, float]
 
     def modulus(self, angle: Angle = 0.0) -> Floats:
-        """E/E_Y along a direction [deg]."""
+        """E/E_Y along a direction [deg].
+
+        Parameters
+        ----------
+        angle : float or array
+            Direction, from the x axis of the reference [deg].
+
+        Returns
+        -------
+        float64 array
+            [-], of the shape of `angle`.
+        """
         return _modulus(np.linalg.inv(self.stiffness), np.radians(angle))
 
     def shear_modulus(self, angle: Angle = 0.0) -> Floats:
-        """G over the film's, of a shear along a direction [deg]."""
+        """G over the film's, of a shear along a direction [deg].
+
+        Parameters
+        ----------
+        angle : float or array
+            Direction, from the x axis of the reference [deg].
+
+        Returns
+        -------
+        float64 array
+            [-], of the shape of `angle`.
+        """
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         w = np.stack([-2 * c * s, 2 * c * s, c * c - s * s], axis=-1)
         compliance = np.einsum("...i,ij,...j", w, np.linalg.inv(self.stiffness), w)
         return np.asarray(2.0 * (1.0 + self.film_poisson_ratio) / compliance)
 
     def poisson_ratio(self, angle: Angle = 0.0) -> Floats:
-        """nu of a pull along a direction [deg]; not relative."""
+        """nu of a pull along a direction [deg]; not relative.
+
+        Parameters
+        ----------
+        angle : float or array
+            Direction, from the x axis of the reference [deg].
+
+        Returns
+        -------
+        float64 array
+            [-], of the shape of `angle`.
+        """
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         t, p = np.stack([c * c, s * s, c * s], axis=-1), np.stack([s * s, c * c, -c * s], axis=-1)
         compliance = np.linalg.inv(self.stiffness)
@@ -119,11 +164,25 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     clip : bool
         Whether negative spring constants are set to zero, as by `Springs(negative="clip")`. False: they are kept.
 
+    Returns
+    -------
+    NetModuli
+        Relative to those of the film.
+
     Raises
     ------
     MeshError
         A reference that is not flat, a triangle without area, or a net that has no stiffness against some strain,
         because springs are negative or clipped.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.mesh import net_moduli
+    >>> scene = scenes.load("okuizumi-model-1")
+    >>> net = net_moduli(scene.mesh, scene.material)
+    >>> net.is_isotropic
+    False
     """
     check_kind(mesh, Triangulation, "mesh", "a Mesh")
     check_kind(material, Material, "material", "a Material")

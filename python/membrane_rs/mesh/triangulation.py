@@ -75,7 +75,13 @@ class Triangulation(KnownAttributes):
         return frozen(self.lengths_in(self.reference))
 
     def areas(self) -> Floats:
-        """(m,) areas of the triangles in the reference [m2]."""
+        """(m,) areas of the triangles in the reference [m2].
+
+        Returns
+        -------
+        (m,) float64
+            [m2]
+        """
         a, b, c = (self.reference[self.triangles[:, i]] for i in range(3))
         result: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
         return result
@@ -84,6 +90,18 @@ class Triangulation(KnownAttributes):
         """(e,) spring constant of each edge [N/m], the sum over its triangles.
 
         It may be negative, unless `clip` sets negative ones to zero, as `Springs(negative="clip")` does.
+
+        Parameters
+        ----------
+        material : Material
+            The film.
+        clip : bool
+            Whether negative ones are set to zero.
+
+        Returns
+        -------
+        (e,) float64
+            [N/m], in the order of `edges`.
 
         Raises
         ------
@@ -104,12 +122,29 @@ class Triangulation(KnownAttributes):
         return np.maximum(constants, 0.0) if clip else constants
 
     def masses(self, material: Material) -> Floats:
-        """(n,) mass of each node [kg]: a third of each triangle around it."""
+        """(n,) mass of each node [kg]: a third of each triangle around it.
+
+        Parameters
+        ----------
+        material : Material
+            The film.
+
+        Returns
+        -------
+        (n,) float64
+            [kg]
+        """
         areal_density = material.density * material.thickness
         return np.asarray(_core.lumped_masses(self.reference, self.triangles, areal_density), dtype=np.float64)
 
     def flatness(self) -> Floats:
-        """(m,) smallest height over longest side of each triangle; 0 without area, 0.87 equilateral."""
+        """(m,) smallest height over longest side of each triangle; 0 without area, 0.87 equilateral.
+
+        Returns
+        -------
+        (m,) float64
+            [-]
+        """
         return self._flatness
 
     @cached_property
@@ -119,13 +154,37 @@ class Triangulation(KnownAttributes):
         return frozen(np.where(longest > 0.0, ratio, 0.0))
 
     def lengths_in(self, points: Floats) -> Floats:
-        """(e,) lengths of the edges where nodes lie at `points` (n, 3) [m]."""
+        """(e,) lengths of the edges where nodes lie at `points` (n, 3) [m].
+
+        Parameters
+        ----------
+        points : (n, 3) float64
+            [m]
+
+        Returns
+        -------
+        (e,) float64
+            [m]
+        """
         difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
         lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
         return lengths
 
     def find_edges(self, pairs: Ints) -> tuple[Ints, Bools]:
-        """Index in `edges` of each node pair, and whether it is an edge at all."""
+        """Index in `edges` of each node pair, and whether it is an edge at all.
+
+        Parameters
+        ----------
+        pairs : (k, 2) int
+            Nodes.
+
+        Returns
+        -------
+        indices : (k,) int
+            In `edges`; of no meaning where it is none.
+        is_edge : (k,) bool
+            Whether it is one.
+        """
         keys = self.edges[:, 0] * self.node_count + self.edges[:, 1]
         first, second = pairs.T
         wanted = np.minimum(first, second) * self.node_count + np.maximum(first, second)

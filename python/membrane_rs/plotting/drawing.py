@@ -70,5 +70,13 @@ def spread(times: Sequence[float] | Floats, count: int) -> list[int]:
 
 
 def decimals(times: Sequence[float], least: int) -> int:
-    """Decimals by which all times differ [s], `least` or more."""
-    return next((n for n in range(least, 12) if len({f"{time:.{n}f}" for time in times}) == len(times)), 12)
+    """Decimals by which all times differ [s], each right to a twentieth of the least step between them; `least` or
+    more.
+    """
+    step = float(np.diff(np.unique(times)).min(initial=np.inf))
+    for n in range(least, 12):
+        shown = [float(f"{time:.{n}f}") for time in times]
+        off = max((abs(one - other) for one, other in zip(shown, times, strict=True)), default=0.0)
+        if len(set(shown)) == len(times) and off <= 0.05 * step:
+            return n
+    return 12

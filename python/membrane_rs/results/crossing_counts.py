@@ -38,6 +38,15 @@ class CrossingCounts(KnownAttributes):
     ----------
     samples : bool
         Count at each sample of the history, of which there are more, in place of the frames.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.results import CrossingCounts
+    >>> counts = CrossingCounts()
+    >>> Simulation(scenes.load("hanging-strip")).run(0.01, frames=2, observers=[counts])
+    >>> counts.table()["crossing"].tolist()
+    [0.0, 0.0]
     """
 
     ONCE = ("samples", "rows")
@@ -47,7 +56,13 @@ class CrossingCounts(KnownAttributes):
         self.rows: list[tuple[float, int, int, int]] = []
 
     def table(self) -> dict[str, Floats]:
-        """The counts so far: "time" [s], "crossing", "overlapping" and "touching", one (frames,) array each."""
+        """The counts so far: "time" [s], "crossing", "overlapping" and "touching", one (frames,) array each.
+
+        Returns
+        -------
+        dict of str to (frames,) float64
+            "time" [s], and numbers of pairs.
+        """
         return _table(self.rows)
 
     def start(self, sim: Motion) -> None:
@@ -131,6 +146,27 @@ def read_crossings(path: Path | str) -> dict[str, Floats]:
     """Read a crossings.csv, or that of a run's folder: one (frames,) array per column.
 
     A last line that a killed process left unfinished is dropped. Raises MissingFileError and OutputError.
+
+    Parameters
+    ----------
+    path : path
+        Of a crossings.csv, or of the folder.
+
+    Returns
+    -------
+    dict of str to (frames,) float64
+        "time" [s], and numbers of pairs.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from membrane_rs import Simulation, scenes
+
+    >>> from membrane_rs.results import read_crossings
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = Simulation(scenes.load("hanging-strip")).run(0.01, 2, folder, pictures=False, crossings=True)
+    ...     read_crossings(folder)["crossing"].tolist()
+    [0.0, 0.0]
     """
     path = path_of(path)
     with reading_errors(path, "crossings of a run"):

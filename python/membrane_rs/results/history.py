@@ -91,6 +91,27 @@ def read_history(path: Path | str) -> dict[str, Floats]:
 
     A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. The old
     name of a column is still a key, with a DeprecationWarning. Raises MissingFileError and OutputError.
+
+    Parameters
+    ----------
+    path : path
+        Of a history.csv, or of the folder.
+
+    Returns
+    -------
+    dict of str to (samples,) float64
+        By the names of history.csv.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from membrane_rs import Simulation, scenes
+
+    >>> from membrane_rs.results import read_history
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = Simulation(scenes.load("spinning-tether")).run(0.01, 2, folder, samples=3, pictures=False)
+    ...     len(read_history(folder)["time"])
+    3
     """
     path = path_of(path)
     with reading_errors(path, "history of a run"):

@@ -16,7 +16,25 @@ def check_simulation(sim: object) -> None:
 
 
 def deployment_rate(sim: Motion) -> float:
-    """Mean radius of the corners now over that of the reference."""
+    """Mean radius of the corners now over that of the reference.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Or another motion.
+
+    Returns
+    -------
+    float
+        [-], 1 for the flat sail.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.results import deployment_rate
+    >>> round(deployment_rate(Simulation(scenes.load("okuizumi-model-1"))), 2)
+    0.73
+    """
     check_simulation(sim)
     return Corners(sim.assembly).deployment_rate(sim.positions)
 
@@ -28,6 +46,23 @@ def peak_stress(sim: Motion) -> float:
     stress by the springs, `Motion.film_stress`, varies from triangle to triangle with the shape of the mesh. It is the
     stress of the film that the springs stand for, a tension field under the strain of each triangle,
     `membrane_rs.analysis.strain.peak_stress`, which can be compared from mesh to mesh.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Or another motion.
+
+    Returns
+    -------
+    float
+        [Pa]
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.results import peak_stress
+    >>> peak_stress(Simulation(scenes.load("spinning-disc")))
+    0.0
     """
     check_simulation(sim)
     mesh, film = sim.scene.mesh, sim.scene.material

@@ -67,7 +67,25 @@ class PvdWriter:
 
 
 def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
-    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError."""
+    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError.
+
+    Parameters
+    ----------
+    path : path
+        Of the .pvd file.
+    frames : sequence of (float, str)
+        Times [s] and files, relative to that folder.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from membrane_rs.results import read_pvd, write_pvd
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_pvd(Path(folder) / "frames.pvd", [(0.0, "a.vtu"), (0.1, "b.vtu")])
+    ...     [(time, file.name) for time, file in read_pvd(Path(folder) / "frames.pvd")]
+    [(0.0, 'a.vtu'), (0.1, 'b.vtu')]
+    """
     PvdWriter(path_of(path), frames).write()
 
 
@@ -75,6 +93,25 @@ def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
     """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError.
 
     Where a killed process left the end unfinished, the lines that are whole.
+
+    Parameters
+    ----------
+    path : path
+        Of a .pvd file.
+
+    Returns
+    -------
+    list of (float, path)
+        Times [s] and files.
+
+    Examples
+    --------
+    See `write_pvd`.
+
+    >>> from membrane_rs.results import read_pvd
+    >>> read_pvd("nowhere.pvd")
+    Traceback (most recent call last):
+    membrane_rs.errors.MissingFileError: ...
     """
     path = path_of(path)
     with reading_errors(path, "PVD file"):

@@ -124,6 +124,11 @@ def read_summary(path: Path | str) -> dict[str, Any]:
     path :
         The folder, or its summary.json.
 
+    Returns
+    -------
+    dict of str to object
+        As the file has it.
+
     Raises
     ------
     MissingFileError
@@ -132,6 +137,17 @@ def read_summary(path: Path | str) -> dict[str, Any]:
         The file is no summary of a run.
     InputTypeError
         No path.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from membrane_rs import Simulation, scenes
+
+    >>> from membrane_rs.results import read_summary
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = Simulation(scenes.load("spinning-tether")).run(0.01, 2, folder, samples=3, pictures=False)
+    ...     read_summary(folder)["outcome"]
+    'finished'
     """
     path = path_of(path)
     with reading_errors(path, "summary of a run"):

@@ -72,13 +72,53 @@ def _is_in(shown: FrameData, name: str) -> bool:
 
 
 def write_frame(path: str | Path, sim: Motion) -> None:
-    """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError."""
+    """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError.
+
+    Parameters
+    ----------
+    path : path
+        Of a .vtu file.
+    sim : Simulation
+        Or another motion.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from membrane_rs import Simulation, scenes
+
+    >>> from membrane_rs.results import read_frame, write_frame
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_frame(Path(folder) / "start.vtu", Simulation(scenes.load("spinning-tether")))
+    ...     read_frame(Path(folder) / "start.vtu").shape[1]
+    3
+    """
     check_simulation(sim)
     FrameWriter(sim).write(path_of(path), Frame.of(sim))
 
 
 def read_frame(path: str | Path) -> Floats:
-    """Positions (N, 3) [m] of a frame. Raises MissingFileError, and OutputError for what is no VTU file."""
+    """Positions (N, 3) [m] of a frame. Raises MissingFileError, and OutputError for what is no VTU file.
+
+    Parameters
+    ----------
+    path : path
+        Of a .vtu file.
+
+    Returns
+    -------
+    (N, 3) float64
+        [m]
+
+    Examples
+    --------
+    See `write_frame`.
+
+    >>> from membrane_rs.results import read_frame
+    >>> read_frame("nowhere.vtu")
+    Traceback (most recent call last):
+    membrane_rs.errors.MissingFileError: ...
+    """
     path = path_of(path)
     with reading_errors(path, "VTU file of a run"):
         return _points(path, _read(path))

@@ -65,6 +65,58 @@ class Simulation(Stepper):
     -----
     AuditWarning
         Each error and each warning that `audit` finds in the scene; later, of what begins a stage inside a body.
+
+    Examples
+    --------
+    Steps, times and energies:
+
+    >>> from membrane_rs import Simulation, scenes
+    >>> sim = Simulation(scenes.load("spinning-tether"))
+    >>> sim.step(10)
+    >>> sim.reach(0.05)
+    >>> sim.step_count > 10, sim.time, sim.dt < sim.stable_dt()
+    (True, 0.05, True)
+    >>> energies, ledger = sim.energies(), sim.ledger()
+    >>> sorted(energies)
+    ['kinetic', 'spin', 'tethers']
+    >>> abs(ledger["error"]) < 1e-3
+    True
+
+    Readings: forces, tensions, stresses, loads:
+
+    >>> sim.forces().shape, sim.forces("spin").shape == sim.positions.shape
+    ((11, 3), True)
+    >>> sim.cord_tensions().shape, sim.spring_strains().shape, bool(sim.buckled().any())
+    ((10,), (10,), False)
+    >>> bool(sim.hub_load().force[0] > 0.0), sim.hub_force().shape, sim.hub_torque().shape, sim.body_loads()
+    (True, (3,), (3,), {})
+    >>> strip = Simulation(scenes.load("hanging-strip"))
+    >>> strip.film_stress().principal.shape, int(strip.film_states().max()), strip.crease_angles().shape
+    ((84, 2), -1, (2,))
+    >>> strip.largest_film_stress() < 1.0, bool(strip.contact_forces().any()), strip.crossings().count
+    (True, False, 0)
+
+    A run, and the same state once more:
+
+    >>> sim.run(until=0.06, samples=3, frames=2)
+    >>> again = Simulation(sim.scene, start=sim)
+    >>> again.time, sim.audit().ok, sim.reach_within(0.061, seconds=60.0)
+    (0.06, True, True)
+    >>> state = sim.state()
+    >>> sim.step(5)
+    >>> sim.set_state(state)
+    >>> sim.time, sim.saved_state().keys() > state.keys()
+    (0.061, True)
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sim.save(f"{folder}/state.npz")
+    ...     Simulation.restore(f"{folder}/state.npz").time
+    0.061
+
+    Rest, before the first step:
+
+    >>> strip.relax(duration=0.05) < 1.0
+    True
     """
 
     def __init__(
@@ -82,6 +134,11 @@ class Simulation(Stepper):
         """Faults, risks and facts of the scene, and of the method and step that this simulation has.
 
         Costly checks are left out; `membrane_rs.check.audit` makes all.
+
+        Returns
+        -------
+        Audit
+            The findings, errors first.
         """
         return audit_of_motion(self)
 
@@ -102,6 +159,18 @@ class Simulation(Stepper):
         `duration`, or 20,000 steps if that is longer, then warns (`UserWarning`) and takes the state nearest to rest.
         Then the nodes are released, at rest; a net force is left on those that were held alone. Returns the largest
         speed before the nodes were stopped the last time [m/s].
+
+        Parameters
+        ----------
+        duration : float, optional
+            Of damped motion [s]. Default: that of the scene.
+        rate : float, optional
+            Of the friction [1/s]. Default: that of the scene.
+
+        Returns
+        -------
+        float
+            The largest speed [m/s].
 
         Raises
         ------

@@ -83,6 +83,12 @@ class Body:
         Speed of sliding below which friction is viscous [m/s], above 0: what is held creeps more slowly than this.
     membrane, cords : bool
         Whether the membrane and the cords feel it.
+
+    Examples
+    --------
+    >>> from membrane_rs.scene.bodies import BODIES
+    >>> BODIES["plane"]("floor").solids(0.0)[0].centre.tolist()
+    [0.0, 0.0, 0.0]
     """
 
     kind: ClassVar[str]
@@ -124,7 +130,13 @@ class Body:
         return f"{self.name}_friction" if self.damping > 0.0 or self.friction > 0.0 else None
 
     def core_laws(self) -> list[tuple[str, dict[str, Any]]]:
-        """Kind and parameters of the laws that the core is given."""
+        """Kind and parameters of the laws that the core is given.
+
+        Returns
+        -------
+        list of (str, dict)
+            One or two.
+        """
         parameters = {**asdict(self), "shape": self.kind, **self.shape_parameters()}
         contact, friction = CORE_KINDS
         return [(contact, parameters)] + ([(friction, parameters)] if self.friction_name else [])
@@ -140,11 +152,28 @@ class Body:
         return False
 
     def shape_parameters(self) -> dict[str, Any]:
-        """Parameters of the core that a shape does not give as fields of its own."""
+        """Parameters of the core that a shape does not give as fields of its own.
+
+        Returns
+        -------
+        dict of str to object
+            By name.
+        """
         return {}
 
     def solids(self, time: float) -> list[Solid]:
-        """Each of its copies as it stands at a time [s], in the frame that turns with the hub."""
+        """Each of its copies as it stands at a time [s], in the frame that turns with the hub.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+
+        Returns
+        -------
+        list of Solid
+            One for each copy.
+        """
         along = np.array(self.direction) / math.hypot(*self.direction)
         centre, across = np.array(self.centre), math.hypot(*self.centre[:2])
         radial = np.array([*centre[:2] / across, 0.0]) if across > 0.0 else np.array((1.0, 0.0, 0.0))
@@ -158,7 +187,20 @@ class Body:
         return [Solid(_rotated(centre, up, angle), _rotated(tilted, up, angle), *sizes) for angle in angles]
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
-        """The penalty is not many times stiffer than all else, whose step it would make shorter."""
+        """The penalty is not many times stiffer than all else, whose step it would make shorter.
+
+        Parameters
+        ----------
+        scene : Surroundings
+            The scene.
+        where : str
+            Place in the scene, for messages.
+
+        Returns
+        -------
+        iterator of Doubt
+            One for each value.
+        """
         most = STIFFEST * stiffest(scene)
         if most > 0.0:
             place, units = f"{where}.stiffness", {"kN/m": 1e3, "mN/m": 1e-3}
@@ -191,6 +233,13 @@ class Cylinder(Body):
         What feels it. Edges of the film and segments of cords: each is one contact, at its nearest point. Nodes alone
         pass between them what is thinner than an edge is long. "triangles": edges, and triangles beside them, which
         feel the ends of a cylinder. A triangle that the axis pierces is an error at the start, and stops a run.
+
+    Examples
+    --------
+    >>> from membrane_rs import Cylinder, Schedule
+    >>> post = Cylinder("post", 0.005, centre=(0.1, 0.0, 0.0), travel_z=Schedule([0.0, 1.0], [0.0, 0.02]))
+    >>> post.radius, post.felt_by
+    (0.005, 'edges')
     """
 
     kind: ClassVar[str] = "cylinder"
@@ -224,6 +273,12 @@ class Plane(Body):
     """The half-space below a plane, whose normal is `direction`: a floor by default.
 
     Nodes feel it, which is exact for the edges and triangles between them. Its parameters are those of `Body`.
+
+    Examples
+    --------
+    >>> from membrane_rs import Plane
+    >>> Plane("floor", centre=(0.0, 0.0, -0.1), friction=0.3).direction
+    (0.0, 0.0, 1.0)
     """
 
     kind: ClassVar[str] = "plane"

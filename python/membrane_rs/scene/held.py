@@ -26,6 +26,12 @@ class Fixed(Part):
     ----------
     nodes : str or sequence of int
         A node set, or node indices.
+
+    Examples
+    --------
+    >>> from membrane_rs import Fixed
+    >>> Fixed("corners", name="clamp").nodes
+    'corners'
     """
 
     kind: ClassVar[str] = "fixed"
@@ -55,6 +61,12 @@ class Moved(Part):
         Displacement [m]; None: none.
     turn : Schedule or None
         Turn about the axis of the hub [rad], counter-clockwise seen from +z; None: none.
+
+    Examples
+    --------
+    >>> from membrane_rs import Moved, Schedule
+    >>> Moved("end", x=Schedule([0.0, 0.5], [0.0, 0.01])).nodes
+    'end'
     """
 
     kind: ClassVar[str] = "moved"

@@ -46,7 +46,14 @@ class Surroundings(Protocol):
 
 @validated
 class Law:
-    """A law of force as checked values. A law overrides the defaults that do not hold for it."""
+    """A law of force as checked values. A law overrides the defaults that do not hold for it.
+
+    Examples
+    --------
+    >>> from membrane_rs.scene.laws import LAWS
+    >>> LAWS["gravity"]().core_parameters()
+    {'acceleration': (0.0, 0.0, -9.81)}
+    """
 
     kind: ClassVar[str]
     """Its name in scene files and in the core."""
@@ -64,11 +71,28 @@ class Law:
     """Fields that hold a physical length in place of one of the mesh, by what the length is of: "buckling", ..."""
 
     def core_parameters(self) -> dict[str, Any]:
-        """The parameters that the core is given, by name."""
+        """The parameters that the core is given, by name.
+
+        Returns
+        -------
+        dict of str to object
+            Plain values in SI units.
+        """
         return asdict(self)
 
     def replaced_by(self, name: str) -> tuple[str, ...]:
-        """Fields that the field of this name stands in place of, where a stage sets it: they get their defaults."""
+        """Fields that the field of this name stands in place of, where a stage sets it: they get their defaults.
+
+        Parameters
+        ----------
+        name : str
+            Of the field that is set.
+
+        Returns
+        -------
+        tuple of str
+            Names of fields.
+        """
         return ()
 
     @property
@@ -92,32 +116,112 @@ class Law:
         return None
 
     def add_contacts(self, builder: Builder) -> None:
-        """Name the nodes at which contact is detected."""
+        """Name the nodes at which contact is detected.
+
+        Parameters
+        ----------
+        builder : Builder
+            Of the scene's arrays.
+        """
 
     def why_idle(self, scene: Surroundings) -> str | None:
-        """Why it has no effect in this scene; None where it may have one."""
+        """Why it has no effect in this scene; None where it may have one.
+
+        Parameters
+        ----------
+        scene : Surroundings
+            The scene.
+
+        Returns
+        -------
+        str or None
+            A reason, for a message.
+        """
         return None
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
-        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
+        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand.
+
+        Parameters
+        ----------
+        scene : Surroundings
+            The scene.
+        where : str
+            Place in the scene, for messages.
+
+        Returns
+        -------
+        iterator of Doubt
+            One for each value.
+        """
         yield from ()
 
     def step_advice(self, gain: float) -> str:
-        """What would take it out of the limit of the step, which grows by the factor `gain` without it."""
+        """What would take it out of the limit of the step, which grows by the factor `gain` without it.
+
+        Parameters
+        ----------
+        gain : float
+            Factor of the step [-].
+
+        Returns
+        -------
+        str
+            A remedy, for a message.
+        """
         return "leave it out, or make it softer"
 
     def for_modulus(self, factor: float) -> Law:
-        """The law that is as strong as this one where Young's modulus of the film is `factor` times as large."""
+        """The law that is as strong as this one where Young's modulus of the film is `factor` times as large.
+
+        Parameters
+        ----------
+        factor : float
+            Of Young's modulus [-].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
         return self
 
     def with_lengths(self, lengths: Mapping[str, float | None]) -> Self:
-        """The law with physical lengths [m] in its `length_fields`; None: the mesh's own."""
+        """The law with physical lengths [m] in its `length_fields`; None: the mesh's own.
+
+        Parameters
+        ----------
+        lengths : mapping of str to float or None
+            [m], by what the length is of.
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
         return replace(self, **{field: lengths[name] for name, field in self.length_fields.items()})
 
     def within(self, start: float, end: float) -> Law:
-        """The law where a stage from `start` to `end` [s] has set values of it that are functions of time."""
+        """The law where a stage from `start` to `end` [s] has set values of it that are functions of time.
+
+        Parameters
+        ----------
+        start, end : float
+            Of the stage [s].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
         return self
 
     def without_compression(self) -> Law:
-        """The law of a film that bears no compression."""
+        """The law of a film that bears no compression.
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
         return self

@@ -21,6 +21,12 @@ class Part:
     ----------
     name : str, optional
         By which a stage names it; unlike those of other parts, and no kind of a law. By keyword alone.
+
+    Examples
+    --------
+    >>> from membrane_rs.scene.parts import PARTS
+    >>> PARTS["tip_masses"](mass=1e-3, name="tips").name
+    'tips'
     """
 
     kind: ClassVar[str]
@@ -30,10 +36,26 @@ class Part:
     name: str | None = field(default=None, kw_only=True)
 
     def add_nodes(self, builder: Builder, where: str) -> None:
-        """Add its own nodes, cords and links; `where` is its place in the scene, for errors."""
+        """Add its own nodes, cords and links; `where` is its place in the scene, for errors.
+
+        Parameters
+        ----------
+        builder : Builder
+            Of the scene's arrays.
+        where : str
+            Place in the scene, for errors.
+        """
 
     def add_loads(self, builder: Builder, where: str) -> None:
-        """Add masses and supports to nodes, which may be those of a part that stands later in the scene."""
+        """Add masses and supports to nodes, which may be those of a part that stands later in the scene.
+
+        Parameters
+        ----------
+        builder : Builder
+            Of the scene's arrays.
+        where : str
+            Place in the scene, for errors.
+        """
 
     @property
     def spool(self) -> Spool | None:
@@ -41,7 +63,20 @@ class Part:
         return None
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
-        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand."""
+        """Values that are hardly meant; `where` is its place in the scene. The bounds are argued where they stand.
+
+        Parameters
+        ----------
+        scene : Surroundings
+            The scene.
+        where : str
+            Place in the scene, for messages.
+
+        Returns
+        -------
+        iterator of Doubt
+            One for each value.
+        """
         yield from ()
 
     @property
@@ -50,17 +85,61 @@ class Part:
         return not isinstance(getattr(self, "nodes", ""), str)
 
     def resized(self, sizes: Mapping[str, tuple[int, int]]) -> Part:
-        """The part for another mesh, whose node sets have the second of these sizes in place of the first."""
+        """The part for another mesh, whose node sets have the second of these sizes in place of the first.
+
+        Parameters
+        ----------
+        sizes : mapping of str to (int, int)
+            Nodes of each node set, on this mesh and on the other one.
+
+        Returns
+        -------
+        Part
+            Of the same kind.
+        """
         return self
 
     def softened(self, factor: float) -> Part:
-        """The part with its stiffness multiplied by `factor`; equal to itself where it has none."""
+        """The part with its stiffness multiplied by `factor`; equal to itself where it has none.
+
+        Parameters
+        ----------
+        factor : float
+            Of the stiffness [-].
+
+        Returns
+        -------
+        Part
+            Of the same kind.
+        """
         return self
 
     def step_advice(self, gain: float) -> str:
-        """What would take it out of the limit of the step, which grows by the factor `gain` once it is softened."""
+        """What would take it out of the limit of the step, which grows by the factor `gain` once it is softened.
+
+        Parameters
+        ----------
+        gain : float
+            Factor of the step [-].
+
+        Returns
+        -------
+        str
+            A remedy, for a message.
+        """
         return "make it softer"
 
     def coarser(self, factor: int) -> tuple[str, Part] | None:
-        """What is left out, in words, and the part with `factor` times fewer elements; None where it has too few."""
+        """What is left out, in words, and the part with `factor` times fewer elements; None where it has too few.
+
+        Parameters
+        ----------
+        factor : int
+            Of the number of elements.
+
+        Returns
+        -------
+        (str, Part) or None
+            Words and part.
+        """
         return None

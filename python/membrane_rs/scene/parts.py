@@ -50,6 +50,12 @@ class TipMasses(Part):
         For each node [kg], above 0.
     nodes : str or sequence of int
         A node set, or node indices.
+
+    Examples
+    --------
+    >>> from membrane_rs import TipMasses
+    >>> TipMasses(mass=0.36e-3).nodes
+    'corners'
     """
 
     kind: ClassVar[str] = "tip_masses"
@@ -97,6 +103,12 @@ class Tethers(Part):
         Mass per length [kg/m], above 0.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
+
+    Examples
+    --------
+    >>> from membrane_rs import Tethers
+    >>> Tethers(anchor_radius=0.025).axial_stiffness
+    17.0
     """
 
     kind: ClassVar[str] = "tethers"
@@ -218,6 +230,12 @@ class Tether(Part):
         True: the first node is fixed.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
+
+    Examples
+    --------
+    >>> from membrane_rs import Tether
+    >>> Tether((0.1, 0.0, 0.0), (0.3, 0.0, 0.0), 8, axial_stiffness=17.0, linear_density=1e-4, tip_mass=0.01).segments
+    8
     """
 
     kind: ClassVar[str] = "tether"
@@ -274,6 +292,12 @@ class Bridges(Part):
     ----------
     stiffness : float
         Of each link [N/m], above 0.
+
+    Examples
+    --------
+    >>> from membrane_rs import Bridges
+    >>> Bridges(stiffness=1000.0).stiffness
+    1000.0
     """
 
     kind: ClassVar[str] = "bridges"

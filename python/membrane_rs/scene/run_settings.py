@@ -61,6 +61,12 @@ class RunSettings:
         stops a run from 1 % on; with "generalized_alpha", from the larger of 1 % and this fraction on.
 
     `short_steps`, `settle` and `settle_rate` are the old names of `substeps`, `relax` and `relax_rate`.
+
+    Examples
+    --------
+    >>> from membrane_rs import RunSettings
+    >>> RunSettings(until=0.2, integrator="leapfrog", substeps=4).samples
+    801
     """
 
     until: Annotated[Positive, Unit("s")] = 0.8

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar, overload
 
 from membrane_rs._files import output_errors, path_of, write_text
-from membrane_rs._validation import check_text, computable, show
+from membrane_rs._validation import computable, show
 from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
@@ -18,6 +18,7 @@ from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.laws import LAWS, Law
+from membrane_rs.scene.members import check_name, check_names, check_type, checked
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
@@ -26,7 +27,6 @@ from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_s
 from membrane_rs.scene.values import unit_at, value_at, with_values
 
 SCENE_FILE = "scene.toml"
-LONGEST_NAME = 100
 
 L = TypeVar("L", bound=Law)
 
@@ -62,6 +62,22 @@ class Scene:
         that is not there, a name that is none for a folder, two parts of a name, a stage that the scene does not fit.
     InputTypeError
         Something that is no mesh, material, law or part.
+
+    Examples
+    --------
+    A strip of rubber that hangs from its start:
+
+    >>> from membrane_rs import Fixed, Gravity, Material, Scene, Springs
+    >>> from membrane_rs.folding import Strip
+    >>> rubber = Material(youngs_modulus=1e6, poisson_ratio=0.33, density=1000.0, thickness=1e-3)
+    >>> strip = Strip(length=0.1, width=0.01, rows=1, columns=10).mesh()
+    >>> scene = Scene(strip, rubber, [Springs(), Gravity()], [Fixed("start")], name="strip")
+    >>> scene.law("gravity").acceleration
+    (0.0, 0.0, -9.81)
+    >>> scene.counts()["nodes"], scene.assemble().node_count
+    (22, 22)
+    >>> print(scene.to_toml().splitlines()[0])
+    name = "strip"
     """
 
     mesh: Mesh | None
@@ -75,21 +91,21 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Check the parts of the scene against each other."""
-        _check_type("mesh", self.mesh, (Mesh, type(None)), "a Mesh")
-        _check_type("material", self.material, (Material, type(None)), "a Material")
-        _check_type("name", self.name, (str,), "a text")
-        _check_name(self.name)
-        _check_type("run", self.run, (RunSettings,), "RunSettings")
-        object.__setattr__(self, "laws", _checked("laws", self.laws, tuple(LAWS.values())))
-        object.__setattr__(self, "parts", _checked("parts", self.parts, tuple(PARTS.values())))
-        object.__setattr__(self, "bodies", _checked("bodies", self.bodies, tuple(BODIES.values())))
-        _check_names(self.bodies)
+        check_type("mesh", self.mesh, (Mesh, type(None)), "a Mesh")
+        check_type("material", self.material, (Material, type(None)), "a Material")
+        check_type("name", self.name, (str,), "a text")
+        check_name(self.name)
+        check_type("run", self.run, (RunSettings,), "RunSettings")
+        object.__setattr__(self, "laws", checked("laws", self.laws, tuple(LAWS.values())))
+        object.__setattr__(self, "parts", checked("parts", self.parts, tuple(PARTS.values())))
+        object.__setattr__(self, "bodies", checked("bodies", self.bodies, tuple(BODIES.values())))
+        check_names(self.bodies)
         kinds = [law.kind for law in self.laws]
         twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
         if twice:
             raise SceneError(f"laws.{twice}: is there {kinds.count(twice)} times; a scene holds one of each kind")
         self._check_part_names()
-        object.__setattr__(self, "stages", _checked("stages", self.stages, (Stage,)))
+        object.__setattr__(self, "stages", checked("stages", self.stages, (Stage,)))
         if self.stages:
             self._check_stages()
             return
@@ -106,7 +122,7 @@ class Scene:
         for k, part in enumerate(self.parts):
             if part.name is None:
                 continue
-            _check_name(part.name, f"parts[{k}].name")
+            check_name(part.name, f"parts[{k}].name")
             if part.name in names:
                 what = "is that of a law, of a body or of another part; rename it"
                 raise SceneError(f"parts[{k}].name = {show(part.name)}: {what}")
@@ -134,10 +150,22 @@ class Scene:
         starts : sequence of float, optional
             Start of each stage up to it [s], from which its schedules count. Default: as if no measure ended a stage.
 
+        Returns
+        -------
+        Scene
+            Without stages.
+
         Raises
         ------
         SceneError
             No such stage, or values that the scene refuses.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scene = scenes.load("okuizumi-stage-1")
+        >>> scene.stages[0].name, scene.staged(0).stages
+        ('settle in the roll', ())
         """
         if not 0 <= index < len(self.stages):
             raise SceneError(f"stage {show(index)}: must be from 0 to {len(self.stages) - 1}")
@@ -211,12 +239,32 @@ class Scene:
     def from_toml(cls, path: str | Path) -> Scene:
         """Read a scene file, and the mesh file beside it if it names one.
 
+        Parameters
+        ----------
+        path : path
+            Of the scene file.
+
+        Returns
+        -------
+        Scene
+            As the file says.
+
         Raises
         ------
         MissingFileError
             No such file.
         SceneError
             Anything in it that is wrong, with file, key, value and allowed range.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from membrane_rs import Scene, scenes
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     scenes.load("spinning-tether").save(folder)
+        ...     Scene.from_toml(Path(folder) / "scene.toml").name
+        'spinning-tether'
         """
         path = path_of(path)
         content = read_scene(path)
@@ -226,22 +274,23 @@ class Scene:
             raise SceneError(f"{path}: {error}") from None
 
     def to_toml(self) -> str:
-        """The scene as TOML, all values resolved. A mesh that no pattern made is named, not written."""
-        return write_scene(
-            SceneContent(
-                self.mesh,
-                self.material,
-                tuple(self.laws),
-                tuple(self.parts),
-                self.name,
-                self.run,
-                stages=tuple(self.stages),
-                bodies=tuple(self.bodies),
-            )
-        )
+        """The scene as TOML, all values resolved. A mesh that no pattern made is named, not written.
+
+        Returns
+        -------
+        str
+            A scene file, which `from_toml` reads.
+        """
+        lists: dict[str, Any] = {name: tuple(getattr(self, name)) for name in ("laws", "parts", "stages", "bodies")}
+        return write_scene(SceneContent(mesh=self.mesh, material=self.material, name=self.name, run=self.run, **lists))
 
     def save(self, folder: str | Path) -> None:
         """Write scene.toml into a folder, and mesh.npz if no folding pattern made the mesh.
+
+        Parameters
+        ----------
+        folder : path
+            Where to; it is made.
 
         Raises
         ------
@@ -262,7 +311,23 @@ class Scene:
     def law(self, kind: str) -> Law | None: ...
 
     def law(self, kind: str | type[Law]) -> Law | None:
-        """The scene's law of a kind ("springs", ... or `Springs`, ...), or None."""
+        """The scene's law of a kind ("springs", ... or `Springs`, ...), or None.
+
+        Parameters
+        ----------
+        kind : str or class of a law
+            "springs", ... or `Springs`, ...
+
+        Returns
+        -------
+        Law or None
+            None where the scene has none of that kind.
+
+        Raises
+        ------
+        InputTypeError
+            Neither a name nor a class of a law.
+        """
         name = kind if isinstance(kind, str) else getattr(kind, "kind", None)
         if name is None:
             raise InputTypeError(f"kind = {show(kind)}: must be the name or the class of a law, such as 'springs'")
@@ -277,6 +342,11 @@ class Scene:
     def assemble(self) -> Assembly:
         """The scene as plain read-only arrays: nodes of the mesh first, then those of the cords. With stages, that of
         the first one.
+
+        Returns
+        -------
+        Assembly
+            Nodes, triangles, creases, cords, masses and supports.
         """
         return self._assembly
 
@@ -321,44 +391,3 @@ class Scene:
             law.add_contacts(builder)
         with computable("parts", SceneError):
             return builder.assembly()
-
-
-OF_PARTS = ("tethers", "bridges", *(part.working_law for part in PARTS.values() if part.working_law is not None))
-"""Laws of the core that come with parts."""
-OF_ENERGY = ("kinetic", "error", "of_changes", "turned_over")
-"""Terms of the energy, and what else history.csv has in a column energy_<name>, by old names too."""
-
-
-def _check_names(bodies: Sequence[Body]) -> None:
-    """Each body has a name of its own among laws, bodies and their frictions, and the terms of the energy."""
-    taken = dict.fromkeys((*LAWS, *OF_PARTS), "a law") | dict.fromkeys(OF_ENERGY, "a term of the energy")
-    for k, body in enumerate(bodies):
-        for name in filter(None, (body.name, body.friction_name)):
-            if name in taken:
-                what = f"{name} is the name of {taken[name]} too; rename it"
-                raise SceneError(f"bodies[{k}].name = {show(body.name)}: {what}")
-            taken[name] = f"bodies[{k}]"
-
-
-def _check_type(name: str, value: object, kinds: tuple[type, ...], wanted: str) -> None:
-    if not isinstance(value, kinds):
-        raise InputTypeError(f"Scene.{name} = {show(value)}: must be {wanted}")
-
-
-def _check_name(name: str, where: str = "Scene.name") -> None:
-    """The name becomes a folder's, so it must be one plain component of a path, which files can hold."""
-    check_text(name, f"{where} =", SceneError)
-    if name in ("", ".", "..") or len(name) > LONGEST_NAME or any(sign in name for sign in "/\\\0"):
-        raise SceneError(
-            f"{where} = {show(name)}: names a folder; must be 1 to {LONGEST_NAME} characters without slash, "
-            "backslash or NUL, and neither '.' nor '..'"
-        )
-
-
-def _checked(name: str, items: object, kinds: tuple[type, ...]) -> tuple[object, ...]:
-    if isinstance(items, (str, bytes)) or not isinstance(items, Sequence):
-        raise InputTypeError(f"Scene.{name} = {show(items)}: must be a list of {name}")
-    for i, item in enumerate(items):
-        known = ", ".join(kind.__name__ for kind in kinds)
-        _check_type(f"{name}[{i}]", item, kinds, f"one of {known}; with its brackets")
-    return tuple(items)

@@ -49,6 +49,15 @@ class Schedule:
     InputError
         Lists of different lengths or none, times that do not ascend, or lie too near for the difference of values,
         three knots at one time.
+
+    Examples
+    --------
+    >>> from membrane_rs import Schedule
+    >>> ramp = Schedule([0.0, 2.0], [0.0, 10.0])
+    >>> ramp.at(0.5), ramp.at(3.0)
+    (2.5, 10.0)
+    >>> ramp.delayed(1.0).at(1.5)
+    2.5
     """
 
     times: Annotated[Numbers, Unit("s")]
@@ -88,6 +97,16 @@ class Schedule:
     def delayed(self, by: float) -> Schedule:
         """The same schedule, later by a time [s].
 
+        Parameters
+        ----------
+        by : float
+            Time by which all knots are later [s].
+
+        Returns
+        -------
+        Schedule
+            With the same values.
+
         Raises
         ------
         InputError, InputTypeError
@@ -103,6 +122,16 @@ class Schedule:
 
     def at(self, time: float) -> float:
         """The value at a time [s]; at a jump, the one after it.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+
+        Returns
+        -------
+        float
+            In the unit of the values.
 
         Raises
         ------

@@ -124,6 +124,13 @@ class Stage:
     ------
     InputError, InputTypeError
         A measure without a value or with two, values without a measure, an unknown measure, a factor of 0 or below.
+
+    Examples
+    --------
+    >>> from membrane_rs import Stage
+    >>> settle = Stage("settle", duration=0.1, measure="kinetic_energy", below=1e-7)
+    >>> settle.is_past(1e-8)
+    True
     """
 
     ONLY_IN_PYTHON: ClassVar[str] = "python:"
@@ -184,7 +191,18 @@ class Stage:
         return self.above if self.below is None else self.below
 
     def is_past(self, value: float) -> bool:
-        """Whether a value of the measure lies beyond the one that ends the stage, or on it."""
+        """Whether a value of the measure lies beyond the one that ends the stage, or on it.
+
+        Parameters
+        ----------
+        value : float
+            Of the measure, in its unit.
+
+        Returns
+        -------
+        bool
+            Whether the stage is over.
+        """
         return (self.above is not None and value >= self.above) or (self.below is not None and value <= self.below)
 
     @property

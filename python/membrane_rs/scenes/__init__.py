@@ -15,13 +15,47 @@ __all__ = ["describe", "load", "names", "scene_of"]
 
 
 def names() -> list[str]:
-    """The names of the built-in scenes, in alphabetical order."""
+    """The names of the built-in scenes, in alphabetical order.
+
+    Returns
+    -------
+    list of str
+        As `load` takes them.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> "okuizumi-model-1" in scenes.names()
+    True
+    """
     files = resources.files(__name__).iterdir()
     return sorted(file.name.removesuffix(".toml") for file in files if file.name.endswith(".toml"))
 
 
 def describe(name: str) -> str:
-    """One line about a built-in scene: the first sentence of its file."""
+    """One line about a built-in scene: the first sentence of its file.
+
+    Parameters
+    ----------
+    name : str
+        Of the scene.
+
+    Returns
+    -------
+    str
+        A sentence.
+
+    Raises
+    ------
+    SceneError
+        No scene of that name.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> print(scenes.describe("single-crease"))
+    Two panels joined by one crease: one is held, the other is folded over it and springs open to flat.
+    """
     comment = itertools.takewhile(lambda line: line.startswith("#"), _text(name).splitlines())
     text = " ".join(line.removeprefix("#").strip() for line in comment)
     sentence, end, _ = text.partition(". ")
@@ -31,10 +65,26 @@ def describe(name: str) -> str:
 def load(name: str) -> Scene:
     """A built-in scene by its name.
 
+    Parameters
+    ----------
+    name : str
+        One of `names`.
+
+    Returns
+    -------
+    Scene
+        As its file says.
+
     Raises
     ------
     SceneError
         No scene of that name.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> scenes.load("hanging-strip").counts()["triangles"]
+    84
     """
     _text(name)
     with resources.as_file(resources.files(__name__) / f"{name}.toml") as path:
@@ -44,6 +94,16 @@ def load(name: str) -> Scene:
 def scene_of(scene: Scene | str | Path) -> Scene:
     """A scene as it is; else a built-in one by its name, or that of a file by its path (ending or slash).
 
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, a name or a path.
+
+    Returns
+    -------
+    Scene
+        The one that is meant.
+
     Raises
     ------
     SceneError
@@ -52,6 +112,12 @@ def scene_of(scene: Scene | str | Path) -> Scene:
         No such file.
     InputTypeError
         Neither a scene nor a name or a path.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> scenes.scene_of("spinning-disc").name
+    'spinning-disc'
     """
     if isinstance(scene, Scene):
         return scene

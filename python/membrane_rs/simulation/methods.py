@@ -11,10 +11,28 @@ from membrane_rs import _core
 class IntegratorFacts:
     """Properties of a method of time integration.
 
-    order : of the error after a given time. evaluations : of the forces per step. evaluations_at_start : before the
-    first step. keeps_energy : whether the energy of an undamped motion stays bounded, however long it lasts.
-    is_adaptive : whether it chooses its own step where none is given. imaginary_limit : largest stable
-    omega dt of an undamped oscillation. real_limit : largest stable rate times dt of a pure decay.
+    Parameters
+    ----------
+    order : int
+        Of the error after a given time.
+    evaluations : int
+        Of the forces, per step.
+    evaluations_at_start : int
+        Of the forces, before the first step.
+    keeps_energy : bool
+        Whether the energy of an undamped motion stays bounded, however long it lasts.
+    is_adaptive : bool
+        Whether it chooses its own step where none is given.
+    imaginary_limit : float
+        Largest stable omega dt of an undamped oscillation [-].
+    real_limit : float
+        Largest stable rate times dt of a pure decay [-].
+
+    Examples
+    --------
+    >>> from membrane_rs import integrators
+    >>> integrators()["leapfrog"].keeps_energy
+    True
     """
 
     order: int
@@ -27,7 +45,19 @@ class IntegratorFacts:
 
 
 def integrators() -> dict[str, IntegratorFacts]:
-    """Properties of each method, by name."""
+    """Properties of each method, by name.
+
+    Returns
+    -------
+    dict of str to IntegratorFacts
+        By the names that `Simulation` and scenes take.
+
+    Examples
+    --------
+    >>> from membrane_rs import integrators
+    >>> integrators()["rk4"].order, round(integrators()["rk4"].imaginary_limit, 3)
+    (4, 2.828)
+    """
     return {
         facts.name: IntegratorFacts(
             order=facts.order,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 from typing import Any
 
@@ -13,14 +12,12 @@ from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._given_arrays import numeric
 from membrane_rs._known_attributes import KnownAttributes
-from membrane_rs._renamed import Renamed, RenamedKeys
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.bodies import Body
-from membrane_rs.scene.laws import Law
 from membrane_rs.simulation.continuation import (
     check_balance,
     check_kinds,
@@ -40,6 +37,18 @@ SHORTEST_STEP = 1e-100
 class Motion(KnownAttributes, Copies, Readings):
     """A scene in motion: its state, and all that is read from it. Its parameters and errors are those of
     `Simulation`, which adds what makes it go on.
+
+    Parameters
+    ----------
+    scene, integrator, dt, start
+        As those of `Simulation`.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.simulation import Motion
+    >>> Motion(scenes.load("spinning-tether")).time
+    0.0
     """
 
     ONCE = ("scene", "assembly")
@@ -202,62 +211,6 @@ class Motion(KnownAttributes, Copies, Readings):
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
         return frozen(np.vstack([edges, self.assembly.cords.nodes]))
 
-    def forces(self, law: str | Law | type[Law] | Body | None = None) -> Floats:
-        """(N, 3) forces now [N], of one law or of all.
-
-        Parameters
-        ----------
-        law : str, law, class of a law or body, optional
-            "springs", "creases", ..., the name of a body, or "tethers" and "bridges", which come with those parts.
-            Default: all.
-
-        Raises
-        ------
-        InputError
-            A law that the scene does not hold.
-        """
-        kind = getattr(law, "kind", None)  # a body has a name of its own beside it
-        name = law if law is None or isinstance(law, str) else kind and getattr(law, "name", kind)
-        if law is not None and name is None:
-            raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
-        return self._core.forces(name)
-
-    def energies(self) -> dict[str, float]:
-        """Energies now [J]: "kinetic", and one for each law that has a potential. Their sum is the mechanical energy.
-
-        "kinetic" is that of the motion relative to the turning frame, and "spin" the centrifugal potential.
-        """
-        return self._core.energies()
-
-    def ledger(self) -> dict[str, Any]:
-        """The energy balance since the start, or since positions or velocities were last set.
-
-        Returns
-        -------
-        dict
-            "kinetic", "stored" (potential energy of all laws), "work" (done on the system, below zero where damping
-            takes energy out), "reference_energy" (the largest change of a single term of the balance so far), all [J];
-            "error", the residual of the balance as a share of the reference energy, negative where the method loses
-            energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}; "motor_work" [J],
-            that of the motor which turns the hub, on the sail: no term of this balance, which is that of the turning
-            frame. None where it goes on from a state of an earlier version, which did not count it. Once jumps of
-            schedules have put in energy, "changes", {term: J}, where a term is "kinetic" or a law.
-            "turned_over" is the old name of "reference_energy".
-        """
-        balance = self._core.ledger()
-        terms = {
-            "kinetic": balance.kinetic,
-            "stored": balance.stored,
-            "work": math.fsum(balance.work_by_law.values()),
-            "reference_energy": balance.reference_energy,
-            "error": balance.error,
-            "stored_by_law": balance.stored_by_law,
-            "work_by_law": balance.work_by_law,
-            "motor_work": balance.motor_work,
-            **({"changes": balance.changes} if balance.changes else {}),
-        }
-        return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})
-
     @property
     def hub_angle(self) -> float:
         """The angle that the hub has turned since time 0 [rad]."""
@@ -281,6 +234,11 @@ class Motion(KnownAttributes, Copies, Readings):
 
         From the largest eigenvalue of the stiffness at the current positions, with every spring taut, every crease in
         contact and every contact closed; infinite where nothing is stiff.
+
+        Returns
+        -------
+        float
+            [s]
         """
         return self._stability()[0]
 
@@ -316,13 +274,26 @@ class Motion(KnownAttributes, Copies, Readings):
         Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
         keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
         there where the time now is another. "scene_digest" tells the scene from others; "integrator", "dt" [s] and
-        "is_adaptive" say how it is stepped.
+        "is_adaptive" say how it is stepped. With stages also how far the run has come in them
+        ("stage_index", ...); in a
+        stage that a measure may end, the motion is that at its last evaluation, from which `set_state` steps to
+        "stage_now".
+
+        Returns
+        -------
+        dict of str to object
+            Copies.
         """
         method = {"integrator": self.integrator, "dt": self.dt, "is_adaptive": self.is_adaptive}
         return {**self._core.progress(), "scene_digest": self._digest, **method}
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Continue from what `state` gave, of the same scene, method and step.
+
+        Parameters
+        ----------
+        state : dict
+            What `state` gave.
 
         Raises
         ------

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._renamed import RenamedKeys
+from membrane_rs._validation import show
+from membrane_rs.errors import InputTypeError
 from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.bodies import Body
+from membrane_rs.scene.laws import Law
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +33,13 @@ class FilmStress:
     directions : (m, 2, 3) float
         Their directions in the present shape, unit vectors in the plane of the triangle; 0 where a triangle that has
         collapsed to a line or a point leaves them undefined.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> stress = Simulation(scenes.load("spinning-disc")).film_stress()
+    >>> stress.principal.shape[1], stress.von_mises.shape == stress.principal.shape[:1]
+    (2, True)
     """
 
     principal: Floats
@@ -60,6 +74,13 @@ class HubLoad:
         About the origin, along the same axes; the third is about the hub's axis [N m].
     contact : float
         Sum of the magnitudes of the forces of spool and bodies on the nodes [N].
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> load = Simulation(scenes.load("spinning-tether")).hub_load()
+    >>> load.force.shape, load.contact
+    ((3,), 0.0)
     """
 
     force: Floats
@@ -109,8 +130,80 @@ class Readings:
         """(S, 2) ends of each spring."""
         raise NotImplementedError
 
+    def forces(self, law: str | Law | type[Law] | Body | None = None) -> Floats:
+        """(N, 3) forces now [N], of one law or of all.
+
+        Parameters
+        ----------
+        law : str, law, class of a law or body, optional
+            "springs", "creases", ..., the name of a body, or "tethers" and "bridges", which come with those parts.
+            Default: all.
+
+        Returns
+        -------
+        (N, 3) float64
+            [N], in the turning frame.
+
+        Raises
+        ------
+        InputError
+            A law that the scene does not hold.
+        """
+        kind = getattr(law, "kind", None)  # a body has a name of its own beside it
+        name = law if law is None or isinstance(law, str) else kind and getattr(law, "name", kind)
+        if law is not None and name is None:
+            raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
+        return self._core.forces(name)
+
+    def energies(self) -> dict[str, float]:
+        """Energies now [J]: "kinetic", and one for each law that has a potential. Their sum is the mechanical energy.
+
+        "kinetic" is that of the motion relative to the turning frame, and "spin" the centrifugal potential.
+
+        Returns
+        -------
+        dict of str to float
+            [J]
+        """
+        return self._core.energies()
+
+    def ledger(self) -> dict[str, Any]:
+        """The energy balance since the start, or since positions or velocities were last set.
+
+        Returns
+        -------
+        dict
+            "kinetic", "stored" (potential energy of all laws), "work" (done on the system, below zero where damping
+            takes energy out), "reference_energy" (the largest change of a single term of the balance so far), all [J];
+            "error", the residual of the balance as a share of the reference energy, negative where the method loses
+            energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}; "motor_work" [J],
+            that of the motor which turns the hub, on the sail: no term of this balance, which is that of the turning
+            frame. None where it goes on from a state of an earlier version, which did not count it. Once jumps of
+            schedules have put in energy, "changes", {term: J}, where a term is "kinetic" or a law.
+            "turned_over" is the old name of "reference_energy".
+        """
+        balance = self._core.ledger()
+        terms = {
+            "kinetic": balance.kinetic,
+            "stored": balance.stored,
+            "work": math.fsum(balance.work_by_law.values()),
+            "reference_energy": balance.reference_energy,
+            "error": balance.error,
+            "stored_by_law": balance.stored_by_law,
+            "work_by_law": balance.work_by_law,
+            "motor_work": balance.motor_work,
+            **({"changes": balance.changes} if balance.changes else {}),
+        }
+        return RenamedKeys("ledger()", terms, {"turned_over": "reference_energy"})
+
     def spring_strains(self) -> Floats:
-        """(S,) strain of each spring, in the order of `spring_pairs`."""
+        """(S,) strain of each spring, in the order of `spring_pairs`.
+
+        Returns
+        -------
+        (S,) float64
+            [-]
+        """
         d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
         rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
         lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
@@ -122,6 +215,11 @@ class Readings:
 
         With `Triangles`, an edge is buckled where it is shorter than in the flat mesh, beside a triangle that is
         wrinkled or slack.
+
+        Returns
+        -------
+        (S,) bool
+            In the order of `spring_pairs`.
         """
         found = np.zeros(len(self.spring_pairs), dtype=np.bool_)
         edges = len(self.spring_pairs) - len(self.assembly.cords.nodes)
@@ -139,6 +237,11 @@ class Readings:
         """(m,) state of the film in each triangle, by the law `Triangles`: 0 taut, 1 wrinkled, 2 slack; -1 without it.
 
         A film of springs has no such state: its springs buckle one by one, see `buckled`.
+
+        Returns
+        -------
+        (m,) int8
+            One for each triangle.
         """
         films = self._core.film_states()
         if films is None:
@@ -146,7 +249,13 @@ class Readings:
         return films.state.astype(np.int8)
 
     def crease_angles(self) -> Floats:
-        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law."""
+        """(c,) crease angles [rad]: pi flat, 0 shut, below 0 where the facets interpenetrate; NaN without the law.
+
+        Returns
+        -------
+        (c,) float64
+            [rad]
+        """
         angles = self._core.crease_angles()
         return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles
 
@@ -171,6 +280,11 @@ class Readings:
         """The largest principal stress of `film_stress` now [Pa]; 0 where none is in tension, NaN without a film law.
 
         Of a film of springs `membrane_rs.results.peak_stress` is another number: that of the film they stand for.
+
+        Returns
+        -------
+        float
+            [Pa]
         """
         found = self._core.largest_film_stress()
         return float("nan") if found is None else found
@@ -179,25 +293,54 @@ class Readings:
         """(s,) elastic tension of each segment of the cords now [N], in the order of `assembly.cords`; 0 where slack.
 
         That of dashpots is not included.
+
+        Returns
+        -------
+        (s,) float64
+            [N]
         """
         found = self._core.link_readings("tethers")
         return np.zeros(0) if found is None else found.tension
 
     def hub_load(self) -> HubLoad:
-        """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws."""
+        """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws.
+
+        Returns
+        -------
+        HubLoad
+            [N, N m, N]
+        """
         load = self._core.hub_load()
         return HubLoad(np.array(load.force), np.array(load.torque), load.contact)
 
     def hub_force(self) -> Floats:
-        """(3,) force of the sail on the hub now [N], in the turning frame; see `HubLoad`."""
+        """(3,) force of the sail on the hub now [N], in the turning frame; see `HubLoad`.
+
+        Returns
+        -------
+        (3,) float64
+            [N]
+        """
         return self.hub_load().force
 
     def hub_torque(self) -> Floats:
-        """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`."""
+        """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`.
+
+        Returns
+        -------
+        (3,) float64
+            [N m]
+        """
         return self.hub_load().torque
 
     def body_loads(self) -> dict[str, BodyLoad]:
-        """Force and torque of film and cords on each body now, by its name."""
+        """Force and torque of film and cords on each body now, by its name.
+
+        Returns
+        -------
+        dict of str to BodyLoad
+            By the names of the bodies.
+        """
         positions = self._core.positions()
         loads = {}
         for body in self.stage_scene.bodies:
@@ -211,9 +354,25 @@ class Readings:
         """(N, 3) forces of contact of spool and bodies on each node now [N], in the turning frame; 0 without contact.
 
         The force on spool and bodies is the negative sum over the nodes.
+
+        Returns
+        -------
+        (N, 3) float64
+            [N]
         """
         return self._core.contact_forces()
 
     def crossings(self, *, limit: int = LISTED) -> Crossings:
-        """Pairs of the membrane's triangles that pass through each other now; see `Mesh.crossings`."""
+        """Pairs of the membrane's triangles that pass through each other now; see `Mesh.crossings`.
+
+        Parameters
+        ----------
+        limit : int
+            Pairs that are listed at most; all are counted.
+
+        Returns
+        -------
+        Crossings
+            As that of a mesh.
+        """
         return crossings(self.assembly.triangles, self._core.positions(), limit)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from typing_extensions import override
+
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.simulation.measures import is_measured
@@ -16,10 +18,8 @@ from membrane_rs.simulation.timeline import ENTRIES, OF_STOP
 class ResumableMotion(StagedMotion):
     """A motion through stages that goes on from a state with the same bits."""
 
+    @override
     def state(self) -> dict[str, Any]:
-        """As `Motion.state`; with stages also how far the run has come in them ("stage_index", ...). In a stage that a
-        measure may end, the motion is that at its last evaluation, from which `set_state` steps to "stage_now".
-        """
         found = super().state()
         line, check = self._timeline, self._stage_end
         if check is not None:
@@ -37,8 +37,8 @@ class ResumableMotion(StagedMotion):
         given = {"stage_method": integrator or "", "stage_given_dt": dt or 0.0}
         return {**found, **line.saved(), **given}
 
+    @override
     def set_state(self, state: dict[str, Any]) -> None:
-        """As `Motion.set_state`; with stages also the stage."""
         if is_measured(self):
             raise InputError("a measure has set the motion; a measure only reads")
         entries = OF_STOP if self._timeline is None else (*ENTRIES, *OF_STOP)

@@ -33,6 +33,24 @@ CHUNK = 0.1
 class Stepper(StoppableMotion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
+
+    Parameters
+    ----------
+    scene : Scene
+        What moves.
+    integrator : str, optional
+        Name of the method.
+    dt : float, optional
+        Step [s].
+    start : Motion, optional
+        Whose motion it goes on from.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.simulation import Stepper
+    >>> Stepper(scenes.load("spinning-tether")).time
+    0.0
     """
 
     def __init__(
@@ -52,6 +70,11 @@ class Stepper(StoppableMotion):
     def step(self, n: int = 1) -> None:
         """Take `n` steps; where `is_adaptive`, `n` accepted ones from the end of the last. With stages, through their
         ends; the rest of a step up to one is not counted.
+
+        Parameters
+        ----------
+        n : int
+            Steps.
 
         Raises
         ------
@@ -190,6 +213,11 @@ class Stepper(StoppableMotion):
         A time between two steps is reached by a side step from the last one, or by interpolation where `is_adaptive`;
         the next step continues from the last one, so that such times have no effect on the motion.
 
+        Parameters
+        ----------
+        time : float
+            [s]
+
         Raises
         ------
         InputError
@@ -203,7 +231,20 @@ class Stepper(StoppableMotion):
             pass
 
     def reach_within(self, time: float, seconds: float) -> bool:
-        """As `reach`, for about `seconds` of wall time; whether the time was reached."""
+        """As `reach`, for about `seconds` of wall time; whether the time was reached.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        seconds : float
+            Of wall time [s].
+
+        Returns
+        -------
+        bool
+            Whether the time was reached.
+        """
         return seconds > 0.0 and self._reach(time, seconds) and self._is_at(time)
 
     def _is_at(self, time: float) -> bool:
@@ -235,6 +276,11 @@ class Stepper(StoppableMotion):
     def save(self, path: str | Path) -> None:
         """Write scene and state into one file (.npz), from which `restore` continues with the same bits.
 
+        Parameters
+        ----------
+        path : path
+            Of the file, which ends in .npz.
+
         Raises
         ------
         OutputError
@@ -243,7 +289,13 @@ class Stepper(StoppableMotion):
         StateFile(self.scene).write(path_of(path), self.saved_state())
 
     def saved_state(self) -> dict[str, Any]:
-        """All that `save` writes beside the scene, copied: the simulation may go on while it is written."""
+        """All that `save` writes beside the scene, copied: the simulation may go on while it is written.
+
+        Returns
+        -------
+        dict of str to object
+            Copies, by the names of the file's entries.
+        """
         return {"is_relaxed": self.is_relaxed, **self.state()}
 
     @classmethod
@@ -264,6 +316,16 @@ class Stepper(StoppableMotion):
     @classmethod
     def restore(cls, path: str | Path) -> Self:
         """The simulation that `save` wrote.
+
+        Parameters
+        ----------
+        path : path
+            Of the file.
+
+        Returns
+        -------
+        Simulation
+            Where it was.
 
         Raises
         ------

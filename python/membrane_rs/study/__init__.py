@@ -11,6 +11,7 @@ from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
 from membrane_rs.study.comparison import Comparison, Difference, compare
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
+from membrane_rs.study.fitting import Fit, fit
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
@@ -23,6 +24,7 @@ __all__ = [
     "Comparison",
     "Difference",
     "Ensemble",
+    "Fit",
     "LengthScales",
     "MeshRun",
     "Sweep",
@@ -32,6 +34,7 @@ __all__ = [
     "calibrate",
     "compare",
     "ensemble",
+    "fit",
     "jobs_of",
     "mesh_study",
     "open_ensemble",

@@ -15,6 +15,7 @@ from membrane_rs.folding import Pattern
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.laws import Law
 from membrane_rs.scene.parts import Part
+from membrane_rs.simulation import Observer
 
 PACKAGES = (
     "membrane_rs",
@@ -33,7 +34,7 @@ PACKAGES = (
     "membrane_rs.study",
 )
 """Packages whose `__all__` is public (docs/compatibility.md)."""
-INTERFACES = (Law, Part, Body, Pattern)
+INTERFACES = (Law, Part, Body, Pattern, Observer)
 """Classes whose methods serve those who write another of their kind."""
 
 
@@ -61,7 +62,7 @@ class PublicName:
             return "module"
         if inspect.isclass(self.value):
             return "exception" if issubclass(self.value, BaseException) else "class"
-        return "function" if callable(self.value) else "data"
+        return "function" if inspect.isroutine(self.value) else "data"
 
     @property
     def group(self) -> str:
@@ -84,17 +85,29 @@ def public_names() -> tuple[PublicName, ...]:
     return tuple(names)
 
 
-def members(cls: type) -> list[str]:
-    """Public methods and properties of a class, but for those of a class of `INTERFACES`."""
-    interfaces = [base for base in cls.__mro__[1:] if base in INTERFACES]
+@cache
+def members(cls: type) -> tuple[str, ...]:
+    """Public methods and properties of a class, but for those of a class of `INTERFACES`.
+
+    What two public classes share is described in the first of them alone: all of a motion in `Simulation`.
+    """
+    before = [public.value for public in public_names() if public.kind == "class"]
+    before = before[: before.index(cls)] if cls in before else []
+    shared = [other for other in before if cls in other.__mro__]
+    interfaces = [base for base in INTERFACES if base is not cls and (base in cls.__mro__ or _is_observer(cls, base))]
     names: list[str] = []
     for owner in reversed(cls.__mro__):
         is_own = owner.__module__.startswith("membrane_rs") and owner not in interfaces
         for name, member in vars(owner).items():
-            is_general = any(hasattr(base, name) for base in interfaces)
+            is_general = any(hasattr(base, name) for base in interfaces) or any(name in members(x) for x in shared)
             if is_own and not is_general and not name.startswith("_") and name not in names and is_described(member):
                 names.append(name)
-    return names
+    return tuple(names)
+
+
+def _is_observer(cls: type, base: type) -> bool:
+    """Whether a class is an observer by its methods alone, as protocols have it."""
+    return base is Observer and all(hasattr(cls, name) for name in vars(Observer) if not name.startswith("_"))
 
 
 def is_described(member: object) -> bool:

@@ -31,6 +31,12 @@ class AirDrag(Law):
         T [K], above 0.
     air : str
         "still": at rest in the chamber. "turning": turning with the hub.
+
+    Examples
+    --------
+    >>> from membrane_rs import AirDrag
+    >>> AirDrag(pressure=4.5).temperature
+    293.0
     """
 
     kind: ClassVar[str] = "air_drag"

@@ -36,6 +36,12 @@ class Creases(Law):
         H [m]. None: the mean height of the two facets in the reference mesh, crease by crease.
     collapse : float
         The fraction of a facet's area below which its moment fades [-], from 0 (never) to 1.
+
+    Examples
+    --------
+    >>> from membrane_rs import Creases
+    >>> Creases(stiffness=20.0).collapse
+    0.05
     """
 
     kind: ClassVar[str] = "creases"

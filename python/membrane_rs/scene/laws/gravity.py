@@ -24,6 +24,12 @@ class Gravity(Law):
     ----------
     acceleration : tuple of float
         g (x, y, z) [m/s2].
+
+    Examples
+    --------
+    >>> from membrane_rs import Gravity
+    >>> Gravity().acceleration
+    (0.0, 0.0, -9.81)
     """
 
     kind: ClassVar[str] = "gravity"

@@ -22,6 +22,12 @@ class MassDamping(Law):
     ----------
     rate : float
         [1/s], 0 or above.
+
+    Examples
+    --------
+    >>> from membrane_rs import MassDamping
+    >>> MassDamping(rate=100.0).rate
+    100.0
     """
 
     kind: ClassVar[str] = "mass_damping"

@@ -25,6 +25,12 @@ class Pressure(Law):
     ----------
     pressure : float
         p [Pa], the difference of the two sides' pressures; below zero it acts against the normal.
+
+    Examples
+    --------
+    >>> from membrane_rs import Pressure
+    >>> Pressure(2.0).pressure
+    2.0
     """
 
     kind: ClassVar[str] = "pressure"

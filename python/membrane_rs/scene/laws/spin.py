@@ -44,6 +44,14 @@ class Spin(Law):
     ------
     InputError
         A schedule beside a frequency or an acceleration.
+
+    Examples
+    --------
+    >>> from membrane_rs import Schedule, Spin
+    >>> Spin(frequency=4.0).frequency
+    4.0
+    >>> Spin(schedule=Schedule([0.0, 2.0], [4.0, 1.0])).schedule.at(1.0)
+    2.5
     """
 
     kind: ClassVar[str] = "spin"

@@ -39,6 +39,12 @@ class SpoolContact(Law):
         Half of the spool's height [m]: it reaches from -half_height to +half_height. None: endless.
     membrane : bool
         True: the nodes of the membrane are kept outside too.
+
+    Examples
+    --------
+    >>> from membrane_rs import SpoolContact
+    >>> SpoolContact(radius=0.025).radius
+    0.025
     """
 
     kind: ClassVar[str] = "spool_contact"

@@ -37,6 +37,12 @@ class SpringDamping(Law):
         The dashpots that resist with no more than the elastic tension above that of buckling, k (max(l, l_cr) - l_cr):
         "none", the paper's form everywhere; "cords", so that a slack cord has no force and no cord pushes; or "all",
         those of the film's springs too, so that no spring bears more compression than its buckling force.
+
+    Examples
+    --------
+    >>> from membrane_rs import SpringDamping
+    >>> SpringDamping(ratio=0.02, mass="reduced").limited
+    'cords'
     """
 
     kind: ClassVar[str] = "spring_damping"
@@ -48,7 +54,18 @@ class SpringDamping(Law):
     limited: Literal["none", "cords", "all"] = "cords"
 
     def mass_of(self, masses: ArrayLike) -> Floats:
-        """m [kg] of dashpots whose free nodes have these masses (n, 2) [kg]."""
+        """m [kg] of dashpots whose free nodes have these masses (n, 2) [kg].
+
+        Parameters
+        ----------
+        masses : (s, 2) float64
+            Of the two nodes of each dashpot [kg].
+
+        Returns
+        -------
+        (s,) float64
+            m of the equation [kg].
+        """
         pairs = np.asarray(masses, dtype=np.float64)
         return np.asarray(pairs.mean(axis=1) if self.mass == "mean" else 1.0 / (1.0 / pairs).sum(axis=1))
 

@@ -38,6 +38,12 @@ class Springs(Law):
     negative : str
         What to do with negative spring constants, which obtuse triangles make: "refuse" (an error),
         "clip" (to zero) or "keep".
+
+    Examples
+    --------
+    >>> from membrane_rs import Springs
+    >>> Springs(buckling=0.0).without_compression().buckling_on_creases
+    0.0
     """
 
     kind: ClassVar[str] = "springs"

@@ -37,6 +37,12 @@ class Triangles(Law):
         Length [m] that makes a crease a line with a buckling force of its own, as in `Springs`.
     strain_limit : float
         A run stops when a triangle is stretched beyond this strain in any direction [-].
+
+    Examples
+    --------
+    >>> from membrane_rs import Triangles
+    >>> Triangles(compression=0.0).compression
+    0.0
     """
 
     kind: ClassVar[str] = "triangles"

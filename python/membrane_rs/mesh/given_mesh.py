@@ -1,0 +1,105 @@
+"""Nodes, triangles, pairs and node sets of a mesh as users give them: checked, copied, read-only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs._given_arrays import numeric
+from membrane_rs._validation import check_text, show
+from membrane_rs.errors import InputTypeError, MeshError
+from membrane_rs.mesh.queries import distinct
+from membrane_rs.mesh.triangulation import frozen
+
+LONGEST_NAME = 1000
+"""Characters of the name of a node set: archives cut longer ones than some ten thousand."""
+
+
+def or_empty(pairs: ArrayLike | None) -> ArrayLike:
+    """Pairs, or none."""
+    return np.empty((0, 2), dtype=np.int64) if pairs is None else pairs
+
+
+def points_of(values: ArrayLike, name: str) -> Floats:
+    """Points (n, 3) [m] as a read-only array of finite numbers."""
+    array = numeric(values, name, "fiu", "numbers, in metres", MeshError)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"{name} has shape {array.shape}; it must be (n, 3), one row x, y, z for each node")
+    with np.errstate(over="ignore"):
+        points = np.array(array, dtype=np.float64, order="C")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise MeshError(
+            f"{name}[{bad[0]}] = {points[bad[0]].tolist()} is not finite ({len(bad)} such nodes); "
+            "replace NaN and infinite values by numbers"
+        )
+    return frozen(points)
+
+
+def fitting(positions: ArrayLike, node_count: int) -> Floats:
+    """A copy of positions, (n, 3) [m], that fit a mesh of so many nodes."""
+    points = points_of(positions, "positions")
+    if len(points) != node_count:
+        raise MeshError(f"positions has {len(points)} nodes and reference {node_count}; give one row for each node")
+    return points
+
+
+def indices_of(values: ArrayLike, name: str, width: int, node_count: int) -> Ints:
+    """Rows of node indices as a read-only array, none twice in a row."""
+    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
+    if array.size == 0:
+        array = np.empty((0, width), dtype=np.int64)
+    if width == 3 and array.shape[1:] == (4,):
+        raise MeshError(
+            f"{name} has shape {array.shape}: these are quadrilaterals; split each a, b, c, d into the triangles "
+            "a, b, c and a, c, d: numpy.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])"
+        )
+    if array.ndim != 2 or array.shape[1] != width:
+        raise MeshError(f"{name} has shape {array.shape}; it must be (k, {width}), node indices in each row")
+    _check_range(array, name, node_count)
+    rows: Ints = np.array(array, dtype=np.int64, order="C")
+    ordered = np.sort(rows, axis=1)
+    bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+    if len(bad):
+        raise MeshError(
+            f"{name}[{bad[0]}] = {rows[bad[0]].tolist()} names a node twice ({len(bad)} such rows); "
+            "remove the row or correct it"
+        )
+    return frozen(rows)
+
+
+def node_sets_of(sets: Mapping[str, ArrayLike], node_count: int) -> dict[str, Ints]:
+    """Node sets by name, checked."""
+    if not isinstance(sets, Mapping) or not all(isinstance(name, str) for name in sets):
+        raise InputTypeError("node_sets must be a dict from names (str) to lists of node indices")
+    for name in sets:
+        check_text(name, "node_sets: the name")
+        if not 1 <= len(name) <= LONGEST_NAME or "\0" in name:
+            raise MeshError(
+                f"node_sets: the name {show(name)}: must be 1 to {LONGEST_NAME} characters without a NUL, for files"
+            )
+    return {name: _node_set(nodes, f"node_sets['{name}']", node_count) for name, nodes in sets.items()}
+
+
+def _node_set(values: ArrayLike, name: str, node_count: int) -> Ints:
+    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
+    if array.ndim != 1:
+        raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of node indices")
+    _check_range(array, name, node_count)
+    nodes: Ints = frozen(np.array(array, dtype=np.int64))
+    if len(distinct(nodes)) < len(nodes):
+        raise MeshError(f"{name} names a node twice; name it once")
+    return nodes
+
+
+def _check_range(array: NDArray[Any], name: str, node_count: int) -> None:
+    if array.size and (array.min() < 0 or array.max() >= node_count):
+        bad = np.argwhere((array < 0) | (array >= node_count))[0]
+        raise MeshError(
+            f"{name}[{', '.join(map(str, bad))}] = {array[tuple(bad)]} is no node; "
+            f"indices run from 0 to {node_count - 1}"
+        )

@@ -1,0 +1,220 @@
+"""The result of a fit: values, how far they are known, tables, a figure, files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from membrane_rs._arrays import Floats
+from membrane_rs._files import output_errors, path_of, write_text
+from membrane_rs.errors import MissingExtraError
+from membrane_rs.scene import Scene
+from membrane_rs.study.fitting.analysis import Analysis, FittedParameter
+from membrane_rs.study.fitting.model import Curves, DataColumn, FitModel
+from membrane_rs.study.fitting.report import plot_fit, table_of_columns, table_of_correlation, table_of_parameters
+
+CALIBRATED = "calibrated"
+OUTPUTS = ("calibration.md", "calibration.json", "calibration.png")
+NEAR = 1e-3
+"""A value this near to an end of its range, as a share of it, is at that end."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters of a scene that were fitted to measured curves.
+
+    Attributes
+    ----------
+    parameters : sequence of FittedParameter
+        In the order of `vary`.
+    columns : sequence of DataColumn
+        What was measured, as far as it was used.
+    misfit, first_misfit : float
+        Root mean square of the residuals, in standard deviations of the data or, where none were given, in standard
+        deviations of each column; at the end and at the start.
+    residuals : mapping of str to float
+        By column, root mean square in its unit.
+    analysis : Analysis or None
+        How far the parameters are known; None where the runs did not suffice.
+    method, outcome : str
+        What was used, and how it ended.
+    trials : sequence
+        Values and misfit of all sets that ran, in their order; the misfit of those that failed is None.
+    runs : int
+        Number of runs, all starts counted.
+    failures : sequence of str
+        Sets whose runs failed, and why.
+    """
+
+    parameters: Sequence[FittedParameter]
+    columns: Sequence[DataColumn]
+    misfit: float
+    first_misfit: float
+    residuals: Mapping[str, float]
+    analysis: Analysis | None
+    method: str
+    outcome: str
+    trials: Sequence[tuple[Mapping[str, float], float | None]]
+    runs: int
+    failures: Sequence[str]
+    _scene: Scene
+    _first: Curves
+    _best: Curves
+    path: Path | None = None
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The fitted values by key."""
+        return {one.key: one.value for one in self.parameters}
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with the fitted values."""
+        return self._scene.with_values(self.values)
+
+    @property
+    def undetermined(self) -> list[str]:
+        """What the data do not determine: parameters, or combinations of several."""
+        ends = [f"{one.key}, at the {one.end} end of its range" for one in self.parameters if one.end]
+        return [*ends, *(self.analysis.undetermined if self.analysis else ())]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What speaks against the result."""
+        found = [f"not determined by these data: {what}" for what in self.undetermined]
+        if self.analysis is None:
+            found.append("no standard deviations: the number of runs did not suffice; allow more (most_runs)")
+        elif self.analysis.is_drowned:
+            found.append(
+                "the spread of the starts hides the effect of the difference step; take more starts, a larger step, or "
+                "the method 'nelder-mead'"
+            )
+        return found + [f"failed: {failure}" for failure in self.failures]
+
+    def table(self) -> str:
+        """Parameters, columns, sensitivities and correlations, as tables in Markdown."""
+        parts = [
+            table_of_parameters(self.parameters),
+            table_of_columns(self.columns, self.residuals, self.parameters, self.analysis),
+        ]
+        if self.analysis is not None and len(self.parameters) > 1:
+            parts.append(table_of_correlation([one.key for one in self.parameters], self.analysis.correlation))
+        return "\n".join([*parts, "".join(f"- {line}\n" for line in self.warnings)]).rstrip() + "\n"
+
+    def plot(self, path: str | Path | None = None, **options: Any) -> Any:
+        """The data, and the curves before and after, with the spread of their starts.
+
+        Parameters
+        ----------
+        path : path, optional
+            A PNG, PDF or SVG file.
+        **options
+            As in `membrane_rs.plotting.plot_comparison`: title, dpi, style.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        return plot_fit(self.columns, self._first.runs, self._best.runs, path=path, **options)
+
+    def save(self, folder: str | Path, **options: Any) -> list[Path]:
+        """Write the scene with the fitted values, the tables, the numbers and the figure into a folder.
+
+        Parameters
+        ----------
+        folder : path
+            Made where it is missing.
+        **options
+            As in `plot`.
+
+        Returns
+        -------
+        list of Path
+            The folder calibrated/ with scene.toml, calibration.md, calibration.json, and calibration.png where
+            matplotlib is installed.
+
+        Raises
+        ------
+        OutputError
+            One cannot be written.
+        """
+        place = path_of(folder)
+        with output_errors(place):
+            place.mkdir(parents=True, exist_ok=True)
+        tables, numbers, figure = (place / name for name in OUTPUTS)
+        scene = place / CALIBRATED
+        self.scene.save(scene)
+        write_text(tables, self.table())
+        write_text(numbers, json.dumps(self.as_dict(), indent=2) + "\n")
+        try:
+            self.plot(figure, **options)
+        except MissingExtraError:
+            return [scene, tables, numbers]
+        return [scene, tables, numbers, figure]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The numbers, as plain values for JSON."""
+        known = self.analysis
+        return {
+            "method": self.method,
+            "outcome": self.outcome,
+            "misfit": self.misfit,
+            "first_misfit": self.first_misfit,
+            "parameters": {one.key: {**_plain(one), "is_determined": one.is_determined} for one in self.parameters},
+            "residuals": dict(self.residuals),
+            "correlation": None if known is None else _finite(known.correlation),
+            "sensitivity": None if known is None else _finite(known.sensitivity),
+            "undetermined": self.undetermined,
+            "runs": self.runs,
+            "failures": list(self.failures),
+        }
+
+
+def fit_of(
+    scene: Scene,
+    model: FitModel,
+    start: tuple[Floats, Curves],
+    best: tuple[Floats, Curves],
+    known: Analysis | None,
+    *,
+    method: str,
+    outcome: str,
+    path: Path | None,
+) -> Fit:
+    """The result of a fit: shares and curves at its start and at its best values, and how far these are known."""
+    errors = np.full(len(model.parameters), np.inf) if known is None else known.errors
+    fitted = []
+    for one, first, share, error in zip(model.parameters, start[0], best[0], errors, strict=True):
+        reach = min(float(error), 10.0)
+        end = "lower" if share < NEAR else "upper" if share > 1.0 - NEAR else ""
+        around = one.at(float(share) - reach), one.at(float(share) + reach)
+        fitted.append(
+            FittedParameter(one.key, one.unit, one.at(float(first)), one.at(float(share)), *around, float(error), end)
+        )
+    parts = np.split(best[1].residuals, np.cumsum([len(column.time) for column in model.columns])[:-1])
+    in_units = {
+        column.name: float(np.sqrt(np.mean((part * column.scale) ** 2)))
+        for column, part in zip(model.columns, parts, strict=True)
+    }
+    trials = [(model.values(key), None if one.failure else one.misfit) for key, one in model.known.items()]
+    failures = [one.failure for one in model.known.values() if one.failure]
+    return Fit(
+        fitted, model.columns, best[1].misfit, start[1].misfit, in_units, known, method, outcome, trials,
+        len(model.known) * model.starts, failures, scene, start[1], best[1], path,
+    )  # fmt: skip
+
+
+def _plain(one: FittedParameter) -> dict[str, Any]:
+    """Without numbers that JSON lacks."""
+    names = ("unit", "start", "value", "low", "high", "error", "end")
+    return {name: (None if value in (np.inf, -np.inf) else value) for name in names for value in (getattr(one, name),)}
+
+
+def _finite(matrix: Floats) -> list[list[float | None]]:
+    return [[float(value) if np.isfinite(value) else None for value in row] for row in matrix]

@@ -1,0 +1,246 @@
+"""Fits to measured curves: known parameters come back, and what the data leave open is said."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import InputError, Scene, run, scenes
+from membrane_rs._arrays import Floats
+from membrane_rs.cli.application import USAGE, app
+from membrane_rs.results import Experiment
+from membrane_rs.study import Fit, fit
+from membrane_rs.study.common.vary import Parameter
+from membrane_rs.study.fitting.analysis import Analysis, analysed
+from membrane_rs.study.fitting.model import Curves, DataColumn
+from typer.testing import CliRunner
+
+END, SAMPLES = 0.15, 151
+NOISE = {"phase_difference_deg": 0.05, "largest_cord_tension": 0.01}
+"""Standard deviations of synthetic data."""
+TRUE = {"laws.spin.frequency": 3.0, "parts.0.tip_mass": 0.01}
+RANGES = {"laws.spin.frequency": "2:5", "parts.0.tip_mass": "0.002:0.05:log"}
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return scenes.load("spinning-tether").with_values({"parts.0.segments": 4})
+
+
+@pytest.fixture(scope="module")
+def begin(scene: Scene) -> Scene:
+    """The scene with other values than those that made the data."""
+    return scene.with_values({"laws.spin.frequency": 4.0, "parts.0.tip_mass": 0.005})
+
+
+def measured(scene: Scene, seed: int = 0, noise: float = 1.0, columns: tuple[str, ...] = tuple(NOISE)) -> Experiment:
+    """Curves of a scene at 16 times, with noise."""
+    history, random = run(scene, END, samples=SAMPLES, frames=2).history, np.random.default_rng(seed)
+    rows = slice(None, None, 10)
+    values = {name: history[name][rows] + noise * NOISE[name] * random.standard_normal(16) for name in columns}
+    return Experiment("synthetic", history["time"][rows], values, {name: history.units[name] for name in columns})
+
+
+@pytest.fixture(scope="module")
+def found(scene: Scene, begin: Scene) -> Fit:
+    return fit(begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE)
+
+
+def test_known_parameters_come_back_within_their_errors(found: Fit) -> None:
+    assert found.outcome == "converged"
+    assert not found.undetermined
+    assert found.misfit < 0.2 * found.first_misfit
+    assert 0.7 < found.misfit < 1.3  # noise of the size that was said
+    for one in found.parameters:
+        deviation = (one.high - one.low) / 2
+        assert abs(one.value - TRUE[one.key]) < 3.0 * deviation, one
+        assert deviation < 0.1 * TRUE[one.key], one
+    assert found.scene.value("laws.spin.frequency") == found.values["laws.spin.frequency"]
+
+
+def test_errors_have_the_size_of_the_scatter_of_fits(scene: Scene, found: Fit) -> None:
+    """The standard deviation that one fit gives is that of the values which fits to other noise find."""
+    values = []
+    for seed in range(1, 7):
+        again = fit(found.scene, measured(scene, seed), RANGES, samples=SAMPLES, uncertainty=NOISE)
+        values.append([again.values[key] for key in TRUE])
+    scatter = np.std([*values, [found.values[key] for key in TRUE]], axis=0, ddof=1)
+    said = [(one.high - one.low) / 2 for one in found.parameters]
+    assert (scatter / said > 0.4).all(), (scatter, said)
+    assert (scatter / said < 2.5).all(), (scatter, said)
+
+
+def test_the_simplex_finds_them_too(scene: Scene, begin: Scene) -> None:
+    found = fit(begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE, method="nelder-mead", starts=2)
+    assert found.misfit < 1.3
+    assert found.values == pytest.approx(TRUE, rel=0.05)
+
+
+def test_what_the_data_do_not_determine_is_said(scene: Scene) -> None:
+    """The swing of a tip does not depend on the damping of its cord's own vibrations."""
+    data = measured(scene, noise=0.2, columns=("phase_difference_deg",))
+    ranges = {"laws.spin.frequency": "2:5", "laws.spring_damping.ratio": "0.005:0.08:log"}
+    from_elsewhere = scene.with_values({"laws.spin.frequency": 4.0})
+    found = fit(from_elsewhere, data, ranges, samples=SAMPLES, uncertainty={"phase_difference_deg": 1.0})
+    frequency, ratio = found.parameters
+    assert frequency.is_determined
+    assert abs(frequency.value - 3.0) < 0.1
+    assert not ratio.is_determined
+    assert any("laws.spring_damping.ratio" in one for one in found.undetermined)
+    assert not any("laws.spin.frequency" in one for one in found.undetermined)
+    assert "not determined by these data" in found.table()
+
+
+class Linear:
+    """Residuals that are a matrix times the shares: what a fit sees of its runs, with a known Jacobian."""
+
+    def __init__(self, matrix: list[list[float]], noise: float = math.nan) -> None:
+        self.matrix, self.noise = np.array(matrix), noise
+        count = len(matrix)
+        deviations = np.ones(count)
+        self.columns = [DataColumn("force", "N", np.arange(count, dtype=float), np.zeros(count), deviations, True)]
+        self.parameters = [Parameter(name, "", (1.0, 10.0), True) for name in ("a", "b", "c")[: self.matrix.shape[1]]]
+
+    def curves(self, shares: list[Floats]) -> list[Curves]:
+        return [Curves(self.matrix @ one, np.full(len(self.matrix), self.noise), ()) for one in shares]
+
+    def analysis(self) -> Analysis:
+        shares = np.full(len(self.parameters), 0.5)
+        model: Any = self
+        return analysed(model, shares, self.curves([shares])[0], 0.01)
+
+
+def test_errors_and_correlation_are_those_of_the_normal_equations() -> None:
+    matrix = [[3.0, 1.0], [1.0, 4.0], [2.0, -1.0]]
+    found = Linear(matrix).analysis()
+    covariance = np.linalg.inv(np.array(matrix).T @ np.array(matrix))
+    assert found.errors == pytest.approx(np.sqrt(np.diag(covariance)))
+    assert found.correlation[0, 1] == pytest.approx(covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1]))
+    assert found.sensitivity[0] == pytest.approx(0.1 * np.sqrt(np.mean(np.array(matrix) ** 2, axis=0)))
+    assert not found.undetermined
+
+
+@pytest.mark.parametrize(
+    ("matrix", "expected"),
+    [
+        ([[9.0, 9.0], [8.0, 8.0]], ["a raised while b is lowered"]),
+        ([[9.0, -9.0], [8.0, -8.0]], ["a and b, raised together"]),
+        ([[9.0, 0.0], [8.0, 0.0]], ["b"]),
+        ([[9.0, 0.0], [0.0, 1.9]], ["b"]),
+        ([[9.0, 0.0], [0.0, 2.1]], []),
+        ([[9.0, 9.0, 0.0], [0.0, 0.0, 9.0]], ["a raised while b is lowered"]),
+        ([[9.0, 0.0, 0.0]], ["b", "c"]),
+    ],
+)
+def test_combinations_that_leave_the_curves_as_they_are_are_named(
+    matrix: list[list[float]], expected: list[str]
+) -> None:
+    found = Linear(matrix).analysis()
+    named = sorted(
+        one.replace("b raised while a is lowered", "a raised while b is lowered") for one in found.undetermined
+    )
+    assert named == expected
+
+
+@pytest.mark.parametrize(("noise", "is_drowned"), [(math.nan, False), (1e-3, False), (0.1, True)])
+def test_noise_of_the_means_can_hide_the_differences(noise: float, is_drowned: bool) -> None:
+    """A step of 0.01 changes these curves by about 0.05."""
+    assert Linear([[3.0, 1.0], [1.0, 4.0]], noise).analysis().is_drowned is is_drowned
+
+
+def test_a_parameter_at_the_end_of_its_range_is_said(scene: Scene) -> None:
+    found = fit(scene, measured(scene), {"laws.spin.frequency": "3.5:5"}, samples=SAMPLES)
+    assert found.parameters[0].end == "lower"
+    assert not found.parameters[0].is_determined
+    assert any("lower end" in warning for warning in found.warnings)
+
+
+def test_few_runs_give_the_best_so_far_and_no_errors(scene: Scene, begin: Scene) -> None:
+    found = fit(begin, measured(scene), RANGES, samples=SAMPLES, most_runs=3)
+    assert found.runs <= 3
+    assert found.outcome.startswith("stopped at 3 runs")
+    assert found.analysis is None
+    assert "did not suffice" in " ".join(found.warnings)
+
+
+def test_runs_that_fail_are_walked_around(scene: Scene) -> None:
+    """A fast hub tears the cord."""
+    limited = scene.with_values({"parts.0.strain_limit": 0.012})
+    slow = limited.with_values({"laws.spin.frequency": 2.0})
+    data = measured(slow, noise=0.0, columns=("phase_difference_deg",))
+    found = fit(limited, data, {"laws.spin.frequency": "1:6"}, samples=SAMPLES, method="nelder-mead")
+    assert "over its bound" in " ".join(found.failures)
+    assert found.warnings[-1].startswith("failed: laws.spin.frequency = ")
+    assert found.values["laws.spin.frequency"] == pytest.approx(2.0, rel=0.01)
+
+
+def test_a_folder_makes_no_run_twice(scene: Scene, begin: Scene, tmp_path: Path) -> None:
+    shown: list[int] = []
+    options = {"samples": SAMPLES, "out": tmp_path / "fit", "most_runs": 12}
+    first = fit(begin, measured(scene), RANGES, **options)  # type: ignore[arg-type]
+    written = {path: path.stat().st_mtime_ns for path in (tmp_path / "fit" / "runs").iterdir()}
+    again = fit(begin, measured(scene), RANGES, progress=lambda *now: shown.append(now[0]), **options)  # type: ignore[arg-type]
+    assert again.values == first.values
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "fit" / "runs").iterdir()} == written
+
+
+WRONG = [
+    ({"laws.spin.frequency": [2.0, 3.0]}, {}, "is a list; give a range"),
+    ({"parts.0.segments": "2:8"}, {}, "whole number"),
+    ({}, {}, "names no parameter"),
+    ({"laws.spin.frequenzy": "2:5"}, {}, "frequency"),
+    ({"laws.spin.frequency": "5:2"}, {}, "lower to a higher"),
+    (RANGES, {"method": "leastsquares"}, "least-squares"),
+    (RANGES, {"starts": 0}, "from 1 to 1000"),
+    (RANGES, {"starts": 3, "most_runs": 2}, "less than the 3 runs"),
+    (RANGES, {"step": 0.0}, "share of the ranges"),
+    (RANGES, {"uncertainty": {"phase": 1.0}}, "no column 'phase'"),
+    (RANGES, {"columns": ["phase"]}, "no column 'phase'"),
+    (RANGES, {"columns": "hub_force"}, "must be a list"),
+    (RANGES, {"columns": []}, "no value"),
+    (RANGES, {"uncertainty": {"phase_difference_deg": -1.0}}, "above 0"),
+    (RANGES, {"uncertainty": {"largest_cord_tension": "2 m"}}, "N"),
+    (RANGES, {"until": -1.0}, "no value from 0"),
+]
+
+
+@pytest.mark.parametrize(("vary", "options", "message"), WRONG)
+def test_wrong_input_is_refused(
+    scene: Scene, vary: dict[str, object], options: dict[str, object], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        fit(scene, measured(scene), vary, samples=SAMPLES, **options)  # type: ignore[arg-type]
+
+
+def test_data_that_no_run_records_are_refused(scene: Scene) -> None:
+    data = Experiment("data", np.array([0.0, 0.1]), {"tension": np.array([1.0, 2.0])}, {"tension": ""})
+    with pytest.raises(InputError, match=r"'tension' of the data: no run records it.*hub_force"):
+        fit(scene, data, RANGES, samples=SAMPLES, until=0.1)
+
+
+def test_the_command(scene: Scene, begin: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    begin.save(tmp_path / "scene")
+    data = measured(scene)
+    lines = ["time [ms], phase_difference_deg [deg], largest_cord_tension [mN]"]
+    lines += [f"{1e3 * t}, {a}, {1e3 * b}" for t, a, b in zip(data.time, *data.columns.values(), strict=True)]
+    (tmp_path / "data.csv").write_text("\n".join(lines))
+    words = ["calibrate", "scene/scene.toml", "--data", "data.csv", "--vary", "laws.spin.frequency=2:5"]
+    words += ["--vary", "parts.0.tip_mass=2g:50g:log", "--samples", str(SAMPLES), "--out", "fit", "--json"]
+    words += ["--uncertainty", "phase_difference_deg=0.05", "--uncertainty", "largest_cord_tension=10 mN"]
+    shown = CliRunner().invoke(app, words)
+    assert shown.exit_code == 0, shown.stderr
+    told = json.loads(shown.stdout)
+    assert told["parameters"]["laws.spin.frequency"]["value"] == pytest.approx(3.0, rel=0.01)
+    fitted = Scene.from_toml(tmp_path / "fit" / "calibrated" / "scene.toml")
+    assert fitted.value("parts.0.tip_mass") == told["parameters"]["parts.0.tip_mass"]["value"]
+    for name in ("calibration.md", "calibration.json", "calibration.png"):
+        assert (tmp_path / "fit" / name).stat().st_size > 100
+    assert CliRunner().invoke(app, words[:4]).exit_code == USAGE
+    wrong = CliRunner().invoke(app, [*words[:4], "--vary", "laws.spin.frequency=2:5", "--uncertainty", "tension"])
+    assert wrong.exit_code == USAGE
+    assert "COLUMN=VALUE" in wrong.stderr
