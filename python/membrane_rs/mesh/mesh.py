@@ -14,6 +14,7 @@ from typing_extensions import Self
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._files import path_of
 from membrane_rs._given_arrays import numeric
+from membrane_rs._html import Card, HasCard, Lines
 from membrane_rs.errors import InputError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit
@@ -25,7 +26,7 @@ from membrane_rs.mesh.given_mesh import fitting, indices_of, node_sets_of, or_em
 from membrane_rs.mesh.triangulation import Triangulation, frozen
 
 
-class Mesh(Triangulation):
+class Mesh(HasCard, Triangulation):
     """A triangulated membrane in its strain-free and in its stowed shape.
 
     Parameters
@@ -302,6 +303,20 @@ class Mesh(Triangulation):
     def __repr__(self) -> str:
         counts = f"{self.node_count} nodes, {len(self.triangles)} triangles, {len(self.creases)} crease edges"
         return f"Mesh({counts})"
+
+    def _card(self) -> Card:
+        """What notebooks show: the mesh without strain."""
+        extent = self.reference.max(axis=0) - self.reference.min(axis=0)
+        rows: list[tuple[str, object]] = [
+            ("nodes", self.node_count),
+            ("triangles", len(self.triangles)),
+            ("edges", len(self.edges)),
+            ("crease edges", len(self.creases)),
+            ("extent [m]", " x ".join(f"{side:.4g}" for side in extent)),
+            ("area [m2]", float(self.areas().sum())),
+            ("node sets", ", ".join(self.node_sets) or "none"),
+        ]
+        return Card("Mesh", rows, Lines(self.reference, self.boundary_edges, self.creases))
 
     def _check_creases(self) -> None:
         if len(self.creases) == 0:

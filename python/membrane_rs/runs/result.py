@@ -6,17 +6,23 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from membrane_rs._html import Card, HasCard
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.mesh import Mesh
 from membrane_rs.results.run_history import RunHistory
 from membrane_rs.runs.frames import RunFrames
+from membrane_rs.runs.tables import to_pandas, to_xarray
 from membrane_rs.scene import Scene
+from membrane_rs.scene.card import lines_of
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
     from membrane_rs.plotting.viewer import NotebookView
 
 
-class Run(KnownAttributes):
+class Run(HasCard, KnownAttributes):
     """What a run has shown. `membrane_rs.run` gives it, and `membrane_rs.open_run` that of a folder.
 
     Attributes
@@ -78,6 +84,52 @@ class Run(KnownAttributes):
         from membrane_rs.plotting.viewer import look_at
 
         return look_at(self, color=color, camera=camera, scale=scale, time=time, where=where)
+
+    def to_pandas(self) -> DataFrame:
+        """The history as a `pandas.DataFrame`, by the time [s]; the units are in its `attrs`.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        return to_pandas(self)
+
+    def to_xarray(self, frames: bool = True) -> Dataset:
+        """The history and the positions of the frames as an `xarray.Dataset`, with units.
+
+        Parameters
+        ----------
+        frames : bool
+            Take the positions of all frames, as "positions" over "frame_time", "node" and "axis" ("x", "y", "z").
+
+        Raises
+        ------
+        InputError
+            Frames of more than 4 GB.
+        MissingExtraError
+            xarray is not installed.
+        """
+        return to_xarray(self, frames=frames)
+
+    def _card(self) -> Card:
+        """What notebooks show: the last frame."""
+        summary, history = self.summary, self.history
+        times, balance = history["time"], summary.get("energy_balance")
+        error = balance.get("error") if isinstance(balance, dict) else None
+        rows: list[tuple[str, object]] = [
+            ("outcome", self.outcome),
+            *([("time [s]", f"{times[0]:.6g} to {times[-1]:.6g}")] if len(times) else []),
+            ("samples", history.sample_count),
+            ("columns", len(history)),
+            ("frames", len(self.frames)),
+            ("method", summary.get("integrator", "")),
+            ("steps", summary.get("steps", "")),
+            *([("energy error [%]", f"{100.0 * error:.3g}")] if isinstance(error, float) else []),
+            *([] if self.path is None else [("folder", self.path)]),
+        ]
+        lines = lines_of(self.mesh, self.scene.assemble(), self.frames[-1].positions) if len(self.frames) else None
+        return Card(f"Run of {self.scene.name}", rows, lines)
 
     def __repr__(self) -> str:
         """Scene, outcome and sizes."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar, overload
 
 from membrane_rs._files import output_errors, path_of, write_text
+from membrane_rs._html import Card, HasCard
 from membrane_rs._validation import computable, show
 from membrane_rs.errors import InputTypeError, SceneError
 from membrane_rs.folding.pattern import pattern_of
@@ -17,6 +18,7 @@ from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.card import lines_of
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.members import check_name, check_names, check_type, checked
 from membrane_rs.scene.parts import PARTS, Part
@@ -32,7 +34,7 @@ L = TypeVar("L", bound=Law)
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(HasCard):
     """Mesh, material, laws and parts, checked against each other.
 
     Parameters
@@ -375,6 +377,28 @@ class Scene:
             "triangles": len(assembly.triangles),
             "hinges": len(assembly.creases.nodes),
         }
+
+    def __repr__(self) -> str:
+        """Name, size and laws."""
+        laws = ", ".join(law.kind for law in self.laws) or "none"
+        stages = f"; stages {', '.join(stage.name for stage in self.stages)}" if self.stages else ""
+        return f"Scene({self.name!r}: {self._assembly.node_count} nodes; laws {laws}{stages})"
+
+    def _card(self) -> Card:
+        """What notebooks show: the scene at its start."""
+        film, run, counts = self.material, self.run, self.counts()
+        rows: list[tuple[str, object]] = [
+            ("nodes", counts["nodes"]),
+            ("springs", counts["edges"]),
+            ("triangles", counts["triangles"]),
+            ("film", "none" if film is None else f"{film.thickness:.4g} m thick, E = {film.youngs_modulus:.4g} Pa"),
+            ("laws", ", ".join(law.kind for law in self.laws) or "none"),
+            ("parts", ", ".join(part.name or part.kind for part in self.parts) or "none"),
+            *([("bodies", ", ".join(body.name for body in self.bodies))] if self.bodies else []),
+            *([("stages", ", ".join(stage.name for stage in self.stages))] if self.stages else []),
+            ("run", f"{run.until:.6g} s by {run.integrator}"),
+        ]
+        return Card(f"Scene {self.name}", rows, lines_of(self.mesh, self._assembly, self._assembly.positions))
 
     @cached_property
     def _assembly(self) -> Assembly:

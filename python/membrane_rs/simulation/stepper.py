@@ -21,7 +21,8 @@ from membrane_rs.simulation.measures import is_measured
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import is_same_time, output_times
-from membrane_rs.simulation.stopping import Stop, StoppableMotion
+from membrane_rs.simulation.shown import ShownMotion
+from membrane_rs.simulation.stopping import Stop
 from membrane_rs.simulation.timeline import ENTRIES, OF_STOP
 
 MOST_STEPS = 10**15
@@ -30,7 +31,7 @@ CHUNK = 0.1
 """Wall time after which a run on its way to the next output calls what watches it [s]."""
 
 
-class Stepper(StoppableMotion):
+class Stepper(ShownMotion):
     """A scene in motion that steps; writes nothing but its own state. Its parameters and errors are those of
     `Simulation`, which adds what a run needs before and beside its steps.
 
