@@ -232,7 +232,7 @@ def _ends(field: Field, values: NDArray[np.float32]) -> tuple[float, float]:
 
 
 def _description(field: Field, low: float, high: float, values: NDArray[np.float32]) -> dict[str, Any]:
-    """What the viewer is told of a field."""
+    """What the viewer needs of a field."""
     ticks, note, unit = list(field.categories), "", field.unit
     if not field.categories:
         ends = np.array([low, high, float(np.nanmin(values)), float(np.nanmax(values))])
