@@ -1,4 +1,4 @@
-"""Standard terms: no private word of earlier versions stands in code or pages. docs/model.md defines the terms.
+"""Standard terms: no private word of earlier versions stands in code or pages. docs/glossary.md defines the terms.
 
 Identifiers and keys such as `short_steps` are no matches: aliases keep them.
 """
