@@ -114,12 +114,10 @@ NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no picture
 
 def load(scene: str, values: list[str] | None = None) -> Scene:
     """A built-in scene by its name, or a scene file by its path (ending or slash), with the values of `--set`."""
-    from membrane_rs import scenes as built_in
     from membrane_rs.cli.settings import values_of
-    from membrane_rs.scene import Scene
+    from membrane_rs.scenes import scene_of
 
-    is_file = scene.endswith(".toml") or "/" in scene or Path(scene).is_file()
-    found = Scene.from_toml(scene) if is_file else built_in.load(scene)
+    found = scene_of(scene)
     return found.with_values(values_of(values)) if values else found
 
 

@@ -25,7 +25,7 @@ from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
 from membrane_rs.scene.staging import check_same_nodes, check_stages, in_numbers, planned_starts, staged
-from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
+from membrane_rs.scene.toml import MESH_FILE, SceneContent, content_of, pattern_name, read_scene, write_scene
 from membrane_rs.scene.values import unit_at, value_at, with_values
 
 SCENE_FILE = "scene.toml"
@@ -269,7 +269,19 @@ class Scene(HasCard):
         'spinning-tether'
         """
         path = path_of(path)
-        content = read_scene(path)
+        return cls._of(read_scene(path), path)
+
+    @classmethod
+    def from_text(cls, text: str, path: str | Path = "scene.toml") -> Scene:
+        """The scene of the text of a scene file, which stands at `path`: the mesh file that it names lies beside that.
+
+        Raises as `from_toml`.
+        """
+        path = path_of(path)
+        return cls._of(content_of(text, path), path)
+
+    @classmethod
+    def _of(cls, content: SceneContent, path: Path) -> Scene:
         try:
             return cls(**vars(content))
         except SceneError as error:

@@ -80,6 +80,11 @@ def read_scene(path: Path, *, without_functions: bool = False) -> SceneContent:
         raise SceneError(f"{path}: is no UTF-8 text ({error}); a scene file is TOML") from None
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a TOML file") from None
+    return content_of(text, path, without_functions=without_functions)
+
+
+def content_of(text: str, path: Path, *, without_functions: bool = False) -> SceneContent:
+    """What the text of a scene file holds, which stands at `path`. Raises as `read_scene`."""
     longest = max((key.count(".") for line in text.splitlines() for key in _keys(line)), default=0)
     if longest > MOST_DOTS:
         raise SceneError(f"{path}: holds a key of {longest + 1} parts; a scene file needs two, such as [laws.springs]")
@@ -108,10 +113,10 @@ def _keys(line: str) -> list[str]:
 
 def write_scene(content: SceneContent) -> str:
     """A scene as TOML, every value resolved and its unit beside it; None is written as a comment."""
-    lines = [f"name = {_toml(content.name)}"]
+    lines = [f"name = {toml_value(content.name)}"]
     if content.mesh is not None:
         pattern = pattern_name(content.mesh)
-        source = f"file = {_toml(MESH_FILE)}" if pattern is None else f"pattern = {_toml(pattern)}"
+        source = f"file = {toml_value(MESH_FILE)}" if pattern is None else f"pattern = {toml_value(pattern)}"
         lines += ["", "[mesh]", source]
         if pattern is not None:
             lines += _table(content.mesh.source)
@@ -120,9 +125,9 @@ def write_scene(content: SceneContent) -> str:
     for law in content.laws:
         lines += ["", f"[laws.{law.kind}]", *_table(law)]
     for part in content.parts:
-        lines += ["", "[[parts]]", f"kind = {_toml(part.kind)}", *_table(part)]
+        lines += ["", "[[parts]]", f"kind = {toml_value(part.kind)}", *_table(part)]
     for body in content.bodies:
-        lines += ["", "[[bodies]]", f"kind = {_toml(body.kind)}", *_table(body)]
+        lines += ["", "[[bodies]]", f"kind = {toml_value(body.kind)}", *_table(body)]
     for stage in content.stages:
         lines += ["", "[[stages]]", *_table(stage)]
     lines += ["", "[run]", *_table(content.run, ("until",) if content.stages else ())]
@@ -227,16 +232,18 @@ def _table(item: Any, left_out: Sequence[str] = ()) -> list[str]:
             continue  # a field by keyword alone came later: without it a file, and the digest of it, stay the same
         value, unit = getattr(item, entry.name), unit_of(type(item), entry.name)
         suffix = f"  # {unit}" if unit else ""
-        lines.append(f"# {entry.name}: not set{suffix}" if value is None else f"{entry.name} = {_toml(value)}{suffix}")
+        lines.append(
+            f"# {entry.name}: not set{suffix}" if value is None else f"{entry.name} = {toml_value(value)}{suffix}"
+        )
     return lines
 
 
-def _toml(value: object) -> str:
+def toml_value(value: object) -> str:
     """A value as TOML writes it; floats keep every bit."""
     if value is None or isinstance(value, bool):
         return {None: "{}", True: "true", False: "false"}[value]  # None as a stage sets it
     if isinstance(value, tuple | list):
-        return "[" + ", ".join(_toml(item) for item in value) + "]"
+        return "[" + ", ".join(toml_value(item) for item in value) + "]"
     if isinstance(value, dict):
         return _inline({json.dumps(key, ensure_ascii=False): item for key, item in value.items()})
     if is_dataclass(value):
@@ -249,4 +256,4 @@ def _toml(value: object) -> str:
 
 def _inline(table: Mapping[str, Any]) -> str:
     """An inline table."""
-    return "{" + ", ".join(f"{name} = {_toml(item)}" for name, item in table.items()) + "}"
+    return "{" + ", ".join(f"{name} = {toml_value(item)}" for name, item in table.items()) + "}"

@@ -11,7 +11,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
 
-__all__ = ["describe", "load", "names", "scene_of"]
+__all__ = ["describe", "load", "names", "scene_of", "text"]
 
 
 def names() -> list[str]:
@@ -56,9 +56,9 @@ def describe(name: str) -> str:
     >>> print(scenes.describe("single-crease"))
     Two panels joined by one crease: one is held, the other is folded over it and springs open to flat.
     """
-    comment = itertools.takewhile(lambda line: line.startswith("#"), _text(name).splitlines())
-    text = " ".join(line.removeprefix("#").strip() for line in comment)
-    sentence, end, _ = text.partition(". ")
+    comment = itertools.takewhile(lambda line: line.startswith("#"), text(name).splitlines())
+    words = " ".join(line.removeprefix("#").strip() for line in comment)
+    sentence, end, _ = words.partition(". ")
     return sentence + end.strip()
 
 
@@ -86,7 +86,7 @@ def load(name: str) -> Scene:
     >>> scenes.load("hanging-strip").counts()["triangles"]
     84
     """
-    _text(name)
+    text(name)
     with resources.as_file(resources.files(__name__) / f"{name}.toml") as path:
         return Scene.from_toml(path)
 
@@ -127,7 +127,30 @@ def scene_of(scene: Scene | str | Path) -> Scene:
     return load(str(scene))
 
 
-def _text(name: str) -> str:
+def text(name: str) -> str:
+    """The file of a built-in scene, with its comments.
+
+    Parameters
+    ----------
+    name : str
+        One of `names`.
+
+    Returns
+    -------
+    str
+        In TOML.
+
+    Raises
+    ------
+    SceneError
+        No scene of that name.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> scenes.text("single-crease").splitlines()[0]
+    '# Two panels joined by one crease: one is held, the other is folded over it and springs open to flat.'
+    """
     known = names()
     if name not in known:
         raise SceneError(f"scene {show(name)}: is not built in; {nearest(str(name), known)}")
