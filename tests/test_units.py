@@ -307,6 +307,22 @@ def test_a_file_with_wrong_units_is_refused(old: str, new: str, words: str, tmp_
     refused(lambda: Scene.from_toml(tmp_path / "scene.toml"), SceneError, words)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"0.2 mm"', "0.2 mm", r": 'thickness = 0.2 mm'; a number with its unit is a text, in quotes: \"12.5 um\"$"),
+        ('"0.2 mm"', "2e-4m", "'thickness = 2e-4m'; a number with its unit is a text"),
+        ('"0.2 mm"', "0,2e-3", "'thickness = 0,2e-3'; write a point for the decimals$"),
+        ('"0.2 mm"', ".2e-3", "'thickness = .2e-3'; write a digit on both sides of the point"),
+        ('"0.2 mm"', "1.", "'thickness = 1.'; write a digit on both sides of the point"),
+        ('"0.2 mm"', "thin", "'thickness = thin'$"),
+    ],
+)
+def test_common_mistakes_in_a_file_are_named(old: str, new: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(FILE.replace(old, new))
+    refused(lambda: Scene.from_toml(tmp_path / "scene.toml"), SceneError, f"is no valid TOML: .*{words}")
+
+
 def test_values_by_dotted_keys_take_units() -> None:
     scene = scenes.load("okuizumi-model-1").with_values(
         {

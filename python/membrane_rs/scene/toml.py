@@ -16,6 +16,7 @@ error names the file, the key, the value and the allowed range.
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -44,6 +45,8 @@ MESH_FILE = "mesh.npz"
 
 MOST_TEXT = 10**7
 """Bytes of the largest scene file that is read."""
+LONGEST_VALUE = 200
+"""Letters of a value that is no TOML in which a mistake is looked for."""
 MOST_DOTS = 100
 """Dots in the longest key that is read: the reader of TOML takes time with the square of their number."""
 
@@ -91,7 +94,7 @@ def content_of(text: str, path: Path, *, without_functions: bool = False) -> Sce
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path}: is no valid TOML: {error}") from None
+        raise SceneError(f"{path}: is no valid TOML: {error}{_meant(text, str(error))}") from None
     except RecursionError:
         raise SceneError(f"{path}: is nested too deeply; a scene file needs tables in tables and no more") from None
     except ValueError as error:
@@ -109,6 +112,27 @@ def _keys(line: str) -> list[str]:
         return []
     before = [part.rpartition(",")[2] for part in line.split("=")[:-1]]
     return before or [line] * (line.startswith("[") and "," not in line)
+
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_MISTAKES = {
+    r"[-+]?\d+,\d.*": "write a point for the decimals",
+    r"[-+]?(?:\.\d|\d+\.(?!\d)).*": "write a digit on both sides of the point: 0.1, 1.0",
+    rf"{_NUMBER}\s*[a-zA-Zµμ°%/].*": 'a number with its unit is a text, in quotes: "12.5 um"',
+}
+"""What often stands behind a sign of equality in place of a number, and what to write."""
+
+
+def _meant(text: str, fault: str) -> str:
+    """The line at fault of a text that is no TOML, and what is often wrong with such a line."""
+    found = re.search(r"line (\d+)", fault)
+    lines = text.split("\n")
+    if found is None or int(found[1]) > len(lines):
+        return ""
+    line = lines[int(found[1]) - 1].strip()
+    value = line.partition("=")[2].strip()[:LONGEST_VALUE]
+    hint = next((f"; {words}" for mistake, words in _MISTAKES.items() if re.fullmatch(mistake, value)), "")
+    return f": {show(line)}{hint}"
 
 
 def write_scene(content: SceneContent) -> str:
