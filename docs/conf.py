@@ -37,7 +37,11 @@ suppress_warnings = ["config.cache"]
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 4
-nb_execution_mode = "off"
+nb_execution_mode = "force"
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+os.environ["PYVISTA_JUPYTER_BACKEND"] = "static"  # pictures: no kernel serves the pages of a site
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # else from a network
 
 autodoc_typehints = "none"

@@ -61,6 +61,11 @@ class Browser:
         off = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
         self.driver.execute_cdp_cmd("Network.emulateNetworkConditions", off)
 
+    def let_in(self) -> None:
+        """Let the network in, for a page that is served on this machine."""
+        on = {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+        self.driver.execute_cdp_cmd("Network.emulateNetworkConditions", on)
+
     def open(self, path: Path) -> None:
         """Open a file, with logs that hold nothing of before."""
         self.console()

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import io
 import re
-import shutil
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from browser import Browser, missing
 from notebook_kernel import Kernel, kernel
 from PIL import Image
 
@@ -49,86 +48,80 @@ def test_a_cell_shows_a_picture_and_then_the_page(shown: list[dict[str, Any]]) -
 
 
 @pytest.fixture(scope="module")
-def page(shown: list[dict[str, Any]]) -> Iterator[Any]:
+def page(shown: list[dict[str, Any]]) -> Iterator[Browser]:
     """The page, drawn."""
-    selenium = pytest.importorskip("selenium.webdriver")
-    driver, chromium = shutil.which("chromedriver"), shutil.which("chromium") or shutil.which("google-chrome")
-    if driver is None or chromium is None:
-        pytest.skip("no Chromium with its driver here")
-    options = selenium.ChromeOptions()
-    options.binary_location = chromium
-    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1100,760"):
-        options.add_argument(word)
-    browser = selenium.Chrome(options=options, service=selenium.ChromeService(driver))
+    reason = missing()
+    if reason is not None:
+        pytest.skip(reason)
+    pytest.importorskip("selenium")
+    browser = Browser(1100, 760)
     try:
+        browser.let_in()
         address = re.search(r'src="([^"]+)"', html(shown[-1]))
         assert address is not None
-        browser.get(address[1])
-        wait(lambda: drawn(browser) and browser.find_elements("css selector", ".v-slider-thumb"))
+        browser.driver.get(address[1])
+        browser.wait(lambda: drawn(browser) and found(browser, ".v-slider-thumb"), "the page is drawn")
         yield browser
     finally:
-        browser.quit()
+        browser.close()
 
 
-def wait(done: Callable[[], object], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not done():
-        assert time.monotonic() < end, "the page does not come to what is waited for"
-        time.sleep(0.2)
+def found(browser: Browser, selector: str) -> list[Any]:
+    return list(browser.driver.find_elements("css selector", selector))
 
 
-def pixels(browser: Any) -> Any:
+def pixels(browser: Browser) -> Any:
     """The picture within the page, without its bar."""
-    seen = np.asarray(Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB"), dtype=int)
+    seen = np.asarray(Image.open(io.BytesIO(browser.driver.get_screenshot_as_png())).convert("RGB"), dtype=int)
     return seen[100:-220, 200:-160]
 
 
-def drawn(browser: Any) -> bool:
+def drawn(browser: Browser) -> bool:
     """Whether the picture shows more than a plain ground: the tones of the film."""
     return bool(np.ptp(pixels(browser), axis=2).max() > 80)
 
 
-def items(browser: Any) -> dict[str, Any]:
+def items(browser: Browser) -> dict[str, Any]:
     """Those of the menu that is open, by what they say."""
-    return {item.text: item for item in browser.find_elements("css selector", ".v-list-item")}
+    return {item.text: item for item in found(browser, ".v-list-item")}
 
 
-def moved(browser: Any, before: Any) -> float:
+def moved(browser: Browser, before: Any) -> float:
     """Share of the pixels that differ."""
     return float((np.abs(pixels(browser) - before).max(axis=2) > 12).mean())
 
 
-def test_the_slider_moves_the_shape(page: Any) -> None:
+def test_the_slider_moves_the_shape(page: Browser) -> None:
     before = pixels(page)
-    thumb = page.find_element("css selector", ".v-slider-thumb")
+    thumb = page.find(".v-slider-thumb")
     thumb.send_keys("\ue010")  # End
-    wait(lambda: "0.040 s" in page.find_element("css selector", ".words").text)
-    wait(lambda: moved(page, before) > 0.002)
+    page.wait(lambda: "0.040 s" in page.find(".words").text, "the last time is told")
+    page.wait(lambda: moved(page, before) > 0.002, "the shape has moved")
 
 
-def test_the_menu_colours(page: Any) -> None:
+def test_the_menu_colours(page: Browser) -> None:
     before = pixels(page)
-    page.find_element("css selector", ".colour").click()
-    wait(lambda: "Film" in items(page))
+    page.find(".colour").click()
+    page.wait(lambda: "Film" in items(page), "the menu is open")
     assert {"Film", "State of the film", "Strain of springs"} <= set(items(page))
     items(page)["State of the film"].click()
-    wait(lambda: moved(page, before) > 0.02)
+    page.wait(lambda: moved(page, before) > 0.02, "the film is coloured")
 
 
-def test_it_plays_from_the_start_to_the_end(page: Any) -> None:
-    words = page.find_element("css selector", ".words")
-    page.find_element("css selector", ".play").click()
-    wait(lambda: "0.040 s" not in words.text)
-    wait(lambda: "0.040 s" in words.text and page.find_elements("css selector", ".mdi-play"))
+def test_it_plays_from_the_start_to_the_end(page: Browser) -> None:
+    words = page.find(".words")
+    page.find(".play").click()
+    page.wait(lambda: "0.040 s" not in words.text, "it plays")
+    page.wait(lambda: "0.040 s" in words.text and found(page, ".mdi-play"), "it has come to the end")
 
 
-def test_nothing_is_loaded_from_elsewhere(page: Any) -> None:
-    loaded = page.execute_script("return performance.getEntriesByType('resource').map(entry => entry.name)")
+def test_nothing_is_loaded_from_elsewhere(page: Browser) -> None:
+    loaded = page.run("return performance.getEntriesByType('resource').map(entry => entry.name)")
     assert loaded
     assert [name for name in loaded if not name.startswith(("http://localhost:", "blob:http://localhost:"))] == []
 
 
-def test_the_kernel_follows_the_page(notebook: Kernel, page: Any) -> None:
+def test_the_kernel_follows_the_page(notebook: Kernel, page: Browser) -> None:
     messages = notebook.run("print(shown.viewer.color, shown.viewer.index)")
     assert [message["text"].split() for message in messages if message["kind"] == "stream"] == [["state", "8"]]
 

@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import membrane_rs
 import numpy as np
 import pytest
 from displays import display
+from membrane_rs.cli import app
 from PIL import Image
+from typer.testing import CliRunner
 
 TESTS = Path(__file__).parent
 
@@ -105,6 +108,31 @@ def test_the_command_opens_a_window_of_a_scene(screen: str, tmp_path: Path) -> N
         env={**os.environ, "DISPLAY": screen},
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
+def test_the_command_saves_a_picture_of_a_run_or_a_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def view(*words: str) -> Any:
+        return CliRunner().invoke(app, ["view", *words, "--picture", "a.png"], env={"COLUMNS": "200"})
+
+    assert view("spinning-tether", "--set", "parts.0.segments=4", "--color", "tension").exit_code == 0
+    assert Image.open("a.png").size == (960, 600)
+    again = view("spinning-tether")
+    assert (again.exit_code, "a.png: is there already" in again.stderr) == (1, True)
+    Path("a.png").unlink()
+    membrane_rs.run("spinning-tether", 0.01, frames=3, out="run", pictures=False)
+    assert view("run", "--time", "0.004").exit_code == 0
+    Path("a.png").unlink()
+    for words, error in (
+        (("run", "--set", "parts.0.segments=4"), "--set parts.0.segments=4: run is a run"),
+        (("run", "--color", "blue"), "color = 'blue': must be one of film, "),
+        (("nothing",), "scene 'nothing': is not built in"),
+        (("run", "--time", "nan"), "time = nan: must be finite"),
+    ):
+        refused = view(*words)
+        assert (refused.exit_code, error in refused.stderr) == (2, True), refused.stderr
+    assert not Path("a.png").exists()
 
 
 def test_without_a_display_the_error_says_what_to_do(tmp_path: Path) -> None:

@@ -30,6 +30,11 @@ def runs(incomplete: str) -> list[str]:
     return [str(path) for place in places for path in _entries(place) if (path / "summary.json").is_file()]
 
 
+def runs_and_scenes(incomplete: str) -> list[tuple[str, str]]:
+    """Both."""
+    return [*((run, "run") for run in runs(incomplete)), *scenes(incomplete)]
+
+
 def methods(incomplete: str) -> list[str]:
     """Methods of integration."""
     from membrane_rs import integrators
@@ -43,7 +48,11 @@ def keys(context: typer.Context, incomplete: str) -> list[str]:
     from membrane_rs.errors import MembraneError
     from membrane_rs.scene.values import keys_of
 
-    words = [context.params.get("scene"), *context.args]  # where an option lacks its value, words are not yet taken
+    words = [
+        context.params.get("scene"),
+        context.params.get("source"),
+        *context.args,
+    ]  # where an option lacks its value, words are not yet taken
     try:
         scene = load(next((str(word) for word in words if word), ""))
     except (MembraneError, OSError):

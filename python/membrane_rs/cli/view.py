@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, command
-from membrane_rs.cli.options import load, numeric_option
+from membrane_rs.cli.options import Set, load, numeric_option
 from membrane_rs.plotting.viewer.keys import KEYS
 
 
@@ -24,9 +25,15 @@ def with_keys(function: Callable[..., None]) -> Callable[..., None]:
 @with_keys
 def view(
     source: Annotated[
-        str, typer.Argument(metavar="RUN", help="A run's folder; or a scene, by its name or file: its start is shown.")
+        str,
+        typer.Argument(
+            metavar="RUN",
+            help="A run's folder; or a scene, by its name or file: its start is shown.",
+            autocompletion=completion.runs_and_scenes,
+        ),
     ],
     *,
+    set_: Set = None,
     color: Annotated[
         str, typer.Option(help="What it is coloured by at first: film, or a field, such as state or speed.")
     ] = "film",
@@ -49,8 +56,12 @@ def view(
     Keys: {keys}.
     """
     from membrane_rs import view as look
+    from membrane_rs.errors import InputError
 
-    shown = source if Path(source).is_dir() else load(source)
+    is_run = Path(source).is_dir()
+    if is_run and set_:
+        raise InputError(f"--set {set_[0]}: {source} is a run, which has its values; set them before it is run")
+    shown = source if is_run else load(source, set_)
     where = "picture" if picture is not None else "browser" if browser else "window"
     view_of_run = look(shown, color=color, camera=camera, scale=scale, time=time, where=where)
     if view_of_run is not None and picture is not None:
