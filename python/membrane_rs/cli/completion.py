@@ -44,9 +44,9 @@ def methods(incomplete: str) -> list[str]:
 
 def keys(context: typer.Context, incomplete: str) -> list[str]:
     """Dotted keys of the scene that stands before the option, each with its equals sign."""
-    from membrane_rs.cli.options import load
     from membrane_rs.errors import MembraneError
     from membrane_rs.scene.values import keys_of
+    from membrane_rs.scenes import scene_of
 
     words = [
         context.params.get("scene"),
@@ -54,7 +54,7 @@ def keys(context: typer.Context, incomplete: str) -> list[str]:
         *context.args,
     ]  # where an option lacks its value, words are not yet taken
     try:
-        scene = load(next((str(word) for word in words if word), ""))
+        scene = scene_of(next((str(word) for word in words if word), ""))
     except (MembraneError, OSError):
         return []
     return [f"{key}=" for key in keys_of(scene) if key.startswith(incomplete)]

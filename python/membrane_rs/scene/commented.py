@@ -15,7 +15,7 @@ from typing import Any
 
 from membrane_rs.errors import MembraneError
 from membrane_rs.scene.scene import Scene
-from membrane_rs.scene.toml import toml_value
+from membrane_rs.scene.toml import content_of, toml_value
 
 SCHEMA_LINE = "#:schema "
 """How a file names its JSON schema, for editors."""
@@ -60,7 +60,7 @@ def with_comments(text: str, before: Scene, after: Scene, path: Path) -> tuple[s
         lines = _with_block(lines, each) if each.field is None else _with_line(lines, each, each.field)
     made = "\n".join(lines) + "\n"
     try:
-        if Scene.from_text(made, path).to_toml() == after.to_toml():
+        if Scene(**vars(content_of(made, path))).to_toml() == after.to_toml():
             return made, True
     except MembraneError:
         pass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -25,8 +25,8 @@ from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
 from membrane_rs.scene.staging import check_same_nodes, check_stages, in_numbers, planned_starts, staged
-from membrane_rs.scene.toml import MESH_FILE, SceneContent, content_of, pattern_name, read_scene, write_scene
-from membrane_rs.scene.values import unit_at, value_at, with_values
+from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
+from membrane_rs.scene.values import Valued
 
 SCENE_FILE = "scene.toml"
 
@@ -34,7 +34,7 @@ L = TypeVar("L", bound=Law)
 
 
 @dataclass(frozen=True, eq=False)
-class Scene(HasCard):
+class Scene(Valued, HasCard):
     """Mesh, material, laws and parts, checked against each other.
 
     Parameters
@@ -179,60 +179,6 @@ class Scene(HasCard):
             self._staged[index] = staged(self, index, planned)
         return self._staged[index]
 
-    def with_values(self, values: Mapping[str, Any]) -> Scene:
-        """The scene with other values, by dotted keys.
-
-        Parameters
-        ----------
-        values : mapping of str to object
-            Values, in SI units or as text with a unit ("7.5 um"), by keys as in scene files: "material.thickness",
-            "laws.creases.stiffness", "parts.<name or index>.mass", "bodies.<name>.radius", "run.dt", "name",
-            "stages.<name or index>.duration", and "mesh.fold_lines", of the pattern that made the mesh, which is then
-            made anew. A key of a law that the scene lacks adds the law, with defaults for all else. A law, part or body
-            by itself ("laws.creases") takes True (with its defaults, unless it is there), False (without it), or a
-            table of several keys. Keys go into schedules and into what stages set: "laws.spin.schedule.ease",
-            "stages.deploy.set.laws.creases.stiffness".
-            None takes an optional value away.
-
-        Returns
-        -------
-        Scene
-            A new one; this one is as it was.
-
-        Raises
-        ------
-        SceneError
-            No such key, with the nearest one; two values for one key; values that the rest of the scene refuses.
-        InputError, InputTypeError
-            A value outside its range, or of a wrong type.
-
-        Examples
-        --------
-        >>> from membrane_rs import scenes
-        >>> scene = scenes.load("okuizumi-model-1").with_values({"laws.creases.stiffness": 20, "mesh.fold_lines": 3})
-        >>> scene.law("creases").stiffness, scene.mesh.source.strips
-        (20.0, 4)
-        """
-        return with_values(self, values)
-
-    def value(self, key: str) -> Any:
-        """The value of a dotted key, in SI units: what `with_values` sets. Raises SceneError for one without a value.
-
-        >>> from membrane_rs import scenes
-        >>> scenes.load("okuizumi-model-1").with_values({"material.thickness": "12.5 um"}).value("material.thickness")
-        1.25e-05
-        """
-        return self.name if key == "name" else value_at(self, key)
-
-    def unit(self, key: str) -> str:
-        """The unit of the value of a dotted key; empty for a plain number, and for what is none.
-
-        >>> from membrane_rs import scenes
-        >>> scenes.load("okuizumi-model-1").unit("laws.spin.frequency")
-        'Hz'
-        """
-        return "" if key == "name" else unit_at(self, key)
-
     @cached_property
     def _staged(self) -> dict[int, Scene]:
         return {}
@@ -269,19 +215,7 @@ class Scene(HasCard):
         'spinning-tether'
         """
         path = path_of(path)
-        return cls._of(read_scene(path), path)
-
-    @classmethod
-    def from_text(cls, text: str, path: str | Path = "scene.toml") -> Scene:
-        """The scene of the text of a scene file, which stands at `path`: the mesh file that it names lies beside that.
-
-        Raises as `from_toml`.
-        """
-        path = path_of(path)
-        return cls._of(content_of(text, path), path)
-
-    @classmethod
-    def _of(cls, content: SceneContent, path: Path) -> Scene:
+        content = read_scene(path)
         try:
             return cls(**vars(content))
         except SceneError as error:

@@ -45,7 +45,7 @@ def schema() -> dict[str, Any]:
     --------
     >>> from membrane_rs.scene.schema import schema
     >>> schema()["properties"]["material"]["properties"]["thickness"]["anyOf"][0]
-    {'type': 'number', 'exclusiveMinimum': 0}
+    {'exclusiveMinimum': 0, 'type': 'number'}
     """
     patterns = [_table(kind, {"pattern": {"const": name}}) for name, kind in PATTERNS.items()]
     file = {"type": "string", "pattern": r"\.npz$", "description": "A mesh of your own, as Mesh.save wrote it."}

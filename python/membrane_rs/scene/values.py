@@ -34,8 +34,96 @@ class Change:
     is_gone: bool = False
 
 
+class Valued:
+    """What has values by dotted keys: a scene."""
+
+    def with_values(self: S, values: Mapping[str, Any]) -> S:
+        """The scene with other values, by dotted keys.
+
+        Parameters
+        ----------
+        values : mapping of str to object
+            Values, in SI units or as text with a unit ("7.5 um"), by keys such as "material.thickness", "run.dt",
+            "laws.creases.stiffness" (which adds a law that the scene lacks), "parts.<name or index>.mass",
+            "stages.<name or index>.duration", "mesh.fold_lines" (of the pattern, which makes the mesh anew). "laws.x"
+            takes True, False or a table of several keys. None takes an optional value away. docs/units.md has all.
+
+        Returns
+        -------
+        Scene
+            A new one.
+
+        Raises
+        ------
+        SceneError
+            No such key, with the nearest one; two values for one key; values that the rest of the scene refuses.
+        InputError, InputTypeError
+            A value outside its range, or of a wrong type.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scene = scenes.load("okuizumi-model-1").with_values({"laws.spin.frequency": "30 rpm", "mesh.fold_lines": 3})
+        >>> scene.law("spin").frequency, scene.mesh.source.strips
+        (0.5, 4)
+        """
+        return with_values(self, values)
+
+    def value(self: Changeable, key: str) -> Any:
+        """The value of a dotted key, as `with_values` takes it, in SI units.
+
+        Parameters
+        ----------
+        key : str
+            Such as "material.thickness".
+
+        Returns
+        -------
+        object
+            The value.
+
+        Raises
+        ------
+        SceneError
+            No such key, or none that has a value in this scene.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scenes.load("okuizumi-model-1").with_values({"material.thickness": "12.5 um"}).value("material.thickness")
+        1.25e-05
+        """
+        return getattr(self, key) if key == "name" else value_at(self, key)
+
+    def unit(self: Changeable, key: str) -> str:
+        """The unit of the value of a dotted key; empty for a plain number, and for what is none.
+
+        Parameters
+        ----------
+        key : str
+            Such as "material.thickness".
+
+        Returns
+        -------
+        str
+            Such as "m".
+
+        Raises
+        ------
+        SceneError
+            No such key.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scenes.load("okuizumi-model-1").unit("laws.spin.frequency")
+        'Hz'
+        """
+        return "" if key == "name" else unit_at(self, key)
+
+
 def with_values(scene: S, values: Mapping[str, Any]) -> S:
-    """`Scene.with_values`."""
+    """A scene with other values, as `Valued.with_values` says."""
     if not isinstance(values, Mapping):
         raise InputTypeError(f"values = {show(values)}: must be a table of values by keys such as {EXAMPLES}")
     places = [*_places(scene)]
@@ -71,7 +159,7 @@ def with_values(scene: S, values: Mapping[str, Any]) -> S:
 
 
 def value_at(scene: Changeable, key: str) -> Any:
-    """`Scene.value`."""
+    """The value of a key. Raises SceneError."""
     place, name, inside = _read(scene, key)
     if isinstance(place.item, type):
         raise SceneError(f"{key}: the scene has no {place.label}, so that this has no value")
@@ -85,7 +173,7 @@ def value_at(scene: Changeable, key: str) -> Any:
 
 
 def unit_at(scene: Changeable, key: str) -> str:
-    """`Scene.unit`."""
+    """The unit of a key. Raises SceneError."""
     place, name, inside = _read(scene, key)
     if inside and is_table(place.kind, name):
         return unit_at(scene, inside) if name == "set" else ""
