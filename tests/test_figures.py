@@ -103,6 +103,13 @@ def test_energies_of_rounding_are_left_out() -> None:
     assert figure.axes[0].get_ylabel() == "Energy since the start [J]"
 
 
+def test_the_motor_has_a_panel_of_its_own_where_it_hides_the_balance() -> None:
+    figure = plot_energy({**table(), "motor_work": -5.0 * TIME}, style="paper")
+    assert labels(figure) == ["Energy since the start [mJ]", "Work of the motor [J]"]
+    assert names(figure) == ["kinetic energy", "energy of springs", "work of spring damping"]
+    assert len(plot_energy(table()).axes) == 1
+
+
 def test_terms_of_the_energy_are_distinguished_in_a_grey_print() -> None:
     lines = plot_energy(table(), style="paper").axes[0].get_lines()
     looks = [(line.get_linestyle(), line.get_marker()) for line in lines if not line.get_label().startswith("_")]
@@ -195,6 +202,20 @@ def test_marks_of_time_do_not_touch(style: str) -> None:
     assert all(one.x1 + 2.0 < other.x0 for one, other in pairwise(boxes))
 
 
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e300, 0.0, -1e-300])
+def test_values_of_every_kind_are_drawn(value: float) -> None:
+    """Lists in place of arrays, too, and a table without rows."""
+    columns = {name: [value] * 3 for name in table()} | {"time": [0.0, 1.0, 2.0]}
+    for figure in (
+        plot_deployment(columns),
+        plot_energy(columns),
+        plot_history(columns, ["hub_torque"]),
+        plot_comparison(ensembles={"all": [columns, columns]}, columns=["hub_torque"]),
+        plot_deployment({name: [] for name in columns}),
+    ):
+        figure.draw_without_rendering()
+
+
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
@@ -211,6 +232,7 @@ def test_marks_of_time_do_not_touch(style: str) -> None:
         (lambda: plot_comparison(table(), spread="sd"), InputError, "spread = 'sd': did you mean 'std'"),
         (lambda: plot_comparison({"time": TIME, "x": TIME}), InputError, "say which columns to draw"),
         (lambda: plot_energy({"time": TIME}), InputTypeError, "has no column 'kinetic_energy'"),
+        (lambda: plot_energy({"time": [0.0], "kinetic_energy": [0.0]}), InputError, "has 1 samples; .* needs two"),
         (lambda: plot_crossings({"time": TIME}), InputTypeError, "has no column 'crossing'"),
         (lambda: compare_runs([]), InputTypeError, "folders = "),
     ],

@@ -217,7 +217,8 @@ def draw_deployment(content: Content, panels: Sequence[Panel], style: Style, tit
     first = len(content.ensembles)
     for k, source in enumerate(content.runs if len(panels) > 1 else ()):
         if k not in panels[-1].without and PANELS[0][0] in source.table:
-            crossing = curve_features(source.table)["zero_crossing_time"]
+            known = {name: source.column(name) for name in ("time", *(column for column, _, _ in PANELS))}
+            crossing = curve_features(known)["zero_crossing_time"]
             for axes in places:
                 if crossing is not None:
                     axes.axvline(crossing, color=line_look(first + k)["color"], linewidth=0.8, linestyle=":")

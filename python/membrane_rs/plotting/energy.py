@@ -17,10 +17,11 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind
+from membrane_rs.errors import InputError
 from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import add_letters, add_title, finished, new_figure, plain_text
-from membrane_rs.plotting.panels import MARKS, add_legend, space_times
+from membrane_rs.plotting.panels import MARKS, add_legend, fit_label, space_times
 from membrane_rs.plotting.sources import check_table, sources_of
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
 from membrane_rs.plotting.stage_records import stage_records
@@ -39,6 +40,8 @@ LEAST = 5e-3
 """Terms of the balance that stay below this share of the largest one are not drawn."""
 ROUNDING = 1e-12
 """Changes below this share of an energy's own size are of rounding."""
+APART = 4.0
+"""Of a run without stages the motor's work has a panel of its own where it is so many times the largest term."""
 MOST_COLUMNS, MOST_STAGES = 4, 12
 LEAST_WIDTH = 2.25 * INCH
 """Of a column of bars [mm]."""
@@ -117,7 +120,10 @@ def plot_energy(
     check_table(source.table, terms)
     check_kind(title, str, "title", "a text")
     records = getattr(table, "stages", ()) if stages is None else stages
-    return draw_energy(source.table, path, title, stage_records(records), dpi, style=style_of(style, SCREEN_ENERGY))
+    if len(source.time) < 2:
+        raise InputError(f"table: has {len(source.time)} samples; the energy since the start needs two or more")
+    known = {name: source.column(name) for name in ("time", KINETIC, "stage", *terms) if name in source.table}
+    return draw_energy(known, path, title, stage_records(records), dpi, style=style_of(style, SCREEN_ENERGY))
 
 
 def draw_energy(
@@ -135,40 +141,50 @@ def draw_energy(
     sizes = {name: _largest([*values, *(span.get(name, 0.0) for span in spans)]) for name, values in curves.items()}
     most = max(size for name, size in sizes.items() if name != MOTOR)
     shown = [name for name, size in sizes.items() if size > LEAST * most]
-    factor, unit = prefixed("J", [np.array(list(sizes.values()))])
+    has_bars = len(spans) > 1
+    is_apart = not has_bars and MOTOR in shown and sizes[MOTOR] > APART * most
+    groups = [[name for name in shown if name != MOTOR], [MOTOR]] if is_apart else [shown]
+    factors = [prefixed("J", [np.array([0.0, *(sizes[name] for name in names)])]) for names in groups]
     with style.context():
         columns = min(MOST_COLUMNS, max(1, int(style.millimetres / LEAST_WIDTH)))
-        rows = -(-len(spans) // columns) if len(spans) > 1 else 0
+        rows = -(-len(spans) // columns) if has_bars else 0
         height = INCH * (0.75 + 0.22 * (len(shown) + 1))
-        figure = new_figure(style, style.size(1, extra=rows * height))
-        grid = figure.add_gridspec(1 + rows, columns, height_ratios=[style.height_of_panel, *[height] * rows])
-        axes = figure.add_subplot(grid[0, :])
-        for name in shown:
-            axes.plot(
-                table["time"],
-                curves[name] / factor,
-                label=plain_text(label(name)),
-                **line_of(name, shown),
-                **_marks(name, shown, style),
-            )
-        mark_stages([axes], stage_starts(table), [stage.name for stage in stages])
-        axes.axhline(0.0, color="0.5", linewidth=0.8)
-        axes.margins(x=0.0)
-        space_times(axes, style)
-        axes.set_xlabel("Time [s]")
-        axes.set_ylabel(f"Energy since the start [{unit}]")
-        if not shown:
-            axes.set_ylim(-1.0, 1.0)
-        add_title(axes, title, style)
-        places = [axes]
-        for k, span in enumerate(spans if rows else ()):
+        figure = new_figure(style, style.size(len(groups), extra=rows * height))
+        ratios = [*[style.height_of_panel] * len(groups), *[height] * rows]
+        grid = figure.add_gridspec(len(ratios), columns, height_ratios=ratios)
+        places: list[Axes] = []
+        for k, (names, (factor, unit)) in enumerate(zip(groups, factors, strict=True)):
+            places.append(figure.add_subplot(grid[k, :], sharex=places[0] if places else None))
+            _draw_terms(places[-1], table["time"], {name: curves[name] / factor for name in names}, shown, style)
+            what = "Work of the motor" if names == [MOTOR] else "Energy since the start"
+            places[-1].set_ylabel(f"{what} [{unit}]")
+            fit_label(places[-1], style)
+        mark_stages(places, stage_starts(table), [stage.name for stage in stages])
+        space_times(places[-1], style)
+        places[-1].set_xlabel("Time [s]")
+        for axes in places[:-1]:
+            axes.tick_params(labelbottom=False)
+        add_title(places[0], title, style)
+        for k, span in enumerate(spans if has_bars else ()):
             place = figure.add_subplot(grid[1 + k // columns, k % columns])
-            _bars(place, sorted([*shown, RESIDUAL], key=_order), span, factor, is_first=k % columns == 0)
-            place.set_title(plain_text(f"{stages[k].name} [{unit}]"), fontsize="small")
+            _bars(place, sorted([*shown, RESIDUAL], key=_order), span, factors[0][0], is_first=k % columns == 0)
+            place.set_title(plain_text(f"{stages[k].name} [{factors[0][1]}]"), fontsize="small")
             places.append(place)
-        _legend(figure, axes, style, is_beside=rows > 0 or style.millimetres >= WIDE)
+        _legend(figure, places[0], style, is_beside=has_bars or style.millimetres >= WIDE)
         add_letters(places, style)
+        figure.align_ylabels(places[: len(groups)])
     return finished(figure, path, dpi)
+
+
+def _draw_terms(axes: Axes, time: Floats, curves: Mapping[str, Floats], shown: Sequence[str], style: Style) -> None:
+    """Curves of a panel against time [s]; `shown` are those of all panels."""
+    for name, values in curves.items():
+        look = {**line_of(name, shown), **_marks(name, shown, style)}
+        axes.plot(time, values, label=plain_text(label(name)), **look)
+    axes.axhline(0.0, color="0.5", linewidth=0.8)
+    axes.margins(x=0.0)
+    if not curves:
+        axes.set_ylim(-1.0, 1.0)
 
 
 def since_start(table: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -271,4 +287,4 @@ def _bars(axes: Axes, names: Sequence[str], span: Mapping[str, float], unit: flo
 
 
 def _largest(values: Sequence[float] | Floats) -> float:
-    return float(np.max(np.abs(np.asarray(values, dtype=np.float64)), initial=0.0))
+    return float(np.nanmax(np.abs(np.asarray(values, dtype=np.float64)), initial=0.0))

@@ -62,7 +62,7 @@ def draw_panels(content: Content, panels: Sequence[Panel], style: Style, title: 
     places = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0])
     for axes, panel in zip(places, panels, strict=True):
         _draw(axes, panel, content)
-        _fit_label(axes, style)
+        fit_label(axes, style)
         axes.margins(x=0.0)
     if len(content.runs) == 1 and not content.ensembles:
         source = content.runs[0]
@@ -122,9 +122,9 @@ def space_times(axes: Axes, style: Style) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(max(2, min(9, int(room))), steps=[1, 2, 2.5, 5, 10]))
 
 
-def _fit_label(axes: Axes, style: Style) -> None:
+def fit_label(axes: Axes, style: Style) -> None:
     """Put the unit in a line of its own where the label is longer than the panel is high."""
-    room = (style.height_of_panel - 8.0) / INCH * 72.0
+    room = (style.height_of_panel - 2.0) / INCH * 72.0
     text = axes.get_ylabel()
     if _width_of_text(text) * style.font_size / max(style.font_size - 1.0, 1.0) > room:
         axes.set_ylabel(text.replace(" [", "\n["))
