@@ -316,3 +316,52 @@ def test_a_run_of_equal_frames_is_shown(tmp_path: Path, staged: Run) -> None:
     assert shown.meta is not None
     assert shown.meta["times"] == [0.0]
     json.dumps(shown.meta, allow_nan=False)
+
+
+JUNK: tuple[Any, ...] = (
+    None,
+    3,
+    "x",
+    [],
+    [3],
+    {},
+    {"x": "y"},
+    True,
+    [{}],
+    [{"name": 3, "start": "x", "end": None}],
+    {"error": "x", "nodes": "y"},
+)
+FREE = (
+    "audit", "counts", "curves", "energy_balance", "stages", "versions", "evaluations", "integrator", "dt",
+    "limiting_part", "bodies", "stage_starts",
+)  # fmt: skip
+"""Entries that no reader of summaries checks."""
+
+
+@pytest.mark.parametrize("junk", JUNK, ids=[str(value)[:20] for value in JUNK])
+def test_a_summary_of_junk_is_shown(staged: Run, junk: object) -> None:
+    for names in (FREE, FREE[4:5], FREE[:4]):
+        summary = {**staged.summary, **dict.fromkeys(names, junk)}
+        (one,) = labelled([Run(staged.scene, staged.history, staged.frames, summary, staged.path)])
+        for section in (energy_section, headline, audit_section, timing_section, scene_section, readings):
+            section(one)
+
+
+def test_frames_that_no_picture_can_show_are_left_out(staged: Run) -> None:
+    from membrane_rs.report.deployment import deployment
+
+    class Frames(list[Any]):
+        """Frames in a list."""
+
+    def with_frames(frames: list[Any]) -> Any:
+        return Run(staged.scene, staged.history, Frames(frames), staged.summary)  # type: ignore[arg-type]
+
+    good, bad = staged.frames[0], replace(staged.frames[1], positions=np.full_like(staged.frames[1].positions, np.nan))
+    shown = deployment(with_frames([good, bad, staged.frames[2]]))
+    assert shown.meta is not None
+    assert shown.meta["times"] == [good.time, staged.frames[2].time]
+    assert shown.note.startswith("2 of the run's 3 frames.")
+    assert "No frame of this run has finite positions" in deployment(with_frames([bad])).note
+    other = replace(good, positions=good.positions[:-1])
+    with pytest.raises(OutputError, match=r"frame 1 at 0 s has other nodes or cells than the first one; run the scene"):
+        deployment(with_frames([good, other]))

@@ -94,7 +94,7 @@ def _panel(sources: Sources, name: str) -> str:
             curves.append(Curve(times, values, experiment.name, BLACK, sources.key_of(k), line, mark, width=1.2))
     factor, unit = prefixed(_unit(sources, name), [curve.values for curve in curves])
     scaled = [replace(curve, values=curve.values / factor, edges=curve.edges_over(factor)) for curve in curves]
-    spans = [time[[0, -1]] for one in sources.runs if len(time := one.run.history["time"])]
+    spans = [time[[0, -1]] for one in sources.runs if len(time := _finite(one.run.history["time"]))]
     ends = (float(np.min(spans)), float(np.max(spans))) if spans else None
     stages = [stage_names(one) for one in sources.runs]
     common = stages[0] if all(some == stages[0] for some in stages) else []

@@ -6,6 +6,7 @@ out evenly, where all would take more than a share of the page.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.errors import OutputError
 from membrane_rs.mesh.queries import find_pairs
 from membrane_rs.plotting import picture
 from membrane_rs.plotting.animation import smoothed
@@ -106,7 +108,11 @@ def deployment(run: Run, share: float = 1.0) -> Shown:
         return Shown(None, "", f"The shape is too large for this page: {size}. Look at it with `membrane-rs view`.")
     picks = np.unique(np.linspace(0, len(run.frames) - 1, min(len(run.frames), most)).round().astype(int))
     frames = _Frames.read(run, picks.tolist(), fields)
-    note = "" if len(picks) == len(run.frames) else f"{len(picks)} of the run's {len(run.frames)} frames. "
+    count = len(frames.times)
+    if not count:
+        return Shown(None, "", "No frame of this run has finite positions, so there is no shape to show.")
+    note = "" if count == len(run.frames) else f"{count} of the run's {len(run.frames)} frames. "
+    fields = [field for field in fields if np.isfinite(frames.values[field.name]).any()]
     return _shown(Staged.of(run), frames, fields, note)
 
 
@@ -135,18 +141,28 @@ class _Frames:
         counts = {"nodes": len(first.positions), "triangles": len(first.triangles), "lines": len(first.lines)}
         positions = np.zeros((len(picks), len(first.positions), 3))
         values = {field.name: np.full((len(picks), counts[field.place]), np.nan, np.float32) for field in fields}
-        times, angles, stages = [], [], []
-        for k, index in enumerate(picks):
+        times: list[float] = []
+        angles: list[float] = []
+        stages: list[int] = []
+        for index in picks:
             frame = run.frames[index]
+            if (len(frame.positions), len(frame.triangles), len(frame.lines)) != tuple(counts.values()):
+                where = f"frame {index} at {frame.time:g} s"
+                raise OutputError(f"{where} has other nodes or cells than the first one; run the scene again")
+            if not (np.isfinite(frame.positions).all() and math.isfinite(frame.time)):
+                continue  # of a run that was stopped too late; no picture can show it
+            k = len(times)
             times.append(float(frame.time))
-            angles.append(float(frame.hub_angle))
+            angles.append(float(frame.hub_angle) if math.isfinite(frame.hub_angle) else 0.0)
             stages.append(int(frame.stage))
             positions[k] = frame.positions
             for field in fields:
                 found = field.values(frame)
                 if found is not None:
                     values[field.name][k] = found
-        return cls(times, angles, stages, positions, values, np.asarray(first.triangles), np.asarray(first.lines))
+        kept = {name: rows[: len(times)] for name, rows in values.items()}
+        triangles, lines = np.asarray(first.triangles), np.asarray(first.lines)
+        return cls(times, angles, stages, positions[: len(times)], kept, triangles, lines)
 
 
 def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) -> Shown:

@@ -11,10 +11,10 @@ from membrane_rs._arrays import Floats
 from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.energy import LEAST, MOTOR, RESIDUAL, label, line_of, since_start, term_changes
 from membrane_rs.plotting.panel import Curve, panel_svg
-from membrane_rs.plotting.stage_records import stage_records
 from membrane_rs.report.curves import changes, stage_names
 from membrane_rs.report.markup import drawing, element, table
 from membrane_rs.report.sources import BLACK, RUN_COLORS, LabelledRun
+from membrane_rs.report.summaries import sound_stage_records
 
 _GREY = "#888888"
 
@@ -88,7 +88,7 @@ def _curve(time: Floats, values: Floats, name: str, shown: list[str]) -> Curve:
 
 def _table(labelled: LabelledRun, terms: Mapping[str, Floats], unit: float, symbol: str) -> Element:
     """One row for each term, one column for each stage that the summary knows, and one for the run."""
-    history, records = labelled.run.history, stage_records(labelled.run.stages)
+    history, records = labelled.run.history, sound_stage_records(labelled.run.summary)
     error = float(history["energy_error"][-1] * history["reference_energy"][-1])
     totals = {name: float(values[-1]) for name, values in terms.items()} | {RESIDUAL: error}
     spans = [term_changes(history, records, k) for k in range(len(records))] if len(records) > 1 else []

@@ -13,6 +13,7 @@ from membrane_rs.plotting.columns import axis_label, label_of
 from membrane_rs.report.curves import FIRST, changes, is_measure
 from membrane_rs.report.markup import Content, add, element, table
 from membrane_rs.report.sources import LabelledRun
+from membrane_rs.report.summaries import is_number, table_of, tables_of
 
 FINISHED = "finished"
 UNKNOWN = "?"
@@ -44,12 +45,9 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
     words = {"unstable": "This run stopped itself", "failed": "This run failed"}.get(
         head, f"This run is {head}" if head in ("running",) else f"This run was {head}"
     )
-    at = labelled.run.summary.get("time")
-    when = (
-        f" at {at:.6g} s of {labelled.run.summary.get('until', float('nan')):.6g} s"
-        if isinstance(at, int | float)
-        else ""
-    )
+    at, end = labelled.run.summary.get("time"), labelled.run.summary.get("until")
+    when = f" at {at:.6g} s" if is_number(at) else ""
+    when += f" of {end:.6g} s" if when and is_number(end) else ""
     kind = "fault" if head in ("unstable", "failed") else "unfinished"
     return element(
         "div",
@@ -64,22 +62,24 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
 def headline(labelled: LabelledRun) -> Element:
     """The numbers of a run in short."""
     run, rows = labelled.run, []
-    counts = run.summary.get("counts") or {}
-    size = ", ".join(f"{counts[name]:,} {name}" for name in ("nodes", "triangles", "springs") if counts.get(name))
+    counts = table_of(run.summary, "counts")
+    size = ", ".join(
+        f"{counts[name]:,} {name}" for name in ("nodes", "triangles", "springs") if is_number(counts.get(name))
+    )
     rows.append(("Scene", run.scene.name))
     rows.append(("Size", size))
     time, wall = run.summary.get("time"), run.summary.get("wall_time")
-    if isinstance(time, int | float):
-        rows.append(("Simulated", f"{time:.6g} s" + (f" in {duration(wall)}" if isinstance(wall, int | float) else "")))
-    curves = run.summary.get("curves") or {}
+    if is_number(time):
+        rows.append(("Simulated", f"{time:.6g} s" + (f" in {duration(wall)}" if is_number(wall) else "")))
+    curves = table_of(run.summary, "curves")
     turns = changes("phase_difference_deg", run.history)
     for name, (words, unit, form) in _CURVES.items():
         value = curves.get(name)
-        if isinstance(value, int | float) and (turns or not name.startswith(("phase", "zero"))) and _unfolds(labelled):
+        if is_number(value) and (turns or not name.startswith(("phase", "zero"))) and _unfolds(labelled):
             rows.append((words, f"{form.format(value)} {unit}".strip()))
-    balance = run.summary.get("energy_balance") or {}
+    balance = table_of(run.summary, "energy_balance")
     error = balance.get("error")
-    if isinstance(error, int | float):
+    if is_number(error):
         rows.append(("Energy error at the end", f"{100.0 * error:+.3g} %"))
     return _pairs([(name, value) for name, value in rows if value])
 
@@ -108,7 +108,7 @@ def readings(labelled: LabelledRun) -> Element | None:
 
 def audit_section(labelled: LabelledRun) -> Element:
     """Findings of the audit, errors first."""
-    found = [entry for entry in labelled.run.summary.get("audit") or () if isinstance(entry, dict)]
+    found = tables_of(labelled.run.summary, "audit")
     section = element("section", element("h2", "Audit"))
     if not found:
         section.append(element("p", "The audit found nothing, or this run has none."))
@@ -133,10 +133,10 @@ def timing_section(labelled: LabelledRun) -> Element:
     summary, section = labelled.run.summary, element("section", element("h2", "Timings"))
     rows = [(words, form(summary[name])) for name, (words, form) in _COSTS.items() if _is_value(summary.get(name))]
     wall, steps = summary.get("wall_time"), summary.get("steps")
-    if isinstance(wall, int | float) and isinstance(steps, int) and steps:
+    if is_number(wall) and isinstance(steps, int) and steps:
         rows.insert(2, ("Wall time of a step", f"{1e3 * wall / steps:.3g} ms"))
     section.append(_pairs(rows))
-    stages = [entry for entry in summary.get("stages") or () if isinstance(entry, dict)]
+    stages = tables_of(summary, "stages")
     if stages:
         head = ("Stage", "from [s]", "to [s]", "ended by", "method", "step [s]", "steps", "evaluations", "wall time")
         section.append(
@@ -146,7 +146,7 @@ def timing_section(labelled: LabelledRun) -> Element:
 
 
 def _is_value(value: object) -> bool:
-    return isinstance(value, int | float | str) and not isinstance(value, bool)
+    return isinstance(value, str) or is_number(value)
 
 
 def _stage_row(entry: Mapping[str, Any]) -> list[str]:
@@ -161,17 +161,16 @@ def _stage_row(entry: Mapping[str, Any]) -> list[str]:
     return [
         shown("name"), shown("start", "{:.6g}"), shown("end", "{:.6g}"), shown("ended_by"), shown("integrator"),
         shown("dt", "{:.3g}"), shown("steps", "{:,}"), shown("evaluations", "{:,}"),
-        duration(wall) if isinstance(wall, int | float) else UNKNOWN,
+        duration(wall) if is_number(wall) else UNKNOWN,
     ]  # fmt: skip
 
 
 def scene_section(labelled: LabelledRun) -> Element:
     """The scene with all its values, and the versions of what ran it."""
     run = labelled.run
-    versions = run.summary.get("versions") or {}
-    process = run.summary.get("process") or {}
+    versions, process = table_of(run.summary, "versions"), table_of(run.summary, "process")
     rows = [(name, str(value)) for name, value in versions.items()]
-    if isinstance(process, dict) and process.get("start"):
+    if process.get("start"):
         rows.append(("begun", str(process["start"])))
     section = element("section", element("h2", "Scene"))
     section.append(

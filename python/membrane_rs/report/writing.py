@@ -11,11 +11,14 @@ from membrane_rs._extras import need
 from membrane_rs._files import path_of, write_text
 from membrane_rs._validation import check_kind, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
+from membrane_rs.report.sources import Sources, labelled
 from membrane_rs.results.experiment import Experiment, read_experiment
 from membrane_rs.runs import Run, open_run
 
 REPORT = "report.html"
 MOST_RUNS = 100
+MOST_NAMED = 4
+"""Runs that the title names."""
 
 
 def write_report(
@@ -76,7 +79,6 @@ def write_report(
     """
     need("k3d", "matplotlib", "PIL", use="a page of runs")
     from membrane_rs.report.page import page
-    from membrane_rs.report.sources import Sources, labelled
 
     file = path_of(path)
     check_kind(title, (str, type(None)), "title", "a text")
@@ -100,9 +102,7 @@ def write_report(
                 f"data {experiment.name}: its columns, {have}, are none of the runs; theirs are {recorded}"
             )
     sources = Sources(labelled(chosen), experiments, ensemble)
-    write_text(
-        file, page(sources, title or _title(sources.runs[0].run.scene.name, [one.label for one in sources.runs]))
-    )
+    write_text(file, page(sources, title or _title(sources)))
     return file
 
 
@@ -123,8 +123,9 @@ def _list_of(given: object, kinds: tuple[type, ...]) -> list[Any]:
     return list(given)
 
 
-def _title(scene: str, labels: Sequence[str]) -> str:
-    if len(labels) == 1:
-        return scene
-    some = ", ".join(labels[:4])
-    return f"{some} and {len(labels) - 4} others" if len(labels) > 4 else some
+def _title(sources: Sources) -> str:
+    """The name of the scene, or those of the runs."""
+    labels, scenes = [one.label for one in sources.runs], {one.run.scene.name for one in sources.runs}
+    if len(scenes) == 1:
+        return f"{scenes.pop()}: {len(labels)} runs" if len(labels) > 1 else scenes.pop()
+    return ", ".join(labels) if len(labels) <= MOST_NAMED else f"{', '.join(labels[:MOST_NAMED])} and others"
