@@ -238,8 +238,8 @@ class Simulation(Stepper):
             For the folder: seconds of wall time between two checkpoints (state.npz), from which
             `membrane_rs.runs.resume` goes on should the process be killed. Default: 10.
         record, every, stop_when
-            As for `membrane_rs.run`; `record` needs something that keeps a history. A run that `stop_when` has ended is
-            told by `stopped_by`.
+            As for `membrane_rs.run`; `record` needs something that keeps a history. What has ended
+            a run before its time is `stopped_by`.
 
         Returns
         -------

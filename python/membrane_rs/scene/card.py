@@ -1,11 +1,80 @@
-"""What notebooks show of a scene: its lines, and what it is made of."""
+"""What is shown of a scene: a line of text, and in notebooks its lines and what it is made of."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
 from membrane_rs._arrays import Floats
-from membrane_rs._html import Lines
+from membrane_rs._html import Card, Lines
+from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.bodies import Body
+from membrane_rs.scene.law import Law
+from membrane_rs.scene.part import Part
+from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.stage import Stage
+
+
+class ShownScene(Protocol):
+    """What of a scene is shown."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """The membrane."""
+
+    @property
+    def material(self) -> Material | None:
+        """Of the membrane."""
+
+    @property
+    def laws(self) -> Sequence[Law]:
+        """All laws."""
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """All parts."""
+
+    @property
+    def bodies(self) -> Sequence[Body]:
+        """All bodies."""
+
+    @property
+    def stages(self) -> Sequence[Stage]:
+        """The stages."""
+
+    @property
+    def run(self) -> RunSettings:
+        """How it is run."""
+
+
+def text_of(scene: ShownScene, assembly: Assembly) -> str:
+    """Name, size and laws."""
+    laws = ", ".join(law.kind for law in scene.laws) or "none"
+    stages = f"; stages {', '.join(stage.name for stage in scene.stages)}" if scene.stages else ""
+    return f"Scene({scene.name!r}: {assembly.node_count} nodes; laws {laws}{stages})"
+
+
+def card_of(scene: ShownScene, assembly: Assembly, counts: Mapping[str, int]) -> Card:
+    """The scene at its start."""
+    film, run = scene.material, scene.run
+    rows: list[tuple[str, object]] = [
+        ("nodes", counts["nodes"]),
+        ("springs", counts["edges"]),
+        ("triangles", counts["triangles"]),
+        ("film", "none" if film is None else f"{film.thickness:.4g} m thick, E = {film.youngs_modulus:.4g} Pa"),
+        ("laws", ", ".join(law.kind for law in scene.laws) or "none"),
+        ("parts", ", ".join(part.name or part.kind for part in scene.parts) or "none"),
+        *([("bodies", ", ".join(body.name for body in scene.bodies))] if scene.bodies else []),
+        *([("stages", ", ".join(stage.name for stage in scene.stages))] if scene.stages else []),
+        ("run", f"{run.until:.6g} s by {run.integrator}"),
+    ]
+    return Card(f"Scene {scene.name}", rows, lines_of(scene.mesh, assembly, assembly.positions))
 
 
 def lines_of(mesh: Mesh | None, assembly: Assembly, positions: Floats) -> Lines:

@@ -12,13 +12,13 @@ from membrane_rs._files import output_errors, path_of, write_text
 from membrane_rs._html import Card, HasCard
 from membrane_rs._validation import computable, show
 from membrane_rs.errors import InputTypeError, SceneError
-from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.builder import Builder
-from membrane_rs.scene.card import lines_of
+from membrane_rs.scene.card import card_of, text_of
+from membrane_rs.scene.counts import counts_of
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.members import check_name, check_names, check_type, checked
 from membrane_rs.scene.parts import PARTS, Part
@@ -307,44 +307,14 @@ class Scene(Valued, HasCard):
             "masses", "springs", "elements" as the paper counts them (the petals of a sail apart, cords
             included), and the true counts: "nodes", "edges" (springs), "triangles", "hinges".
         """
-        assembly, mesh = self._assembly, self.mesh
-        edges = 0 if mesh is None else len(mesh.edges)
-        mesh_nodes = 0 if mesh is None else len(mesh.reference)
-        own = {"masses": mesh_nodes, "springs": edges, "elements": len(assembly.triangles)}
-        pattern = pattern_of(mesh)
-        own |= (pattern.counts() if pattern is not None else None) or {}
-        cords = len(assembly.cords)
-        return {
-            "masses": own["masses"] + assembly.node_count - mesh_nodes,
-            "springs": own["springs"] + cords,
-            "elements": own["elements"],
-            "nodes": assembly.node_count,
-            "edges": edges + cords,
-            "triangles": len(assembly.triangles),
-            "hinges": len(assembly.creases.nodes),
-        }
+        return counts_of(self.mesh, self._assembly)
 
     def __repr__(self) -> str:
-        """Name, size and laws."""
-        laws = ", ".join(law.kind for law in self.laws) or "none"
-        stages = f"; stages {', '.join(stage.name for stage in self.stages)}" if self.stages else ""
-        return f"Scene({self.name!r}: {self._assembly.node_count} nodes; laws {laws}{stages})"
+        return text_of(self, self._assembly)
 
     def _card(self) -> Card:
         """What notebooks show: the scene at its start."""
-        film, run, counts = self.material, self.run, self.counts()
-        rows: list[tuple[str, object]] = [
-            ("nodes", counts["nodes"]),
-            ("springs", counts["edges"]),
-            ("triangles", counts["triangles"]),
-            ("film", "none" if film is None else f"{film.thickness:.4g} m thick, E = {film.youngs_modulus:.4g} Pa"),
-            ("laws", ", ".join(law.kind for law in self.laws) or "none"),
-            ("parts", ", ".join(part.name or part.kind for part in self.parts) or "none"),
-            *([("bodies", ", ".join(body.name for body in self.bodies))] if self.bodies else []),
-            *([("stages", ", ".join(stage.name for stage in self.stages))] if self.stages else []),
-            ("run", f"{run.until:.6g} s by {run.integrator}"),
-        ]
-        return Card(f"Scene {self.name}", rows, lines_of(self.mesh, self._assembly, self._assembly.positions))
+        return card_of(self, self._assembly, self.counts())
 
     @cached_property
     def _assembly(self) -> Assembly:
