@@ -15,6 +15,7 @@ from membrane_rs.cli.settings import LONGEST, value_of, values_of
 from membrane_rs.errors import InputError
 from small_scenes import refused
 from test_cli import call
+from test_commands import examples
 
 COMMANDS: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 OF_SCENES = {
@@ -35,11 +36,10 @@ def test_every_command_of_a_scene_takes_values(name: str, tmp_path: Path, monkey
     command = OF_SCENES[name]
     option = next(param for param in command.params if "--set" in param.opts)
     assert option.multiple
-    assert "Set" not in (option.help or "")
-    others = [param for param in command.params if param.required and "SCENE" not in (param.metavar or "")]
-    if others:
-        return  # which of several faults is told first is its own affair
-    code, shown = call(name, "spinning-tether", "--set", "laws.spin.frequenc=1")
+    *before, (_, *words) = examples(name)
+    for line in before:
+        assert call(*line)[0] == 0
+    code, shown = call(name, *words, "--set", "laws.spin.frequenc=1")
     assert (code, "laws.spin.frequenc = 1: no such key; did you mean 'frequency'" in " ".join(shown.split())) == (
         2,
         True,

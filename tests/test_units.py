@@ -347,6 +347,15 @@ def test_values_by_dotted_keys_take_units() -> None:
     assert plain.with_values({"laws.spin.schedule": ramp}).law(Spin) == Spin(schedule=Schedule((0, 1), (1, 2)))
 
 
+def test_many_texts_are_read_quickly(tmp_path: Path) -> None:
+    unit_named("m")
+    text = ", ".join(f'"{k} ms"' for k in range(50_000))
+    (tmp_path / "scene.toml").write_text(FILE.replace('snapshots = [0.0, "20 ms"]', f"snapshots = [{text}]"))
+    began = time.process_time()
+    assert len(Scene.from_toml(tmp_path / "scene.toml").run.snapshots) == 50_000
+    assert time.process_time() - began < 5.0
+
+
 def test_fields_in_python_take_numbers_alone() -> None:
     refused(lambda: Material("1 MPa", 0.3, 1e3, 1e-4), InputTypeError, "youngs_modulus = '1 MPa': must be a number")  # type: ignore[arg-type]
     refused(lambda: Schedule((0, 1), ("1 rpm", 2)), InputTypeError, "must be a number")  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from membrane_rs._messages import show
@@ -104,6 +104,8 @@ LONGEST, LONGEST_UNIT, MOST_FACTORS, HIGHEST = 200, 60, 8, 9
 """Letters of a text and of its unit, factors of a unit, and their exponents, at most."""
 _ALONE = ("K", "Hz", "Hz/s", "rad", "deg", "1/s", "kg/m3", "m2")
 """Units that are written without a prefix."""
+MOST_KEPT = 1000
+"""Units and conversions that are remembered, so that a file of many texts is read quickly."""
 LONGEST_SYMBOL = 4
 """Letters of the longest name that is a symbol rather than a word, with an s behind it."""
 
@@ -163,13 +165,15 @@ def to_si(text: str, unit: str, name: str) -> float:
     if not math.isfinite(value):
         raise InputError(f"{head}: must be finite{f' ({unit})' if unit else ''}")
     try:
-        given = unit_named(found.unit)
-        result = _converted(Decimal(found.value), given, unit)
+        line = _line(found.unit, unit)
     except UnitError as error:
         text = str(error)
         raise InputError(f"{head}: {text}" if text.endswith("?") else f"{head}: {text}; {wanted}") from None
-    if result is None:
-        raise InputError(f"{head}: is {kind_of(given)}; must be {what}{f' ({unit})' if unit else ''}{_such(unit)}")
+    if line is None:
+        given = kind_of(unit_named(found.unit))
+        raise InputError(f"{head}: is {given}; must be {what}{f' ({unit})' if unit else ''}{_such(unit)}")
+    factor, offset = line
+    result = float(Decimal(found.value) * factor + offset)
     if not math.isfinite(result):
         raise InputError(f"{head}: must be finite{f' ({unit})' if unit else ''}")
     return result
@@ -183,12 +187,12 @@ def conversion(unit: str, wanted: str) -> tuple[float, float]:
     UnitError
         An unknown unit, or one of another dimension.
     """
-    given = unit_named(unit)
-    zero, one = (_converted(Decimal(value), given, wanted) for value in (0, 1))
-    if zero is None or one is None:
+    line = _line(unit, wanted)
+    if line is None:
         what = KINDS[wanted][0] if wanted in KINDS else "such a quantity"
-        raise UnitError(f"{show(unit)} is {kind_of(given)}; must be a unit of {what}, such as {wanted!r}")
-    return (one if zero == 0.0 else one - zero), zero
+        given = kind_of(unit_named(unit))
+        raise UnitError(f"{show(unit)} is {given}; must be a unit of {what}, such as {wanted!r}")
+    return float(line[0]), float(line[1])
 
 
 def compact(value: float, unit: str, digits: int) -> str:
@@ -208,7 +212,7 @@ def kind_of(unit: Any) -> str:
     return f"of dimension {unit.dimensionality}"
 
 
-@cache
+@lru_cache(MOST_KEPT)
 def unit_named(text: str) -> Any:
     """The unit of pint that a text means. Raises UnitError."""
     registry = _registry()
@@ -264,17 +268,19 @@ def _factors(text: str) -> Iterator[tuple[str, int]]:
             yield found[1], int(found[2] or 1) * (-1 if k else 1)
 
 
-def _converted(value: Decimal, given: Any, wanted: str) -> float | None:
-    """A value in another unit; None where that is of another dimension."""
+@lru_cache(MOST_KEPT)
+def _line(unit: str, wanted: str) -> tuple[Decimal, Decimal] | None:
+    """Factor and offset from a unit to another; None where that is of another dimension. Raises UnitError."""
     import pint
 
-    target = unit_named(wanted)
+    given, target = unit_named(unit), unit_named(wanted)
     if given.dimensionality != target.dimensionality:
         return None
     try:
-        return float(_registry().Quantity(value, given).to(target).magnitude)
+        zero, one = (_registry().Quantity(Decimal(value), given).to(target).magnitude for value in (0, 1))
     except (pint.DimensionalityError, pint.OffsetUnitCalculusError):
         raise UnitError("degC and degF stand alone; in a product write K") from None
+    return one - zero, zero
 
 
 def _such(unit: str) -> str:
