@@ -11,6 +11,7 @@ import membrane_rs
 import numpy as np
 import pytest
 from membrane_rs import Creases, Cylinder, InputError, MissingFileError, OutputError, Schedule
+from membrane_rs.plotting import painter
 from membrane_rs.plotting.actors import film_colors
 from membrane_rs.plotting.fields import field_named
 from membrane_rs.plotting.viewer import viewer as module
@@ -250,7 +251,9 @@ def test_a_picture_is_saved_where_it_is_told(strip: Any, tmp_path: Any) -> None:
 
 def test_where_pyvista_fails_the_picture_is_by_matplotlib(strip: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("membrane_rs.plotting.viewer.notebook.pyvista_works", lambda: False)
-    monkeypatch.setattr("membrane_rs.plotting.painter._pyvista.works", False)
+    without = type(painter._pyvista)()
+    without.works = False
+    monkeypatch.setattr(painter, "_pyvista", without)
     shown = strip.view(where="notebook")
     assert shown.page is None
     assert "for want of OpenGL" in shown._repr_html_()
