@@ -150,3 +150,15 @@ def test_what_is_no_value_of_a_style_is_refused(options: dict[str, Any], words: 
 def test_colours_that_matplotlib_does_not_know_are_refused() -> None:
     with pytest.raises(InputError, match=r"Style\.colors: 'bluish' is no colour of matplotlib"):
         draw(Style(colors=["bluish"]))
+
+
+def test_a_style_that_matplotlib_cannot_draw_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"a\.png: matplotlib cannot draw this figure \(.*change its style"):
+        draw({"axes.labelsize": 1e9}, path=tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_images_stand_in_the_file_itself(tmp_path: Path) -> None:
+    """Whatever a style sheet says: matplotlib would write them beside it."""
+    with Style(rc={"svg.image_inline": False}).context():
+        assert matplotlib.rcParams["svg.image_inline"]

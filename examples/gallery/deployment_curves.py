@@ -6,6 +6,9 @@ A run returns its history as named columns, and `membrane_rs.plotting` draws the
 "paper" is one column wide, has letters, no title, and lines that differ in a grey print.
 """
 
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import membrane_rs
 from membrane_rs import scenes
 from membrane_rs.plotting import plot_deployment, plot_history, save_figure
@@ -40,4 +43,6 @@ figure = plot_history(run, ["hub_torque", "largest_film_stress", ["energy_crease
 # --------
 # PDF and SVG keep their text as text; the same figure gives the same bits.
 
-save_figure(figure, "history.pdf")
+with TemporaryDirectory() as folder:
+    save_figure(figure, Path(folder) / "history.pdf")
+    print(f"{(Path(folder) / 'history.pdf').stat().st_size} bytes")

@@ -43,7 +43,7 @@ def save_figure(figure: Figure, path: Path | str, dpi: float | None = None) -> N
     Raises
     ------
     InputError
-        Another ending, or `dpi` that is not from 10 to 2400.
+        Another ending, `dpi` that is not from 10 to 2400, or a style that matplotlib cannot draw.
     OutputError
         `path` cannot be written.
 
@@ -66,7 +66,11 @@ def save_figure(figure: Figure, path: Path | str, dpi: float | None = None) -> N
     if ending not in FORMATS:
         raise InputError(f"{path}: the ending {ending!r} is no format of a figure; must be one of {', '.join(FORMATS)}")
     with replacing(path) as part, rc_context(files):
-        figure.savefig(part, format=ending[1:], dpi=dots, metadata=FORMATS[ending])
+        try:
+            figure.savefig(part, format=ending[1:], dpi=dots, metadata=FORMATS[ending])
+        except (RuntimeError, ArithmeticError, ValueError) as error:
+            reason = " ".join(str(error).split())[:200]
+            raise InputError(f"{path}: matplotlib cannot draw this figure ({reason}); change its style") from error
 
 
 def new_figure(style: Style, size: tuple[float, float]) -> StyledFigure:

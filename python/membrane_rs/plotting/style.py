@@ -205,6 +205,7 @@ FILES: dict[str, Any] = {
     "pdf.fonttype": 42,
     "ps.fonttype": 42,
     "svg.fonttype": "none",
+    "svg.image_inline": True,
     "svg.hashsalt": "membrane_rs",
 }
 """Parameters of all files: their bits follow from the figure, and text stays text."""
