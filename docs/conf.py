@@ -80,12 +80,11 @@ html_theme_options = {
     "header_links_before_dropdown": 8,
     "show_nav_level": 1,
     "show_toc_level": 2,
-    "footer_start": ["copyright"],
+    "footer_start": [],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
 }
 html_favicon = "_static/logo.svg"
-copyright = "MIT licence"  # noqa: A001 the name that Sphinx reads
 
 
 class _NotYetThere(logging.Filter):

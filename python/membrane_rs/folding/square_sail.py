@@ -211,8 +211,20 @@ class SquareSail(StowedPattern):
 
         Parameters
         ----------
-        node : int
-            Of the inner edge, where a tether ends.
+        node : (3,) float64
+            Place of the node in the flat sail [m].
+
+        Returns
+        -------
+        (k, 2) float64, or None
+            Points in plan [m].
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import SquareSail
+        >>> sail = SquareSail()
+        >>> sail.cord_path(sail.mesh().reference[0]) is None
+        True
         """
         x, y = float(node[0]), float(node[1])
         row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)

@@ -228,6 +228,13 @@ class Mesh(HasCard, Triangulation):
         ------
         MeshError, InputTypeError
             Another shape than (n, 3), NaN or infinite, no numbers.
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import Strip
+        >>> mesh = Strip(length=0.1, width=0.01, columns=10).mesh()
+        >>> mesh.checked_positions(2.0 * mesh.reference).shape
+        (22, 3)
         """
         return fitting(positions, self.node_count)
 
@@ -285,6 +292,15 @@ class Mesh(HasCard, Triangulation):
             No such file.
         MeshError
             A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
+
+        Examples
+        --------
+        See `save`.
+
+        >>> from membrane_rs import Mesh
+        >>> Mesh.load("nowhere.npz")
+        Traceback (most recent call last):
+        membrane_rs.errors.MissingFileError: ...
         """
         file = path_of(path)
         arrays, sets = read_mesh(file)

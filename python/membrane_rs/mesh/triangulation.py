@@ -107,6 +107,14 @@ class Triangulation(KnownAttributes):
         ------
         MeshError
             A triangle without area.
+
+        Examples
+        --------
+        >>> from membrane_rs import Material
+        >>> from membrane_rs.folding import Strip
+        >>> film = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
+        >>> bool((Strip(length=0.1, width=0.01, columns=10).mesh().spring_constants(film) > 0.0).all())
+        True
         """
         flat = np.flatnonzero(self.flatness() < NO_AREA)
         if len(flat):
@@ -144,6 +152,12 @@ class Triangulation(KnownAttributes):
         -------
         (m,) float64
             [-]
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import Strip
+        >>> Strip(length=0.1, width=0.01, columns=10).mesh().flatness().min().round(2).item()
+        0.5
         """
         return self._flatness
 
@@ -165,6 +179,13 @@ class Triangulation(KnownAttributes):
         -------
         (e,) float64
             [m]
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import Strip
+        >>> mesh = Strip(length=0.1, width=0.01, columns=10).mesh()
+        >>> bool((mesh.lengths_in(mesh.reference) == mesh.edge_lengths).all())
+        True
         """
         difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
         lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
@@ -184,6 +205,15 @@ class Triangulation(KnownAttributes):
             In `edges`; of no meaning where it is none.
         is_edge : (k,) bool
             Whether it is one.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from membrane_rs.folding import Strip
+        >>> mesh = Strip(length=0.1, width=0.01, columns=10).mesh()
+        >>> index, is_edge = mesh.find_edges(np.array([mesh.edges[3], [0, 21]]))
+        >>> index[0].item(), is_edge.tolist()
+        (3, [True, False])
         """
         keys = self.edges[:, 0] * self.node_count + self.edges[:, 1]
         first, second = pairs.T

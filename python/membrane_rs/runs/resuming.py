@@ -67,6 +67,15 @@ def resume(
     InputError
         The run became unstable, its checkpoint is damaged, or `until` is before it; functions that the run was given
         are missing, or others are given.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from membrane_rs import Simulation, resume, scenes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = Simulation(scenes.load("spinning-tether")).run(0.01, 2, folder, samples=3, pictures=False)
+    ...     resume(folder, until=0.02, pictures=False).time
+    0.02
     """
     path = folder_of_run(path_of(folder, "folder"))
     summary = read_summary(path)

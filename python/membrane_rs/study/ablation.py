@@ -216,6 +216,11 @@ def ablate(
     progress : callable, optional
         Called with a line of text after each run.
 
+    Returns
+    -------
+    Ablation
+        What each law and part costs and changes.
+
     Raises
     ------
     InputError

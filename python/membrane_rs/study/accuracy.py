@@ -246,6 +246,11 @@ def work_precision(
     progress : callable, optional
         Called with a line of text after each run.
 
+    Returns
+    -------
+    WorkPrecision
+        Points, reference and best of each method.
+
     Raises
     ------
     InputError

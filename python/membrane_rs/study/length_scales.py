@@ -35,6 +35,13 @@ class LengthScales:
         Of the dashpots: `SpringDamping.length`.
     tension_only : bool
         The film bears no compression, alpha = alpha_c = 0: a tension field.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import LengthScales
+    >>> LengthScales(buckling=0.012).of(scenes.load("okuizumi-model-1")).law("springs").buckling_length
+    0.012
     """
 
     buckling: Positive | None = None
@@ -46,7 +53,18 @@ class LengthScales:
     wing = Renamed("facet")
 
     def of(self, scene: Scene) -> Scene:
-        """The scene with these length scales in its laws."""
+        """The scene with these length scales in its laws.
+
+        Parameters
+        ----------
+        scene : Scene
+            With the mesh's own lengths.
+
+        Returns
+        -------
+        Scene
+            A new one.
+        """
         lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.facet, "damping": self.damping}
         laws = [law.with_lengths(lengths) for law in scene.laws]
         return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)
@@ -75,10 +93,28 @@ def agreeing(scene: Scene) -> LengthScales:
         facets    the mean height of the creases' facets
         dashpots  sum of c L^2 (the dissipation at an isotropic rate of strain)
 
+    Parameters
+    ----------
+    scene : Scene
+        With film, springs, creases and damping.
+
+    Returns
+    -------
+    LengthScales
+        [m]
+
     Raises
     ------
     InputError
         A scene without film, springs, creases or damping, or with creases that are no stronger than its film.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import agreeing
+    >>> scales = agreeing(scenes.load("okuizumi-model-1"))
+    >>> 0.005 < scales.buckling < 0.02
+    True
     """
     mesh, film, springs, damping = scene.mesh, scene.material, scene.law(Springs), scene.law(SpringDamping)
     if mesh is None or film is None or springs is None or damping is None or not len(mesh.creases):

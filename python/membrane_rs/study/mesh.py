@@ -100,10 +100,21 @@ def jobs_of(
     until : float or mapping, optional
         Time at the end [s], of all meshes or by their rows. Default: the scene's.
 
+    Returns
+    -------
+    list of Job
+        For `mesh_study`.
+
     Raises
     ------
     InputError
         An unknown form, fewer than one start.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import jobs_of
+    >>> len(jobs_of([8, 16], ["paper"], members=2, until=0.1))
+    4
     """
     if not isinstance(forms, Mapping):
         unknown = next((form for form in forms if form not in FORMS), None)
@@ -150,6 +161,16 @@ def mesh_study(
         A mesh of another pattern, rows that do not fit the strips.
     OutputError
         The folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import jobs_of, mesh_study
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     runs = mesh_study(scenes.load("okuizumi-model-1"), jobs_of([8], ["paper"], 1, 1e-4), folder, workers=1)
+    >>> runs[0].rows, runs[0].stopped
+    (8, None)
     """
     sail = _sail(scene)
     for job in jobs:

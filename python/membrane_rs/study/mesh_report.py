@@ -114,7 +114,22 @@ def verdict(forms: dict[str, list[Density]]) -> str:
 def write_mesh_study(runs: Sequence[MeshRun], folder: str | Path) -> str:
     """Write mesh-study.md (tables), mesh-study.png (curves) and mesh-study.csv (the points) into a folder.
 
-    Returns the tables. Raises OutputError where it cannot be written.
+    Parameters
+    ----------
+    runs : sequence of MeshRun
+        What `mesh_study` made.
+    folder : path
+        Where to.
+
+    Returns
+    -------
+    str
+        The tables, in Markdown.
+
+    Raises
+    ------
+    OutputError
+        It cannot be written.
     """
     folder = Path(folder)
     with output_errors(folder):

@@ -96,5 +96,5 @@ def page_of(name: PublicName) -> str:
     """A name by itself: a class with its methods and properties."""
     text = f"{titled(name.name)}.. currentmodule:: {name.package}\n\n.. auto{name.kind}:: {name.name}\n"
     if name.kind == "class" and (listed := members(name.value)):
-        text += f"   :members: {', '.join(listed)}\n   :inherited-members:\n"
+        text += f"   :members: {', '.join(listed)}\n"
     return text

@@ -65,6 +65,13 @@ class SpringDamping(Law):
         -------
         (s,) float64
             m of the equation [kg].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from membrane_rs import SpringDamping
+        >>> SpringDamping(mass="reduced").mass_of(np.array([[2.0, 2.0]])).tolist()
+        [1.0]
         """
         pairs = np.asarray(masses, dtype=np.float64)
         return np.asarray(pairs.mean(axis=1) if self.mass == "mean" else 1.0 / (1.0 / pairs).sum(axis=1))
