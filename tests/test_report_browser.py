@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from browser import Browser, Pixels
 from membrane_rs import Spin
+from membrane_rs.report import pictures as report_pictures
 from membrane_rs.report import write_report
 from report_pages import FRAMES, made, sail, staged_sail
 
@@ -37,7 +38,9 @@ def several(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "blind" / "frames.pvd").unlink()
     data = folder / "<i>camera.csv"
     data.write_text("time [ms],deployment_rate,</svg><script>window.hacked=3</script>\n0,0.5,1\n10,0.6,2\n", "utf-8")
-    return write_report([*runs[:2], folder / "blind"], folder / "page.html", data=data, title=TITLE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report_pictures, "_drawn", lambda _: [])  # a contact sheet takes seconds
+        return write_report([*runs[:2], folder / "blind"], folder / "page.html", data=data, title=TITLE)
 
 
 def ready(browser: Browser, page: Path) -> None:
