@@ -18,7 +18,7 @@ from membrane_rs.cli import scenes as scenes
 from membrane_rs.cli import studies as studies
 from membrane_rs.cli import sweep as sweep
 from membrane_rs.cli import view as view
-from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output
+from membrane_rs.cli.application import FAILED, app, exit_code, print_anything, report_output, widen
 
 __all__ = ["app", "main"]
 
@@ -26,6 +26,7 @@ __all__ = ["app", "main"]
 def main() -> None:
     """Entry point of the command `membrane-rs`."""
     print_anything()
+    widen()
     try:
         app()
     except KeyboardInterrupt as stop:

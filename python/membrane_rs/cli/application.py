@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable
 from copy import copy
+from difflib import get_close_matches
 from functools import wraps
 from typing import Annotated, Any, get_args, get_origin
 
@@ -27,9 +28,11 @@ from membrane_rs.cli.reporting import (
     print_anything,
     report_output,
     reported_errors,
+    say_in,
     show_error,
     tell,
     warnings_of_run,
+    widen,
     wordiness,
 )
 
@@ -52,9 +55,11 @@ __all__ = [
     "print_json",
     "report_output",
     "reported_errors",
+    "say_in",
     "show_error",
     "tell",
     "warnings_of_run",
+    "widen",
 ]
 
 SCENES, RUNS, LOOKING, MANY_RUNS, STUDIES = "Scenes", "Runs", "Looking", "Many runs", "Studies"
@@ -94,6 +99,17 @@ class Command(TyperCommand):
 
 class Commands(TyperGroup):
     """The commands in the order of their panels."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that is called; where there is none of that name, the error names a near one, or all."""
+        try:
+            return super().resolve_command(ctx, args)
+        except Exception as error:
+            message = getattr(error, "message", "")
+            if message.startswith("No such command") and not get_close_matches(args[0], self.commands):
+                known = [name for name in self.list_commands(ctx) if not self.commands[name].hidden]
+                error.message = f"{message.rstrip('.')}; known are: {', '.join(known)}"  # type: ignore[attr-defined]
+            raise
 
     def get_params(self, ctx: Any) -> list[Any]:
         """The options before a command."""

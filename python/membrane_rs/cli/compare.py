@@ -9,7 +9,7 @@ import typer
 
 from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
-from membrane_rs.cli.options import numeric_option, words
+from membrane_rs.cli.options import numeric_option, path_option, words
 
 
 @command(
@@ -42,7 +42,7 @@ def compare(
     labels: Annotated[
         str | None, typer.Option(help="One for each, separated by commas. Default: names of folders and files.")
     ] = None,
-    out: Annotated[Path, typer.Option(help="The figure: PNG, PDF or SVG, by its ending.")] = Path("comparison.png"),
+    out: Annotated[Path, path_option(help="The figure: PNG, PDF or SVG, by its ending.")] = Path("comparison.png"),
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Print the table alone.")] = False,
     style: Annotated[str, typer.Option(help="Of the figure: screen, paper, or matplotlib's style sheet.")] = "screen",
     title: Annotated[str, typer.Option(help="Above the figure, where the style has one.")] = "",

@@ -11,6 +11,7 @@ import typer
 
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli import completion
+from membrane_rs.cli.application import say_in
 
 if TYPE_CHECKING:
     from membrane_rs.mesh.findings import Audit
@@ -57,6 +58,18 @@ def quantity_option(unit: str, help: str) -> Any:  # noqa: A002 - typer's own wo
     return typer.Option(help=help, parser=partial(quantity, unit=unit), metavar="QUANTITY")
 
 
+def path(text: str) -> Path:
+    """A path of the command line. Raises BadParameter for an empty one, which would stand for this folder."""
+    if not text.strip():
+        raise typer.BadParameter(f"{text!r} is no path; name a file or a folder")
+    return Path(text)
+
+
+def path_option(help: str) -> Any:  # noqa: A002 - typer's own word
+    """An option that takes a path."""
+    return typer.Option(help=help, parser=path, metavar="PATH")
+
+
 def count_option(help: str) -> Any:  # noqa: A002 - typer's own word
     """An option that takes a whole number."""
     return typer.Option(help=help, parser=count, metavar="INTEGER")
@@ -98,7 +111,7 @@ Substeps = Annotated[
     count_option(help="Substeps of leapfrog in a step, for laws that are not slow. Default: the scene's."),
 ]
 ShortSteps = Annotated[int | None, typer.Option("--short-steps", hidden=True, help="The old name of --substeps.")]
-Out = Annotated[Path | None, typer.Option(help="Folder of the results. Default: runs/ and the scene's name.")]
+Out = Annotated[Path | None, path_option(help="Folder of the results. Default: runs/ and the scene's name.")]
 Frames = Annotated[int | None, count_option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[
@@ -146,7 +159,7 @@ def report(audit: Audit) -> None:
     """Report the errors and warnings of an audit on the standard error."""
     found = audit.without_facts()
     if found.findings:
-        typer.secho(f"Audit: {found}", fg="yellow" if found.ok else "red", err=True)
+        say_in("yellow" if found.ok else "red", f"Audit: {found}")
 
 
 def with_settings(scene: Scene, wanted: dict[str, Any]) -> Scene:

@@ -23,6 +23,10 @@ TRACEBACK = "MEMBRANE_RS_TRACEBACK"
 """The environment variable that does what `--verbose` does."""
 
 
+NARROWEST = 50
+"""Letters in a line of help."""
+
+
 @dataclass
 class Wordiness:
     """How much a command says."""
@@ -102,7 +106,13 @@ def warnings_of_run() -> Iterator[None]:
 
 def show_error(words: str) -> None:
     """An error in one red line."""
-    typer.secho(f"Error: {' '.join(words.split())}", fg="red", err=True)
+    say_in("red", f"Error: {' '.join(words.split())}")
+
+
+def say_in(color: str, words: str) -> None:
+    """Text on the standard error in a colour, where the terminal has some and nobody has asked for none."""
+    plain = bool(os.environ.get("NO_COLOR")) or os.environ.get("TERM") == "dumb"
+    typer.secho(words, fg=color, err=True, color=False if plain else None)
 
 
 def print_anything() -> None:
@@ -110,6 +120,13 @@ def print_anything() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+
+
+def widen() -> None:
+    """Lay help out for a width in which it can be read, where the environment says that there is less."""
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdigit() and int(columns[:9]) < NARROWEST:
+        os.environ["COLUMNS"] = str(NARROWEST)
 
 
 def report_output(error: OSError) -> None:
@@ -125,7 +142,7 @@ def report_output(error: OSError) -> None:
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    typer.secho(f"Warning: {message}", fg="yellow", err=True)
+    say_in("yellow", f"Warning: {message}")
 
 
 def _show_traceback(error: Exception) -> None:

@@ -26,6 +26,7 @@ from membrane_rs.cli.options import (
     quantity_option,
     report_audit,
     whole,
+    words,
 )
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def stability(
 
     chosen = load(scene, set_)
     report_audit(chosen)
-    names = integrator.split(",") if integrator else explicit_integrators(chosen)
+    names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrator")
     cells = stability_map(
         chosen,
         parameter,
@@ -113,7 +114,7 @@ def work_precision(
 
     chosen = load(scene, set_)
     report_audit(chosen)
-    names = [name.strip() for name in integrators.split(",")] if integrators is not None else None
+    names = words(integrators, "--integrators") if integrators is not None else None
     meshes = numbers(density, "--density") if density else []
     found = study(
         chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
@@ -178,7 +179,7 @@ def mesh_study(
         scene,
         set_,
         rows=rows,
-        forms=forms.split(",") if forms else None,
+        forms=None if forms is None else words(forms, "--forms"),
         ensemble=ensemble,
         until=until,
         jobs=jobs,
@@ -199,6 +200,7 @@ def _study_meshes(
     out: Path | None,
     json: bool,
 ) -> None:
+    from membrane_rs.errors import InputError
     from membrane_rs.study import FORMS, jobs_of, write_mesh_study
     from membrane_rs.study import mesh_study as study
     from membrane_rs.study.mesh_report import as_dict
@@ -206,6 +208,8 @@ def _study_meshes(
     chosen = load(scene, set_)
     report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
+    if ensemble < 0:
+        raise InputError(f"--ensemble = {ensemble}: must be 0 or above")
     counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]
     made = study(
         chosen, jobs_of(counts, forms or list(FORMS), 1 + ensemble, until), folder / "runs", workers=jobs, tell=tell

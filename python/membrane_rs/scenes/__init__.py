@@ -153,5 +153,9 @@ def text(name: str) -> str:
     """
     known = names()
     if name not in known:
-        raise SceneError(f"scene {show(name)}: is not built in; {nearest(str(name), known)}")
+        if isinstance(name, str) and name.strip() and Path(name).is_dir():
+            raise SceneError(f"scene {show(name)}: is a folder; name a scene file, such as {name}/scene.toml of a run")
+        raise SceneError(
+            f"scene {show(name)}: is not built in; {nearest(str(name), known)}; a file is named by its path, with .toml"
+        )
     return (resources.files(__name__) / f"{name}.toml").read_text(encoding="utf-8")

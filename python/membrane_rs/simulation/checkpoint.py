@@ -139,7 +139,9 @@ def _arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     try:
         arrays = {_RENAMED.get(name, name): array for name, array in read_arrays(path).items()}
     except FileNotFoundError:
-        raise MissingFileError(f"{path}: there is no such saved state") from None
+        raise MissingFileError(
+            f"{path}: there is no such saved state; name a run's folder, or a file that Simulation.save wrote"
+        ) from None
     except ArchiveError as error:
         raise InputError(f"{path}: is no saved state ({error}); give a file that Simulation.save wrote") from None
     if _is_damaged(path.read_bytes()):

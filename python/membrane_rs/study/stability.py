@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from membrane_rs._files import output_errors, write_text
+from membrane_rs._validation import show
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
@@ -112,8 +113,11 @@ def stability_map(
         No values, methods or steps, a parameter or value that the scene does not accept, a method without a limit.
     """
     refuse_stages(scene)
-    if not values or not shares or not methods or min(shares) <= 0:
-        raise InputError("stability map: give at least one value, one method and one step above 0")
+    for name, given in (("values", values), ("methods", methods), ("steps", shares)):
+        if not len(given):
+            raise InputError(f"stability map: {name} = {show(given)}: give at least one")
+    if not min(shares) > 0.0:
+        raise InputError(f"stability map: steps = {show(list(shares))}: must be above 0 (of the stability limit)")
     end = scene.run.until if until is None else until
     settings = replace(scene.run, until=end, dt=None, watch=WATCH, energy_loss=1e9, snapshots=(), samples=SAMPLES)
     base = replace(scene, run=settings)
