@@ -16,7 +16,10 @@ Data = Annotated[
 ]
 
 
-@command(LOOKING, example="report runs/spinning-tether --out tether.html")
+@command(
+    LOOKING,
+    example="run spinning-tether --until 0.01 --frames 3 --no-pictures\nreport runs/spinning-tether --out tether.html",
+)
 def report(
     runs: Runs,
     *,
