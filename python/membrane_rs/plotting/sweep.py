@@ -35,6 +35,8 @@ LEAST_SPREAD = 1e-6
 """A spread over starts that is a smaller share of the mean is not written into the cell of a map."""
 FLAT = 0.72
 """Height of a panel, over that of a panel against time."""
+MOST_ACROSS = 8
+"""Parameters in one figure."""
 WRAP = 22
 """Letters in a line beside a panel."""
 LOG_RATIO = 20.0
@@ -150,21 +152,24 @@ def _effects(
     rows: Sequence[Row], parameters: Sequence[Varied], shown: Sequence[Response], style: Style, *, sampled: bool
 ) -> StyledFigure:
     """A panel for each number (upwards) and parameter (across)."""
+    across = parameters[:MOST_ACROSS]
     width, height = style.size(FLAT * len(shown), extra=6.0)
-    figure = new_figure(style, (width * max(1.0, 0.62 * len(parameters)), height))
-    panels = figure.subplots(len(shown), len(parameters), sharex="col", sharey="row", squeeze=False)
+    figure = new_figure(style, (width * max(1.0, 0.62 * len(across)), height))
+    panels = figure.subplots(len(shown), len(across), sharex="col", sharey="row", squeeze=False)
     for response, line in zip(shown, panels, strict=True):
         factor, unit = prefixed(response.unit, [response.values(_good(rows))])
-        for axes, parameter in zip(line, parameters, strict=True):
+        for axes, parameter in zip(line, across, strict=True):
             _draw_effect(axes, rows, parameters, parameter, (response, factor), sampled=sampled)
         line[0].set_ylabel(_wrapped(response.label, unit))
-    for axes, parameter in zip(panels[-1], parameters, strict=True):
+    for axes, parameter in zip(panels[-1], across, strict=True):
         _set_axis(axes.xaxis, parameter)
         axes.set_xlabel(axis_label(plain_text(parameter.key), parameter.unit))
         if parameter.has_log_axis:
             _set_log_axis(axes, parameter, sampled=sampled)
     add_letters(list(panels.ravel()), style)
     _add_failures(figure, rows)
+    if len(across) < len(parameters):
+        figure.supxlabel(f"the first {len(across)} of {len(parameters)} parameters")
     figure.align_ylabels(list(panels[:, 0]))
     return figure
 

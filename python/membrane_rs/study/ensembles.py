@@ -41,6 +41,14 @@ class Ensemble:
     ----------
     runs : Sweep
         The runs, without parameters; `runs.rows` is their table.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import ensemble
+    >>> found = ensemble("spinning-tether", starts=3, until=0.01, samples=3)
+    >>> mean, spread = found.statistics()["final_kinetic_energy"]
+    >>> spread < 1e-6 * mean
+    True
     """
 
     runs: Sweep
@@ -212,6 +220,13 @@ def open_ensemble(path: str | Path) -> Ensemble:
         A sweep, which varies more than the start.
     OutputError
         A damaged file.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import ensemble, open_ensemble
+    >>> made = ensemble("spinning-tether", starts=2, until=0.01, samples=3, out="two-starts")
+    >>> open_ensemble("two-starts").runs.rows == made.runs.rows
+    True
     """
     runs = open_sweep(path)
     if runs.parameters:

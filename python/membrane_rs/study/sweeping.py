@@ -15,7 +15,7 @@ from membrane_rs._validation import show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.sweep import Varied, plot_sweep
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.kept_runs import RUNS, point_mark, read_request, read_run
+from membrane_rs.study.common.kept_runs import kept_run, read_request
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where, units_of
 from membrane_rs.study.common.one_run import FINISHED, Record, RunPoint, RunResult, RunSetup
 from membrane_rs.study.common.perturbation import SHIFT
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 TABLE, FIGURE = "table", "sweep"
+MOST_IN_MEMORY = 10_000
+"""Runs of a sweep without a folder: their histories take some 100 kB each."""
 OUTPUTS = (f"{TABLE}.*", f"{FIGURE}.png")
 
 
@@ -49,6 +51,15 @@ class Sweep:
         The design.
     units : mapping
         Units of the measures that were recorded.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import sweep
+    >>> found = sweep("spinning-tether", {"laws.spin.frequency": [1.0, 2.0]}, until=0.01, samples=3)
+    >>> print(found.summary())
+    2 of 2 runs: 2 finished
+    >>> found.history(1)["time"].tolist()
+    [0.0, 0.005, 0.01]
     """
 
     parameters: Sequence[Parameter]
@@ -73,13 +84,24 @@ class Sweep:
             raise InputError(f"run = {show(run)}: must be from 0 to {len(self.points) - 1}")
         if run in self._histories:
             return self._histories[run]
-        path = None if self.path is None else _file(self.path, self.points[run])
-        if path is None or not path.is_file():
+        found = None if self.path is None else kept_run(self.path, self.points[run])
+        if found is None:
             raise InputError(f"run = {run}: was not made yet; repeat the sweep to go on with it")
-        return read_run(path).history
+        return found.history
 
     def to_pandas(self) -> pd.DataFrame:
-        """The rows as a table of pandas. Raises MissingExtraError without it."""
+        """The rows as a table of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A line for each run; "run", values, "start", "outcome" and "message" come first.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
         return to_pandas(self.rows, self._first())
 
     def outcomes(self) -> dict[str, int]:
@@ -236,6 +258,8 @@ def sweep(
     sampled = is_sampled(sample)
     parameters = parameters_of(chosen, vary, sampled=sampled)
     points = with_starts(points_of(parameters, sample, seed), starts)
+    if out is None and len(points) > MOST_IN_MEMORY:
+        raise InputError(f"{len(points):,} runs: at most {MOST_IN_MEMORY:,} are kept in memory; give out=, a folder")
     request = {
         "kind": "sweep",
         "vary": {parameter.key: parameter.as_table() for parameter in parameters},
@@ -321,12 +345,8 @@ def open_sweep(path: str | Path) -> Sweep:
 
 def _made(folder: Path, points: Sequence[RunPoint]) -> Iterator[tuple[int, RunResult]]:
     for k, point in enumerate(points):
-        if (path := _file(folder, point)).is_file():
-            yield k, read_run(path)
-
-
-def _file(folder: Path, point: RunPoint) -> Path:
-    return folder / RUNS / f"{point_mark(point)}.npz"
+        if (found := kept_run(folder, point)) is not None:
+            yield k, found
 
 
 def _plain(value: Any) -> Any:

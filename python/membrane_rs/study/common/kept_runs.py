@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -116,8 +117,7 @@ class KeptRuns:
 
     def get(self, point: RunPoint) -> RunResult | None:
         """A run that was made, or None. Raises OutputError for a damaged file."""
-        path = self._file(point)
-        return read_run(path) if path.is_file() else None
+        return kept_run(self.path, point)
 
     def keep(self, result: RunResult) -> None:
         """Write a run onto the disk, whole or not at all. Raises OutputError."""
@@ -131,21 +131,28 @@ class KeptRuns:
             "columns": list(result.history),
         }
         history = np.array(list(result.history.values()), dtype=np.float64)
-        with replacing(self._file(result.point), synced=True) as part, part.open("wb") as file:
+        with replacing(file_of(self.path, result.point), synced=True) as part, part.open("wb") as file:
             np.savez_compressed(file, row=np.array(json.dumps(row)), history=history)
-
-    def forget(self, point: RunPoint) -> None:
-        """Remove a run, so that it is made again. Raises OutputError."""
-        path = self._file(point)
-        with output_errors(path):
-            path.unlink(missing_ok=True)
 
     def close(self) -> None:
         """Give the folder back."""
         self._lock.release()
 
-    def _file(self, point: RunPoint) -> Path:
-        return self.path / RUNS / f"{point_mark(point)}.npz"
+
+def file_of(folder: Path, point: RunPoint) -> Path:
+    """Where a folder keeps a run."""
+    return folder / RUNS / f"{point_mark(point)}.npz"
+
+
+def kept_run(folder: Path, point: RunPoint) -> RunResult | None:
+    """A run that a folder has, or None. Raises OutputError for a damaged file, and for that of another run."""
+    path = file_of(folder, point)
+    if not path.is_file():
+        return None
+    found = read_run(path)
+    if point_mark(found.point) != path.stem:
+        raise OutputError(f"{path} holds another run than its name says; remove it, and it is made again")
+    return replace(found, point=point)
 
 
 def count_kept(folder: Path) -> int:
