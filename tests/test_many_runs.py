@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import ExecutorError, Gravity, InputError, Mesh, OutputError, Scene, Simulation, Tethers, scenes
-from membrane_rs.study.common.kept_runs import REQUEST, differences, read_run
+from membrane_rs.study.common.kept_runs import REQUEST, differences, point_mark, read_run
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Where
 from membrane_rs.study.common.one_run import RunPoint, RunResult, RunSetup
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
@@ -38,6 +38,18 @@ def stiffness(sim: Simulation) -> float:
 def dies_at_fifty(sim: Simulation) -> float:
     """As a fault of the memory does: without an error."""
     if stiffness(sim) == 50.0:
+        os._exit(9)
+    return sim.time
+
+
+FIRST = "MEMBRANE_RS_TEST_FIRST"
+"""The environment variable of a file that is there once a run has died."""
+
+
+def dies_once(sim: Simulation) -> float:
+    file = Path(os.environ[FIRST])
+    if not file.exists():
+        file.touch()
         os._exit(9)
     return sim.time
 
@@ -71,6 +83,10 @@ def test_a_run_is_the_simulation_of_its_scene(reference: list[RunResult]) -> Non
 def test_starts_but_the_first_are_perturbed(reference: list[RunResult]) -> None:
     own, other = (result.history["kinetic_energy"] for result in reference[:2])
     assert 0.0 < np.abs(other - own).max() < 1e-9
+    sim = Simulation(falling().with_values(POINTS[1].values))
+    sim.positions = sim.positions + perturbation(sim.scene, 0)
+    sim.run(0.05, frames=2)
+    assert reference[1].facts["final_kinetic_energy"] == sim.energies()["kinetic"]
     shifts = perturbation(scenes.load("single-crease"), 3)
     held = scenes.load("single-crease").assemble().fixed
     free = np.delete(shifts, held, axis=0)
@@ -121,6 +137,13 @@ def test_a_process_that_dies_costs_its_own_run_alone(tmp_path: Path) -> None:
     assert [result.outcome for result in found] == ["crashed", "finished"]
     assert "ended without a result" in found[0].message
     assert len(list(tmp_path.glob("runs/*.npz"))) == len(found)
+
+
+def test_a_run_whose_process_died_is_made_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(FIRST, str(tmp_path / "first"))
+    with ManyRuns(falling(), replace(SETUP, record={"odd": dies_once}), executor="processes", jobs=1) as runs:
+        assert runs.all_results(POINTS[:1])[0].is_finished
+    assert (tmp_path / "first").exists()
 
 
 def test_what_fails_is_a_row_that_says_why() -> None:
@@ -177,8 +200,10 @@ def test_another_request_in_a_folder_is_refused_with_the_difference(tmp_path: Pa
     refused(lambda: opened(other, SETUP), OutputError, words)
     refused(lambda: opened(falling(), replace(SETUP, samples=7), request={"kind": "sweep"}), OutputError, "samples = 6")
     assert len(list(tmp_path.glob("runs/*.npz"))) == 1
+    (tmp_path / "notes.txt").write_text("mine")
     opened(other, SETUP, overwrite=True)
     assert not list(tmp_path.glob("runs/*.npz"))
+    assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
 def test_the_arrays_of_a_mesh_are_part_of_a_request(tmp_path: Path) -> None:
@@ -206,6 +231,12 @@ def test_a_damaged_file_is_named(damage: bytes, tmp_path: Path) -> None:
         (path,) = tmp_path.glob("runs/*.npz")
         path.write_bytes(damage)
         refused(lambda: runs.all_results(POINTS[:1]), OutputError, f"{path.name} is no run of a sweep")
+    other = tmp_path / "runs" / f"{point_mark(POINTS[1])}.npz"
+    with ManyRuns(falling(), SETUP, folder=tmp_path) as runs:
+        path.unlink()
+        runs.all_results(POINTS[:1])
+        path.rename(other)
+        refused(lambda: runs.all_results(POINTS[1:2]), OutputError, "holds another run than its name says")
     for row in ("[]", '{"outcome": "good"}', "null", "{"):
         np.savez(path, row=np.array(row), history=np.zeros((0, 0)))
         refused(lambda: read_run(path), OutputError, "remove it, and it is made again")
@@ -270,7 +301,7 @@ def test_executors_of_the_caller_that_break() -> None:
 
 @pytest.mark.parametrize("where", ["threads", "given"])
 def test_an_interrupt_ends_runs_soon_and_keeps_those_that_are_done(where: str, tmp_path: Path) -> None:
-    slow = [RunPoint({"run.dt": 1e-7}), RunPoint({"run.dt": 2e-7})]
+    slow = [RunPoint({"run.dt": 1e-6}), RunPoint({"run.dt": 2e-6})]
     pool = ThreadPoolExecutor(2)
 
     def interrupt(*_: Any) -> None:
@@ -278,8 +309,12 @@ def test_an_interrupt_ends_runs_soon_and_keeps_those_that_are_done(where: str, t
 
     began = time.perf_counter()
     executor: Where = pool if where == "given" else "threads"
-    with pytest.raises(KeyboardInterrupt), ManyRuns(falling(), executor=executor, jobs=3, folder=tmp_path) as runs:
-        runs.all_results([RunPoint({"run.until": 0.05, "run.dt": 1e-3}), *slow], interrupt)
+    setup = RunSetup(until=1000.0, samples=3)
+    with (
+        pytest.raises(KeyboardInterrupt),
+        ManyRuns(falling(), setup, executor=executor, jobs=3, folder=tmp_path) as runs,
+    ):
+        runs.all_results([RunPoint({"run.dt": 1e-2}), *slow], interrupt)
     pool.shutdown()
     assert time.perf_counter() - began < 20.0
     (path,) = tmp_path.glob("runs/*.npz")

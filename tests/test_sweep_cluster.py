@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from membrane_rs import InputError, scenes
+from membrane_rs import ExecutorError, InputError, scenes
 from membrane_rs.cli import app
 from membrane_rs.runs import Simulation
 from membrane_rs.study import open_sweep, sweep
-from membrane_rs.study.common.cluster import cluster
+from membrane_rs.study.common.cluster import check_workers, cluster
 from membrane_rs.study.common.one_run import RunResult
 from small_scenes import refused
 from typer.testing import CliRunner
@@ -122,6 +122,18 @@ def test_no_scheduler(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
             pass
 
     refused(connected, InputError, "no scheduler answers there")
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [("0.0.1", "the worker tcp://a has membrane_rs 0.0.1"), (ImportError("no"), r"has no membrane_rs \(no\)")],
+)
+def test_workers_of_another_version(found: object, words: str) -> None:
+    class Client:
+        def run(self, function: Any, **_: Any) -> dict[str, Any]:
+            return {"tcp://b": function(), "tcp://a": found}
+
+    refused(lambda: check_workers(Client()), ExecutorError, words)
 
 
 def test_scenes_are_sent_small() -> None:

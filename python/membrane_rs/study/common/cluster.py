@@ -11,7 +11,7 @@ from membrane_rs._extras import extra
 from membrane_rs._validation import show
 from membrane_rs.errors import ExecutorError, InputError
 
-SECONDS = 10.0
+SECONDS = 20.0
 """For so long the scheduler is waited for."""
 
 
@@ -45,12 +45,12 @@ def cluster(address: str) -> Iterator[Executor]:
             "the address that it names"
         ) from None
     with client:
-        _check_workers(client)
+        check_workers(client)
         yield client.get_executor()
 
 
-def _check_workers(client: Any) -> None:
-    """Refuse workers whose runs would have other bits."""
+def check_workers(client: Any) -> None:
+    """Refuse workers whose runs may have other bits. Raises ExecutorError."""
     from membrane_rs import __version__
 
     for worker, found in client.run(_version, on_error="return").items():
