@@ -1,0 +1,96 @@
+"""The paper's three parameters, found again from noisy curves: the table and the figure of docs/calibration.md.
+
+The sail is that of model 1 on a coarse mesh, so that a fit takes minutes. The data are one of its runs with the paper's
+parameters, from a start that no fit has, with noise; the fits begin elsewhere. Two data sets are used: both curves of
+the deployment, and the rate alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from marked import DOCS, ROOT, MarkedPart, copy_small
+from membrane_rs import Scene, scenes
+from membrane_rs._markdown import table
+from membrane_rs.results import Experiment
+from membrane_rs.study import Fit, fit
+from membrane_rs.study.common.many_runs import ManyRuns
+from membrane_rs.study.common.one_run import RunPoint, RunSetup
+
+PART = MarkedPart(DOCS / "calibration.md", "calibration.md")
+FIGURE = "calibration.png"
+COARSE = {"mesh.rows": 8, "mesh.columns": 6}
+UNTIL, SAMPLES, EVERY = 0.15, 151, 5
+"""Time of the data [s], rows of a run, and rows from one datum to the next."""
+NOISE = {"deployment_rate": 0.003, "phase_difference_deg": 0.5}
+"""Standard deviations of the data."""
+RANGES = {
+    "laws.springs.buckling": "10:1000:log",
+    "laws.creases.stiffness": "1:100:log",
+    "laws.creases.contact_penalty": "10:1000:log",
+}
+BEGIN = {"laws.springs.buckling": 300.0, "laws.creases.stiffness": 4.0, "laws.creases.contact_penalty": 30.0}
+OTHER_START, STARTS = 9, 2
+"""The start of the run that the data come from, and the starts of each set of a fit."""
+SYMBOLS = dict(zip(RANGES, ("alpha", "beta", "gamma"), strict=True))
+
+
+def synthetic(scene: Scene) -> Experiment:
+    """Both curves of one run, with noise."""
+    random = np.random.default_rng(2012)
+    with ManyRuns(scene, RunSetup(UNTIL, SAMPLES)) as runs:
+        (run,) = runs.all_results([RunPoint({}, OTHER_START)])
+    history, rows = run.history, slice(None, None, EVERY)
+    time = history["time"][rows]
+    curves = {name: history[name][rows] + sigma * random.standard_normal(len(time)) for name, sigma in NOISE.items()}
+    return Experiment("synthetic", time, curves, {"deployment_rate": "", "phase_difference_deg": "deg"})
+
+
+def rows_of(found: Fit, scene: Scene) -> list[tuple[str, ...]]:
+    """The parameters of a fit beside the true ones."""
+    data = "both curves" if len(found.columns) == len(NOISE) else "the rate alone"
+    rows = []
+    for one in found.parameters:
+        verdict = "determined" if one.is_determined else "not determined"
+        span = f"{one.low:.3g} to {one.high:.3g}"
+        rows.append(
+            (data, SYMBOLS[one.key], f"{one.start:g}", f"{scene.value(one.key):g}", f"{one.value:.3g}", span, verdict)
+        )
+    return rows
+
+
+def main() -> None:
+    """Fit both data sets, print the tables, and write them with `--write`."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--write", action="store_true", help="write docs/calibration.md and its figure")
+    options.add_argument("--out", type=Path, default=ROOT / "out" / "calibration")
+    given = options.parse_args()
+    scene = scenes.load("okuizumi-model-1").with_values(COARSE)
+    data, begin = synthetic(scene), scene.with_values(BEGIN)
+    rows, texts = [], []
+    for columns in (list(NOISE), ["deployment_rate"]):
+        sigmas = {name: NOISE[name] for name in columns}
+        found = fit(
+            begin, data, RANGES, columns=columns, starts=STARTS, uncertainty=sigmas, samples=SAMPLES, most_runs=300,
+            out=given.out / "-".join(columns), progress=lambda *now: print(*now[:2], flush=True),
+        )  # fmt: skip
+        rows += rows_of(found, scene)
+        texts.append(
+            f"{found.columns[0].name if len(columns) == 1 else 'both curves'}: misfit {found.first_misfit:.2f} at the "
+            f"start, {found.misfit:.2f} at the end, {found.runs} runs."
+        )
+        if len(columns) > 1:
+            found.plot(given.out / FIGURE, style="paper")
+            known = found.table()
+    head = ("data", "parameter", "start", "true", "fitted", "one standard deviation", "")
+    text = "\n".join([table(head, rows, words=(0, 1, 6)), " ".join(texts), "", known[known.index("| column") :]])
+    print(text)
+    if given.write:
+        PART.write(text)
+        copy_small(given.out / FIGURE, FIGURE)
+
+
+if __name__ == "__main__":
+    main()
