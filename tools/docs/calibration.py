@@ -32,15 +32,16 @@ RANGES = {
     "laws.creases.contact_penalty": "10:1000:log",
 }
 BEGIN = {"laws.springs.buckling": 300.0, "laws.creases.stiffness": 4.0, "laws.creases.contact_penalty": 30.0}
-OTHER_START, STARTS = 9, 2
-"""The start of the run that the data come from, and the starts of each set of a fit."""
+OTHER_START, STARTS, SHIFT, STEP = 9, 3, 1e-7, 0.05
+"""The start of the run that the data come from; starts of each set of a fit, their perturbation [m], and the step of
+differences. A perturbation of 1e-12 m would not have grown by the end of the data."""
 SYMBOLS = dict(zip(RANGES, ("alpha", "beta", "gamma"), strict=True))
 
 
 def synthetic(scene: Scene) -> Experiment:
     """Both curves of one run, with noise."""
     random = np.random.default_rng(2012)
-    with ManyRuns(scene, RunSetup(UNTIL, SAMPLES)) as runs:
+    with ManyRuns(scene, RunSetup(UNTIL, SAMPLES, shift=SHIFT)) as runs:
         (run,) = runs.all_results([RunPoint({}, OTHER_START)])
     history, rows = run.history, slice(None, None, EVERY)
     time = history["time"][rows]
@@ -51,7 +52,7 @@ def synthetic(scene: Scene) -> Experiment:
 def rows_of(found: Fit, scene: Scene) -> list[tuple[str, ...]]:
     """The parameters of a fit beside the true ones."""
     data = "both curves" if len(found.columns) == len(NOISE) else "the rate alone"
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for one in found.parameters:
         verdict = "determined" if one.is_determined else "not determined"
         span = f"{one.low:.3g} to {one.high:.3g}"
@@ -69,11 +70,13 @@ def main() -> None:
     given = options.parse_args()
     scene = scenes.load("okuizumi-model-1").with_values(COARSE)
     data, begin = synthetic(scene), scene.with_values(BEGIN)
-    rows, texts = [], []
+    rows: list[tuple[str, ...]] = []
+    texts: list[str] = []
     for columns in (list(NOISE), ["deployment_rate"]):
         sigmas = {name: NOISE[name] for name in columns}
         found = fit(
             begin, data, RANGES, columns=columns, starts=STARTS, uncertainty=sigmas, samples=SAMPLES, most_runs=300,
+            shift=SHIFT, step=STEP,
             out=given.out / "-".join(columns), progress=lambda *now: print(*now[:2], flush=True),
         )  # fmt: skip
         rows += rows_of(found, scene)
@@ -81,6 +84,7 @@ def main() -> None:
             f"{found.columns[0].name if len(columns) == 1 else 'both curves'}: misfit {found.first_misfit:.2f} at the "
             f"start, {found.misfit:.2f} at the end, {found.runs} runs."
         )
+        texts += found.warnings
         if len(columns) > 1:
             found.plot(given.out / FIGURE, style="paper")
             known = found.table()

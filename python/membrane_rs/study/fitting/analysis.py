@@ -1,16 +1,18 @@
 """What measured data say of parameters: how far they are known, and which of their combinations are not.
 
-With the Jacobian J of the residuals by the shares of the parameters' ranges (central differences) and its singular
-values s_k with directions v_k, the standard deviation along v_k is sigma/s_k, and the covariance of the shares
+J is the Jacobian of the residuals by the shares of the parameters' ranges, of central differences over widths w. Means
+over starts have standard errors e, which differences magnify: J^T J is too large by D, on average,
 
-    C = sigma^2 sum_k v_k v_k^T / s_k^2
+    D = diag(2 sum e^2 / w^2)        M = J^T J - D = sum_k lambda_k v_k v_k^T        C = sigma^2 M^-1
 
-sigma is 1 where the standard deviation of each value is given, else the root of the sum of squared residuals over the
-degrees of freedom: then residuals are taken for independent errors of one size. The linear form holds near the best
-values alone.
+C is the covariance of the shares. A direction v_k with lambda_k below v_k^T D v_k is hidden by the spread of the
+starts: nothing is known along it but the range, whose length stands for its standard deviation. sigma^2 is 1 + mean e^2
+where the standard deviation of each value is given, else the sum of squared residuals over the degrees of freedom: then
+residuals are taken for independent errors of one size. The linear form holds near the best values alone.
 
 J. Nocedal, S. Wright, Numerical Optimization (2006), chapter 10; G. Seber, C. Wild, Nonlinear Regression (1989),
-section 2.1.2.
+section 2.1.2. D is the bias of a normal matrix with noise in its factors: W. Fuller, Measurement Error Models (1987),
+section 1.2.
 """
 
 from __future__ import annotations
@@ -28,8 +30,8 @@ UNDETERMINED = 0.5
 """A direction is not determined where one standard deviation along it is more than this share of the range."""
 NAMED = 0.2
 """Components of a direction that are named, as a share of its length."""
-DROWNED = 2.0
-"""A change of the curves by a difference step is lost below this many standard errors of their means."""
+SMALLEST = 1e-12
+"""An eigenvalue below this share of the largest one is none."""
 
 
 @dataclass(frozen=True)
@@ -72,22 +74,22 @@ class Analysis:
     Attributes
     ----------
     errors : (p,) float
-        Standard deviation of each, as a share of its range; infinite where nothing changes with it.
+        Standard deviation of each, as a share of its range.
     correlation : (p, p) float
-        Of their errors; NaN beside a parameter with an infinite one.
+        Of their errors.
     undetermined : sequence of str
         Parameters, or combinations of several, that the data do not determine.
     sensitivity : (columns, p) float
         Root mean square change of each column, in its unit, for a tenth of the range of each parameter.
-    is_drowned : bool
-        Whether the spread of the starts hides the changes that the Jacobian is made of.
+    is_hidden : bool
+        Whether the spread of the starts hides one of the undetermined.
     """
 
     errors: Floats
     correlation: Floats
     undetermined: Sequence[str]
     sensitivity: Floats
-    is_drowned: bool
+    is_hidden: bool
 
 
 def differences(shares: Floats, step: float) -> list[tuple[Floats, Floats]]:
@@ -124,26 +126,28 @@ def analysed(model: FitModel, shares: Floats, best: Curves, step: float) -> Anal
     """How far the best parameters are known. Raises `BudgetSpent`."""
     slopes = jacobian(model, shares, step)
     count = slopes.shape[1]
-    _, singular, axes = np.linalg.svd(slopes, full_matrices=len(slopes) < count)
-    sigma = _sigma(model, best, count)
-    least = np.finfo(float).eps * max(slopes.shape) * (singular[0] if len(singular) else 0.0)
-    along = np.full(count, math.inf)
-    seen = np.flatnonzero(singular > least)
-    along[seen] = sigma / singular[seen]
-    is_blind = np.array([bool((np.abs(axes[np.isinf(along), k]) > 1e-6).any()) for k in range(count)])
-    covariance = sum((along[k] ** 2 * np.outer(axes[k], axes[k]) for k in seen), np.zeros((count, count)))
-    errors = np.where(is_blind, math.inf, np.sqrt(np.diag(covariance)))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
-    correlation[is_blind, :] = correlation[:, is_blind] = math.nan
+    noise = best.noise[np.isfinite(best.noise)]
+    widths = np.array([(high - low)[k] for k, (low, high) in enumerate(differences(shares, step))])
+    bias = np.diag(2.0 * float(np.sum(noise**2)) / widths**2)
+    values, vectors = np.linalg.eigh(slopes.T @ slopes - bias)
+    axes = vectors.T
+    least = np.maximum(SMALLEST * max(values.max(), 0.0), [float(axis @ bias @ axis) for axis in axes])
+    along = np.full(count, 1.0)
+    seen = np.flatnonzero(values > least)
+    along[seen] = np.minimum(_sigma(model, best, count) / np.sqrt(values[seen]), 1.0)
+    covariance = axes.T @ np.diag(along**2) @ axes
+    errors = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(errors, errors)
     undetermined = [_direction(model, axes[k]) for k in range(count) if along[k] > UNDETERMINED]
-    return Analysis(errors, correlation, undetermined, _sensitivity(model, slopes), _is_drowned(slopes, best, step))
+    is_hidden = bool(len(noise)) and len(seen) < count
+    return Analysis(errors, correlation, undetermined, _sensitivity(model, slopes), is_hidden)
 
 
 def _sigma(model: FitModel, best: Curves, count: int) -> float:
     """Standard deviation of a residual."""
     if all(column.has_deviation for column in model.columns):
-        return 1.0
+        noise = best.noise[np.isfinite(best.noise)]
+        return math.sqrt(1.0 + (float(np.mean(noise**2)) if len(noise) else 0.0))
     freedom = len(best.residuals) - count
     return math.sqrt(float(np.sum(best.residuals**2)) / freedom) if freedom > 0 else math.inf
 
@@ -170,12 +174,3 @@ def _sensitivity(model: FitModel, slopes: Floats) -> Floats:
         found.append(0.1 * np.sqrt(np.mean(rows**2, axis=0)))
         first += len(column.time)
     return np.array(found)
-
-
-def _is_drowned(slopes: Floats, best: Curves, step: float) -> bool:
-    """Whether a difference is less than what the means of other starts would differ by."""
-    noise = best.noise[np.isfinite(best.noise)]
-    if not len(noise):
-        return False
-    changes = np.sqrt(np.mean((2.0 * step * slopes) ** 2, axis=0))
-    return bool((changes < DROWNED * math.sqrt(2.0) * math.sqrt(float(np.mean(noise**2)))).any())

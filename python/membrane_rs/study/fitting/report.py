@@ -48,10 +48,7 @@ def table_of_columns(
 
 def table_of_correlation(keys: Sequence[str], correlation: Floats) -> str:
     """Correlations of the errors."""
-    rows = [
-        (key, *("-" if math.isnan(value) else f"{value:+.2f}" for value in row))
-        for key, row in zip(keys, correlation, strict=True)
-    ]
+    rows = [(key, *(f"{value:+.2f}" for value in row)) for key, row in zip(keys, correlation, strict=True)]
     return table(("correlation", *keys), rows)
 
 

@@ -90,10 +90,10 @@ class Fit:
         found = [f"not determined by these data: {what}" for what in self.undetermined]
         if self.analysis is None:
             found.append("no standard deviations: the number of runs did not suffice; allow more (most_runs)")
-        elif self.analysis.is_drowned:
+        elif self.analysis.is_hidden:
             found.append(
-                "the spread of the starts hides the effect of the difference step; take more starts, a larger step, or "
-                "the method 'nelder-mead'"
+                "the spread of the starts hides what changes with the undetermined parameters; take more starts, a "
+                "larger step, or the method 'nelder-mead'"
             )
         return found + [f"failed: {failure}" for failure in self.failures]
 
