@@ -69,14 +69,16 @@ def spread(times: Sequence[float] | Floats, count: int) -> list[int]:
     return sorted({int(np.abs(known - time).argmin()) for time in wanted})
 
 
-def decimals(times: Sequence[float], least: int) -> int:
-    """Decimals by which all times differ [s], each right to a twentieth of the least step between them; `least` or
-    more.
-    """
+RIGHT = 0.05
+"""Share of the least step between times by which a time in a caption may be off."""
+
+
+def decimals(times: Sequence[float], least: int, off: float = np.inf) -> int:
+    """Decimals by which all times differ [s], `least` or more; none is off by more than a share `off` of their step."""
     step = float(np.diff(np.unique(times)).min(initial=np.inf))
     for n in range(least, 12):
         shown = [float(f"{time:.{n}f}") for time in times]
-        off = max((abs(one - other) for one, other in zip(shown, times, strict=True)), default=0.0)
-        if len(set(shown)) == len(times) and off <= 0.05 * step:
+        error = max((abs(one - other) for one, other in zip(shown, times, strict=True)), default=0.0)
+        if len(set(shown)) == len(times) and (off == np.inf or error <= off * step):
             return n
     return 12

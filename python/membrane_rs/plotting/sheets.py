@@ -13,7 +13,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
 from membrane_rs.plotting.camera import Camera
-from membrane_rs.plotting.drawing import decimals
+from membrane_rs.plotting.drawing import RIGHT, decimals
 from membrane_rs.plotting.painter import Painter
 from membrane_rs.plotting.picture import Image
 from membrane_rs.plotting.scenery import Scenery
@@ -78,7 +78,8 @@ class Sheets:
         from PIL import Image as Pillow
 
         digits = decimals([shot.time for shot in part.shots], 3)
-        captions = [caption(k, shot.time, digits) for k, shot in enumerate(part.shots)]
+        shown = decimals([shot.time for shot in part.shots], 3, RIGHT)
+        captions = [caption(k, shot.time, shown) for k, shot in enumerate(part.shots)]
         for view in self._views if part.shots else ():
             images = []
             for shot, beside in zip(part.shots, solids, strict=True):
@@ -97,7 +98,7 @@ class Sheets:
         """
         for view, drawn in self._all.items():
             pictures = [item for k, item in enumerate(drawn) if k == 0 or item[1] != drawn[k - 1][1]]
-            digits = decimals(sorted({time for _, time, _ in pictures}), 3)
+            digits = decimals(sorted({time for _, time, _ in pictures}), 3, RIGHT)
             captions = [f"{caption(k, time, digits)}\n{name}" for k, (_, time, name) in enumerate(pictures)]
             images = [image for image, _, _ in pictures]
             self._write_sheet(f"{view}.png", images, captions, self._title(title, view))

@@ -12,7 +12,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind, nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.camera import Camera, bar_length, length_text
-from membrane_rs.plotting.drawing import decimals, spread
+from membrane_rs.plotting.drawing import RIGHT, decimals, spread
 from membrane_rs.plotting.figure import finished, new_figure, plain_text
 from membrane_rs.plotting.painter import painter
 from membrane_rs.plotting.picture import Image, Subject
@@ -105,7 +105,7 @@ def plot_snapshots(
         raise InputError(f"columns = {show(columns)}: must be a whole number from 1 to {MOST}")
     frames = [run.frames[k] for k in picks]
     images, camera = _paint(run, frames, view)
-    digits = decimals([frame.time for frame in frames], 3)
+    digits = decimals([frame.time for frame in frames], 3, RIGHT)
     captions = [caption(k, frame.time, digits) for k, frame in enumerate(frames)]
     with look.context():
         figure = _sheet(images, captions, camera, columns, look)
