@@ -14,6 +14,8 @@ from notebook_kernel import Kernel, kernel
 from PIL import Image
 
 CELL = """
+import os
+os.environ.update(TRAME_IFRAME_BUILDER="jupyter-extension", TRAME_BACKEND="jupyter")  # as in JupyterLab
 import membrane_rs
 run = membrane_rs.run("hanging-strip", 0.04, frames=9)
 shown = run.view()

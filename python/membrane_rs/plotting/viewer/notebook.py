@@ -72,7 +72,7 @@ class NotebookView:
             self._start = asyncio.ensure_future(self._replace(handle, self.page))
 
     async def _replace(self, handle: Any, page: Page) -> None:
-        await page.layout.ready
+        await page.start()
         handle.update(_ipython().HTML(page.html()))
 
     def _picture(self, works: bool) -> Image:

@@ -5,6 +5,7 @@ colours.
 from __future__ import annotations
 
 import asyncio
+import os
 import time
 from itertools import count
 from typing import Any
@@ -39,6 +40,11 @@ class Page:
         state.frame, state.words, state.playing = viewer.index, viewer.words(), False
         state.color, state.turning, state.spans_run = viewer.color, viewer.in_turning_frame, viewer.spans_run
         self.layout = self._lay_out()
+        if os.environ.get("TRAME_IFRAME_BUILDER") == "jupyter-extension":
+            # JupyterLab answers the messages of that extension in a thread of its own, in which OpenGL draws nothing.
+            from trame_client.ui.core import iframe_url_builder_default
+
+            self.layout.iframe_builder = iframe_url_builder_default
         for name, take in (
             ("frame", viewer.show_frame),
             ("color", viewer.choose),
@@ -55,6 +61,19 @@ class Page:
         self.canvas.plotter.render()
         self.server.state.words = self.viewer.words()
         self._view.update()
+
+    async def start(self) -> None:
+        """Start its server in the loop that runs, and wait until it answers."""
+        self.server.start(
+            exec_mode="task",
+            port=0,
+            open_browser=False,
+            show_connection_info=False,
+            disable_logging=True,
+            timeout=0,
+            backend="aiohttp",  # with the extension of JupyterLab it would be that one's messages
+        )
+        await self.server.ready
 
     def html(self) -> str:
         """The frame of HTML that holds the page, once its server has started."""
