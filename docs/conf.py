@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import sys
 from importlib import metadata
@@ -85,13 +84,3 @@ html_theme_options = {
     "secondary_sidebar_items": ["page-toc"],
 }
 html_favicon = "_static/logo.svg"
-
-
-class _NotYetThere(logging.Filter):
-    """Pages of the guide that are being written."""
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        return "toctree glob pattern" not in str(record.msg)
-
-
-logging.getLogger("sphinx.sphinx.directives.other").addFilter(_NotYetThere())

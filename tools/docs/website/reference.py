@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import shutil
 from itertools import groupby
 from pathlib import Path
 
@@ -43,9 +42,10 @@ def write(folder: Path) -> None:
     entries = "".join(f"   {package}\n" for package in PACKAGES)
     index = "All that is public, package by package; a name is described where it is first imported from."
     pages["index.rst"] = f"{titled('Reference')}{index}\n\n.. toctree::\n   :maxdepth: 1\n\n{entries}"
-    if folder.exists() and not all((folder / name).exists() for name in pages):
-        shutil.rmtree(folder)
     folder.mkdir(exist_ok=True)
+    for path in folder.glob("*.rst"):
+        if path.name not in pages:
+            path.unlink()
     for name, text in pages.items():
         path = folder / name
         if not path.exists() or path.read_text(encoding="utf-8") != text:
