@@ -37,6 +37,7 @@ def examples(name: str) -> list[list[str]]:
 def test_help_of_a_command(name: str) -> None:
     text = shown(name, "--help")
     assert max(map(len, text.splitlines())) <= WIDTH
+    assert not [letter for letter in text if ord(letter) >= 0x1F000], "rich takes ':100:' for a picture"
     assert "Example: membrane-rs " in text
     for option in COMMANDS[name].params:
         assert option.help, option.name
@@ -50,6 +51,15 @@ def test_the_example_of_a_command_parses(name: str) -> None:
     for command, *words in examples(name):
         COMMANDS[command].make_context(command, words)
     assert examples(name)[-1][0] == name or COMMANDS[name].hidden
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_accepts_its_default_for_out(name: str) -> None:
+    words = examples(name)[-1]
+    if "--out" in words:
+        at = words.index("--out")
+        del words[at : at + 2]
+    COMMANDS[words[0]].make_context(words[0], words[1:])
 
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if not COMMANDS[name].hidden and name not in WINDOWS])

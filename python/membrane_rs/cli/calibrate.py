@@ -21,7 +21,7 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         metavar="KEY=RANGE",
-        help="A value of the scene and its range: laws.creases.stiffness=1:100:log, material.thickness=5um:10um. May "
+        help="A value of the scene and its range: laws.creases.stiffness=1:30:log, material.thickness=5um:10um. May "
         "be given several times.",
     ),
 ]
@@ -78,7 +78,7 @@ def calibrate(
     varied = split_vary(vary or [])
     if not varied:
         raise InputError(
-            "calibrate: nothing is varied; give --vary KEY=RANGE, such as laws.creases.stiffness=1:100:log"
+            "calibrate: nothing is varied; give --vary KEY=RANGE, such as laws.creases.stiffness=1:30:log"
         )
     chosen = load(scene, set_)
     report_audit(chosen)

@@ -58,9 +58,9 @@ def quantity_option(unit: str, help: str) -> Any:  # noqa: A002 - typer's own wo
     return typer.Option(help=help, parser=partial(quantity, unit=unit), metavar="QUANTITY")
 
 
-def path(text: str) -> Path:
-    """A path of the command line. Raises BadParameter for an empty one, which would stand for this folder."""
-    if not text.strip():
+def path(text: str | Path) -> Path:
+    """A path of the command line, or a default. Raises BadParameter for an empty one, which would be this folder."""
+    if not str(text).strip():
         raise typer.BadParameter(f"{text!r} is no path; name a file or a folder")
     return Path(text)
 
