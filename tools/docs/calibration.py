@@ -81,7 +81,7 @@ def main() -> None:
         )  # fmt: skip
         rows += rows_of(found, scene)
         texts.append(
-            f"{found.columns[0].name if len(columns) == 1 else 'both curves'}: misfit {found.first_misfit:.2f} at the "
+            f"{found.columns[0].name if len(columns) == 1 else 'Both curves'}: misfit {found.first_misfit:.2f} at the "
             f"start, {found.misfit:.2f} at the end, {found.runs} runs."
         )
         texts += found.warnings
@@ -89,7 +89,14 @@ def main() -> None:
             found.plot(given.out / FIGURE, style="paper")
             known = found.table()
     head = ("data", "parameter", "start", "true", "fitted", "one standard deviation", "")
-    text = "\n".join([table(head, rows, words=(0, 1, 6)), " ".join(texts), "", known[known.index("| column") :]])
+    text = "\n".join(
+        [
+            table(head, rows, words=(0, 1, 6)),
+            "\n".join(f"- {one}" for one in texts),
+            "",
+            known[known.index("| column") :],
+        ]
+    )
     print(text)
     if given.write:
         PART.write(text)
