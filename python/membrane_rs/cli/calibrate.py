@@ -8,7 +8,17 @@ from typing import Annotated, Any
 import typer
 
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
-from membrane_rs.cli.options import Out, SceneArgument, Set, Until, count_option, load, numeric_option, report_audit
+from membrane_rs.cli.options import (
+    Out,
+    SceneArgument,
+    Set,
+    Until,
+    count_option,
+    load,
+    numeric_option,
+    report_audit,
+    words,
+)
 from membrane_rs.cli.progress import run_counter
 from membrane_rs.cli.sweep import Jobs, Overwrite, RecordNames, Samples, Shift
 
@@ -77,15 +87,13 @@ def calibrate(
 
     varied = split_vary(vary or [])
     if not varied:
-        raise InputError(
-            "calibrate: nothing is varied; give --vary KEY=RANGE, such as laws.creases.stiffness=1:30:log"
-        )
+        raise InputError("calibrate: nothing is varied; give --vary KEY=RANGE, such as laws.creases.stiffness=1:30:log")
     chosen = load(scene, set_)
     report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-calibration"
     given: dict[str, Any] = {"until": until, "samples": samples, "record": record, "shift": shift, "jobs": jobs}
     if columns is not None:
-        given["columns"] = [name.strip() for name in columns.split(",")]
+        given["columns"] = words(columns, "--columns")
     with run_counter() as progress:
         found = fit(
             chosen, data, varied, starts=starts, method=method, uncertainty=_deviations(uncertainty or []), step=step,

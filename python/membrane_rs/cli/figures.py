@@ -9,7 +9,7 @@ import typer
 
 from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
-from membrane_rs.cli.options import count_option
+from membrane_rs.cli.options import count_option, path_option
 
 
 @command(
@@ -26,7 +26,7 @@ def figures(
     ],
     *,
     out: Annotated[
-        Path | None, typer.Option(help="Folder of the figures. Default: figures/ in that of the run.")
+        Path | None, path_option(help="Folder of the figures. Default: figures/ in that of the run.")
     ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="FORMATS", help="Of pdf, svg and png, separated by commas.")

@@ -111,7 +111,7 @@ Substeps = Annotated[
     count_option(help="Substeps of leapfrog in a step, for laws that are not slow. Default: the scene's."),
 ]
 ShortSteps = Annotated[int | None, typer.Option("--short-steps", hidden=True, help="The old name of --substeps.")]
-Out = Annotated[Path | None, path_option(help="Folder of the results. Default: runs/ and the scene's name.")]
+Out = Annotated[Path | None, path_option(help="Folder of the results. Default: in runs/, named by the scene.")]
 Frames = Annotated[int | None, count_option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[

@@ -7,12 +7,19 @@ from typing import Annotated
 
 import typer
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, command, tell
+from membrane_rs.cli.options import path_option
 
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs.", autocompletion=completion.runs)]
 Data = Annotated[
     list[Path] | None,
-    typer.Option("--data", help="CSV of measured curves: time, and columns named as in history.csv. May be repeated."),
+    typer.Option(
+        "--data",
+        metavar="FILE",
+        help="CSV of measured curves: a column 'time' [s], others named as in history.csv, with units as in "
+        "'hub_torque [mN m]'. May be given several times.",
+    ),
 ]
 
 
@@ -24,7 +31,7 @@ def report(
     runs: Runs,
     *,
     data: Data = None,
-    out: Annotated[Path, typer.Option("--out", help="The file.")] = Path("report.html"),
+    out: Annotated[Path, path_option(help="The file.")] = Path("report.html"),
     ensemble: Annotated[
         bool, typer.Option("--ensemble", help="Draw the mean of the runs and their spread: one scene, several starts.")
     ] = False,

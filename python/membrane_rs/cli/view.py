@@ -10,7 +10,7 @@ import typer
 
 from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, command
-from membrane_rs.cli.options import Set, load, numeric_option
+from membrane_rs.cli.options import Set, load, path_option, quantity_option
 from membrane_rs.plotting.viewer.keys import KEYS
 
 
@@ -42,10 +42,11 @@ def view(
         str, typer.Option(help="Colours span the values of the whole run (run), or of each frame (frame).")
     ] = "run",
     time: Annotated[
-        float | None, numeric_option(help="Time of the frame that is shown first (s). Default: the start.")
+        float | None,
+        quantity_option("s", help="Time of the frame that is shown first [s], or as 20ms. Default: the start."),
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(help="Save a picture (PNG) into this file, which is not there yet; no window.")
+        Path | None, path_option(help="Save a picture (PNG) into this file, which is not there yet; no window.")
     ] = None,
     browser: Annotated[
         bool, typer.Option("--browser", help="Serve it as a page for a browser on this machine, until Ctrl-C.")
