@@ -39,7 +39,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def call(*words: object, code: int = 0) -> tuple[str, str]:
     """The standard output and error of the command."""
     result = CliRunner(env={"COLUMNS": "300"}).invoke(app, ["compare", *map(str, words)])
-    assert result.exit_code == code, result.output
+    assert result.exit_code == code, (result.output, result.exception)
     return result.stdout, result.stderr
 
 
