@@ -182,6 +182,14 @@ def test_the_command(runs: Path, tmp_path: Path) -> None:
     assert [found["label"] for found in document["differences"]] == ["a", "a"]
 
 
+def test_the_command_without_options_writes_into_this_folder(
+    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    _, said = call(runs / "1e-06", runs / "1e-05")
+    assert (said, (tmp_path / "comparison.png").is_file()) == ("The figure is comparison.png\n", True)
+
+
 def test_the_command_refuses(runs: Path, tmp_path: Path) -> None:
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
     (tmp_path / "words.csv").write_text("time,hub_force\n0,1\n1,much\n")

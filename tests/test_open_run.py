@@ -92,6 +92,12 @@ def damaged(name: str, change: Callable[[str], str]) -> Callable[[Path], None]:
     return damage
 
 
+def linked_to_itself(file: Path) -> None:
+    """Put a link without an end in place of a file."""
+    file.unlink()
+    file.symlink_to(file.name)
+
+
 @pytest.mark.parametrize(
     "damage",
     [
@@ -105,7 +111,12 @@ def damaged(name: str, change: Callable[[str], str]) -> Callable[[Path], None]:
         damaged("frames.pvd", lambda text: text.replace("frames/frame-0001.vtu", "../../other.vtu")),
         damaged("frames.pvd", lambda text: text.replace("frames/frame-0001.vtu", "/etc/passwd")),
         damaged("frames.pvd", lambda text: text.replace('timestep="0.001"', 'timestep="soon"')),
+        damaged("frames.pvd", lambda text: text.replace('timestep="0.001"', 'timestep="nan"')),
+        damaged("frames.pvd", lambda text: text.replace('timestep="0.001"', 'timestep="3.0"')),
+        damaged("history.csv", lambda text: "\n".join([text.split("\n", 1)[0], *text.split("\n")[:0:-1]])),
+        damaged("history.csv", lambda text: text.replace("\n0.0005,", "\nnan,")),
         lambda folder: (folder / "scene.toml").unlink(),
+        lambda folder: linked_to_itself(folder / "frames/frame-0001.vtu"),
         lambda folder: (folder / "summary.json").unlink(),
     ],
 )

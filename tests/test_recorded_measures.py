@@ -53,6 +53,10 @@ def test_samples_at_an_interval() -> None:
         run(TETHER, 1e-3, every=1e-3, samples=3)
 
 
+def wordy(_: Any) -> float:
+    raise ValueError("a\nb" * 1000)
+
+
 @pytest.mark.parametrize(
     ("every", "words"),
     [(0.0, "must be above 0"), (-1.0, "above 0"), (1e-12, "longer"), (math.nan, "finite"), ("a", "number")],
@@ -66,6 +70,7 @@ def test_what_is_no_interval_is_refused(every: Any, words: str) -> None:
     ("measure", "words"),
     [
         (lambda _: 1 / 0, r"record\['it'\] at t = 0 s: raised ZeroDivisionError: division by zero; mend"),
+        (wordy, r"raised ValueError: a ba b.{1,300}\.\.\.; mend the function$"),
         (lambda _: math.nan, r"record\['it'\] at t = 0 s = nan: must be finite"),
         (lambda _: None, r"record\['it'\] at t = 0 s = None: must be a number"),
         (lambda sim: sim.positions, r"gave an array of shape \(11, 3\); must give one number, such as its .max\(\)"),

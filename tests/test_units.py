@@ -382,6 +382,7 @@ def test_units_for_scripts() -> None:
         (lambda: units.number("1 m", 3), "unit = 3: must be a text"),  # type: ignore[arg-type]
         (lambda: units.number("1 kg", "mm", "gap"), r"gap = '1 kg': is a mass; must be a number in mm"),
         (lambda: units.convert([1.0], "kg", "s"), "'kg' is a mass"),
+        (lambda: units.convert(["much"], "mm", "m"), "values has dtype .*; it must hold numbers"),
         (lambda: units.of(Material, "thicknes"), "Material.thicknes: no such field; known are"),
         (lambda: units.of(int, "real"), "int.real: no such field"),
         (lambda: units.text(math.nan, "m"), "value = nan: must be finite"),

@@ -7,6 +7,9 @@ from collections.abc import Iterable
 
 from membrane_rs._other_names import OTHER_NAMES
 
+LONGEST_TOLD = 300
+"""Characters of a message of another program, at most."""
+
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
@@ -28,3 +31,11 @@ def show(value: object) -> str:
     except ValueError:  # Python writes no integer of more than some thousand digits
         return "a number of thousands of digits"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def told(error: BaseException) -> str:
+    """An error of a user's function: its kind and its message, short and in one line."""
+    words = " ".join(str(error).split())
+    if len(words) > LONGEST_TOLD:
+        words = words[: LONGEST_TOLD - 3] + "..."
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from membrane_rs._arrays import Floats
 from membrane_rs._fields import unit_of
+from membrane_rs._given_arrays import numeric
 from membrane_rs._messages import show
 from membrane_rs._quantities import KINDS, UnitError, compact, conversion, to_si
 from membrane_rs._validation import number_of
@@ -89,6 +90,8 @@ def convert(values: ArrayLike, unit: str, wanted: str) -> Floats:
     ------
     InputError
         An unknown unit, or one of another dimension than the other.
+    InputTypeError
+        What is no array of numbers.
 
     Examples
     --------
@@ -97,7 +100,7 @@ def convert(values: ArrayLike, unit: str, wanted: str) -> Floats:
     array([ 0., 30.])
     """
     factor, offset = conversion(unit, wanted)
-    return np.asarray(values, dtype=np.float64) * factor + offset
+    return numeric(values, "values", "fiu", "numbers").astype(np.float64) * factor + offset
 
 
 def of(cls: type, field: str) -> str:

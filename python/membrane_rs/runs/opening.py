@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
 from membrane_rs.errors import MembraneError, OutputError
 from membrane_rs.results.history import HISTORY, read_history
@@ -54,6 +57,7 @@ def open_run(path: str | Path) -> Run:
     summary = read_summary(folder)
     history_file = folder / HISTORY
     table = dict(read_history(history_file)) if history_file.is_file() else {"time": _EMPTY, "hub_angle": _EMPTY}
+    _check_times(table["time"], history_file)
     history = RunHistory(table, _recorded(summary, folder / SUMMARY))
     scene = _scene(folder / SCENE_FILE)
     frames = FilesOfFrames(_frames(folder), history, scene.assemble().node_count)
@@ -75,13 +79,24 @@ def _frames(folder: Path) -> list[tuple[float, Path]]:
     """Times [s] and files of the frames, all of them inside the folder. Raises OutputError."""
     path = folder / PVD
     frames = read_pvd(path) if path.is_file() else []
+    _check_times([time for time, _ in frames], path)
     inside = folder.resolve()
     for _, file in frames:
-        if inside not in file.resolve().parents:
+        try:
+            is_inside = inside in file.resolve().parents
+        except (OSError, RuntimeError):  # links in a circle
+            is_inside = False
+        if not is_inside:
             raise OutputError(
                 f"{path}: names {str(file)!r}, which is not in the folder of the run; run the scene again"
             )
     return frames
+
+
+def _check_times(times: Sequence[float] | Floats, path: Path) -> None:
+    """Refuse times that do not go on, by which no sample and no frame is found. Raises OutputError."""
+    if not np.isfinite(times).all() or (np.diff(times) < 0.0).any():
+        raise OutputError(f"{path}: its times are not finite, or go back; run the scene again")
 
 
 def _recorded(summary: Mapping[str, Any], path: Path) -> dict[str, str]:
