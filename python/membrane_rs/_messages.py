@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from membrane_rs._other_names import OTHER_NAMES
 
-LONGEST_TOLD = 300
+LONGEST_MESSAGE = 300
 """Characters of a message of another program, at most."""
 
 
@@ -33,9 +33,9 @@ def show(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def told(error: BaseException) -> str:
+def in_one_line(error: BaseException) -> str:
     """An error of a user's function: its kind and its message, short and in one line."""
     words = " ".join(str(error).split())
-    if len(words) > LONGEST_TOLD:
-        words = words[: LONGEST_TOLD - 3] + "..."
+    if len(words) > LONGEST_MESSAGE:
+        words = words[: LONGEST_MESSAGE - 3] + "..."
     return f"{type(error).__name__}: {words}" if words else type(error).__name__

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._messages import told
+from membrane_rs._messages import in_one_line
 from membrane_rs._validation import number_of
 from membrane_rs.analysis.deployment import Corners, corner_nodes
 from membrane_rs.errors import InputError, InputTypeError
@@ -77,7 +77,7 @@ def reading(measure: Callable[[Any], object], sim: Motion, where: str, unit: str
     try:
         value = _evaluated(measure, sim)
     except Exception as error:
-        raise InputError(f"{at}: raised {told(error)}; mend the function") from error
+        raise InputError(f"{at}: raised {in_one_line(error)}; mend the function") from error
     if before != (sim._core.step_count, sim._core.time, sim._motions_set):
         raise InputError(f"{at}: has stepped or set the simulation; a measure only reads")
     if isinstance(value, np.ndarray) and value.ndim:
