@@ -1,4 +1,4 @@
-"""What a newcomer tries first: commands of README, the examples, and --help; `test_docs_run.py` runs README's code."""
+"""What a newcomer tries first: targets of make and examples; `test_docs_run.py` runs README's code and commands."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from membrane_rs import scenes
-from membrane_rs.cli import app
 from readme_numbers import TABLES
-from typer.testing import CliRunner
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -21,7 +18,6 @@ UPKEEP = ROOT / "tools" / "docs" / "readme_numbers.py"
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 STUDIES = [ROOT / "tools" / "docs" / f"{name}.py" for name in ("accuracy", "dashpots", "mesh_parameters", "studies")]
 """They make tables of docs/, and can be tried as an example can."""
-COMMANDS = ("run", "resume", "scenes", "check", "stability", "work-precision", "chart", "ablate", "mesh-study")
 SHORT = 0.004
 """Where runs of README and examples are made to end [s]: to see them work, not to see them deploy."""
 
@@ -32,13 +28,6 @@ def commands(program: str) -> list[list[str]]:
     lines = "\n".join(code).splitlines() + re.findall(r"^    (\S.*)", README, flags=re.MULTILINE)
     words = [shlex.split(line.removeprefix("$ "), comments=True) for line in lines if program in line.split()]
     return [line[line.index(program) + 1 :] for line in words if program in line]
-
-
-def shown(*words: str) -> str:
-    """What a command prints; it must succeed."""
-    result = CliRunner().invoke(app, list(words), env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
-    assert result.exit_code == 0, result.output
-    return result.output
 
 
 def test_there_is_something_to_try() -> None:
@@ -53,39 +42,10 @@ def test_files_that_the_readme_names_are_there() -> None:
         assert link.startswith(("http://", "https://", "mailto:")) or (ROOT / link).exists(), link
 
 
-def test_commands_of_the_readme_exist_with_their_options() -> None:
-    for words in commands("membrane-rs"):
-        assert words[0] in COMMANDS
-        text = shown(words[0], "--help")
-        for option in (word.split("=")[0] for word in words if word.startswith("--")):
-            assert option in text, f"{words[0]} knows no {option}"
-        scene = words[1] if len(words) > 1 else ""
-        if words[0] in ("run", "check") and not scene.endswith(".toml"):
-            assert scene in scenes.names()
-
-
 def test_make_targets_of_the_readme_exist() -> None:
     targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
     for words in commands("make"):
         assert set(words) <= set(targets)
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_help_of_each_command(name: str) -> None:
-    text = shown(name, "--help")
-    assert f"{name} [OPTIONS]" in text or f"{name} " in text
-    assert "--help" in text
-    for word in ("SCENE",) if name in ("run", "check") else ():
-        assert word in text.upper()
-
-
-def test_help_names_every_command() -> None:
-    text = shown("--help")
-    listed = {words[0] for line in text.splitlines() if (words := line.strip(" │").split())}
-    assert set(COMMANDS) <= listed
-    # A new command needs a place in COMMANDS, and so a test.
-    known = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
-    assert known == set(COMMANDS)
 
 
 @pytest.mark.parametrize("example", [*EXAMPLES, *STUDIES], ids=lambda path: path.stem)
