@@ -93,6 +93,7 @@ def test_what_the_data_do_not_determine_is_said(scene: Scene) -> None:
     assert any("laws.spring_damping.ratio" in one for one in found.undetermined)
     assert not any("laws.spin.frequency" in one for one in found.undetermined)
     assert "not determined by these data" in found.table()
+    assert repr(found).startswith(f"Fit({found.outcome}: {found.parameters[0].key} = ")
 
 
 class Linear:

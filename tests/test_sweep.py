@@ -47,6 +47,7 @@ def test_rows(made: Sweep) -> None:
     assert first["energy_error"] == history["energy_error"][-1]
     assert (first["steps"], first["dt"], first["time"]) == (1000, 1e-5, 0.01)
     assert "8 of 8 runs: 4 finished, " in made.summary()
+    assert repr(made) == f"Sweep({FREQUENCY}, {DT}: {made.summary().splitlines()[0]})"
     assert f"run 2 ({FREQUENCY} = 1.0, {DT} = 0.0005, start 0) " in made.summary()
 
 
@@ -131,6 +132,7 @@ def test_an_ensemble(tmp_path: Path) -> None:
     assert picture.is_file()
     assert len(made.plot(["hub_torque"]).axes[0].lines) == 1 + 4
     again = open_ensemble(tmp_path / "starts")
+    assert repr(again) == "Ensemble(4 of 4 runs: 4 finished)"
     assert again.runs.rows == made.runs.rows
     refused(lambda: made.band("kinetic"), InputError, "did you mean")
     alone = ensemble(SCENE, 1, **SHORT)

@@ -104,6 +104,10 @@ class Ensemble:
         ]
         return f"{self.runs.summary()}\n\n{markdown(('', 'mean', 'standard deviation'), rows, words=())}"
 
+    def __repr__(self) -> str:
+        """Number of runs and how they ended, in a line."""
+        return f"Ensemble({self.runs.summary().splitlines()[0]})"
+
     def plot(self, columns: Sequence[str] | None = None, **options: Any) -> Any:
         """Mean, band and single runs against time.
 

@@ -120,6 +120,11 @@ class Sweep:
             lines.append(f"run {row['run']} ({self.name_of(row)}) {row['outcome']}: {row['message']}")
         return "\n".join(lines)
 
+    def __repr__(self) -> str:
+        """Keys, number of runs and how they ended, in a line."""
+        varied = ", ".join(parameter.key for parameter in self.parameters) or "starts"
+        return f"Sweep({varied}: {self.summary().splitlines()[0]})"
+
     def name_of(self, row: Mapping[str, Any]) -> str:
         """The values and the start of a run, as text."""
         values = [f"{parameter.key} = {row[parameter.key]}" for parameter in self.parameters]

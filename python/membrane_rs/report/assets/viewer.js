@@ -82,7 +82,7 @@ class Prisms {
   }
 }
 
-const PLAIN = { name: "", title: "Plain", place: "triangles", is_stepped: true };
+const PLAIN = { name: "", title: "Film", place: "triangles", is_stepped: true };
 
 /** The scene of one run in k3d: `show` draws it at a place between two frames. */
 class Deployment {

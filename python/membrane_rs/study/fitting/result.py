@@ -68,6 +68,11 @@ class Fit:
     _best: Curves
     path: Path | None = None
 
+    def __repr__(self) -> str:
+        """Outcome, values and misfit, in a line."""
+        values = ", ".join(f"{key} = {value:.6g}" for key, value in self.values.items())
+        return f"Fit({self.outcome}: {values}; misfit {self.misfit:.4g})"
+
     @property
     def values(self) -> dict[str, float]:
         """The fitted values by key."""
