@@ -162,7 +162,7 @@ def test_a_run_is_resumed_by_its_summary(tmp_path: Path) -> None:
     Simulation(hanging_strip()).run(until=0.001, frames=2, samples=3, out=tmp_path / "run", pictures=False)
     assert resume(tmp_path / "run" / "summary.json", 0.002).time == 0.002
     words = [sys.executable, "-m", "membrane_rs.cli", "resume", str(tmp_path / "run" / "summary.json")]
-    assert "is finished" in subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    assert "is finished" in subprocess.run(words, check=True, capture_output=True, text=True).stderr
 
 
 @pytest.mark.parametrize("until", [5e-324, 1e-16, 1e13])

@@ -317,7 +317,7 @@ def test_a_scene_at_rest_has_no_relative_error() -> None:
         ("--density 2", "add --curves"),
         ("--density 0.3 --curves", "Disc.rings = 8 would become 2.4, which is no whole number; take 0.25"),
         ("--integrators rk5", "did you mean 'rk4'"),
-        ("--integrators rk4,", "there is no ''"),
+        ("--integrators rk4,", "must be names separated by commas"),
         ("--jobs 0", "jobs = 0: must be 1 or above"),
         ("--budget -1", "budget = -1.0: must be greater than 0"),
     ],

@@ -85,7 +85,8 @@ class Snapshots(Drawing):
     def _whole(self, sim: Stepper) -> Part:
         """The pictures of a run without stages: frames spread over it where it came to few of its snapshots."""
         shots = list(self._taker.taken)
-        if sim.scene.run.snapshots and _are_few(shots, self.record.frames):
+        named = len(sim.scene.run.snapshots)
+        if named and _are_few(shots, self.record.frames, min(named, FEWEST)):
             shots = self._spread(self.record.frames) or shots
         return Part(shots, sim.scene.name)
 
@@ -94,7 +95,7 @@ class Snapshots(Drawing):
         stage = sim.stages[index]
         frames = [frame for frame in self.record.frames if stage.start <= frame[0] <= stage.end]
         shots = [shot for shot in self._taker.taken if stage.start <= shot.time <= stage.end]
-        if _are_few(shots, frames):
+        if _are_few(shots, frames, FEWEST):
             shots = self._spread(frames) or shots
         return Part(
             shots, f"{sim.scene.name}: {stage.name}", stage_prefix(index, stage.name), stage.name, index, frames
@@ -122,9 +123,9 @@ class Snapshots(Drawing):
         return Snapshot(time, angle, read_frame(self.record.path / file))
 
 
-def _are_few(shots: Sequence[Snapshot], frames: Sequence[tuple[float, str]]) -> bool:
+def _are_few(shots: Sequence[Snapshot], frames: Sequence[tuple[float, str]], fewest: int) -> bool:
     """Whether frames show a run, or a stage, better than its snapshots: these are few, or of a small part of it."""
-    if len(shots) < FEWEST:
+    if len(shots) < fewest:
         return True
     span = frames[-1][0] - frames[0][0] if frames else 0.0
     return shots[-1].time - shots[0].time < LEAST_SHARE * span

@@ -11,7 +11,8 @@ from membrane_rs.study.accuracy import WorkPrecision, work_precision
 from membrane_rs.study.calibration import Calibration, calibrate
 from membrane_rs.study.comparison import Comparison, Difference, compare
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
-from membrane_rs.study.fitting import Fit, fit
+from membrane_rs.study.fitting.fit import fit
+from membrane_rs.study.fitting.result import Fit
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study

@@ -149,6 +149,8 @@ class ManyRuns:
     def results(self, points: Sequence[RunPoint], progress: Progress | None = None) -> Iterator[tuple[int, RunResult]]:
         """Yield the index of each point and its run: first those that were kept, then the others as they end.
 
+        A run is reported to `progress` once the caller has taken it: at an interrupt, what is reported is not lost.
+
         Raises
         ------
         InputError
@@ -166,17 +168,17 @@ class ManyRuns:
             if result is None or (self._retry and result.outcome in AGAIN):
                 left.append(k)
                 continue
+            yield k, result
             done += 1
             if progress is not None:
                 progress(done, len(points), result)
-            yield k, result
         for k, result in self._made([points[k] for k in left]):
             if self._kept is not None:
                 self._kept.keep(result)
+            yield left[k], result
             done += 1
             if progress is not None:
                 progress(done, len(points), result)
-            yield left[k], result
 
     def all_results(self, points: Sequence[RunPoint], progress: Progress | None = None) -> list[RunResult]:
         """The runs in the order of their points; see `results`."""
