@@ -80,3 +80,15 @@ def test_a_library_that_is_missing_within_a_command_is_named_too(capsys: pytest.
         raise ModuleNotFoundError("No module named 'pyvista.core'", name="pyvista.core")
     assert caught.value.exit_code == FAILED
     assert "membrane_rs[plot]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["stability", "work-precision", "mesh-study"])
+def test_a_study_asks_for_what_draws_before_its_runs(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    shown = CliRunner().invoke(app, [command, "okuizumi-model-1"])
+    assert shown.exit_code == FAILED
+    assert "membrane_rs[plot]" in " ".join(shown.stderr.split())
+    assert not list(tmp_path.iterdir())

@@ -34,3 +34,11 @@ def test_only_pictures_need_what_draws(tmp_path: Path) -> None:
     assert not loaded(code.format(False), DRAWING)
     assert (tmp_path / "run" / "history.csv").is_file()
     assert "matplotlib" in loaded(code.format(True).replace("/run", "/drawn"), DRAWING)
+
+
+def test_packages_are_imported_when_they_are_named() -> None:
+    assert not loaded("import membrane_rs", ("membrane_rs.study",))
+    assert loaded("import membrane_rs; membrane_rs.study.sweep", ("membrane_rs.study",))
+    words = [sys.executable, "-c", "import membrane_rs; membrane_rs.sweep"]
+    failed = subprocess.run(words, check=False, capture_output=True, text=True, timeout=60)
+    assert "has no attribute 'sweep'" in failed.stderr

@@ -9,7 +9,9 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
 
 from membrane_rs import folding, scenes
 from membrane_rs.errors import (
@@ -104,3 +106,25 @@ __all__ = [
     "scenes",
     "view",
 ]
+
+_PACKAGES = (
+    "analysis",
+    "check",
+    "mesh",
+    "plotting",
+    "report",
+    "results",
+    "runs",
+    "scene",
+    "simulation",
+    "study",
+    "units",
+)
+
+if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+
+    def __getattr__(name: str) -> Any:
+        """A package of this one, imported when it is first named, such as `membrane_rs.study`."""
+        if name in _NAMED:
+            return import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -73,7 +73,7 @@ def reported_errors() -> Iterator[None]:
         show_error(str(error))
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
     except KeyboardInterrupt as stop:
-        typer.echo("Stopped; nothing was written.", err=True)
+        typer.echo("Stopped.", err=True)
         raise typer.Exit(exit_code(stop)) from None
     except Exception as error:
         if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from membrane_rs._extras import need
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli.application import STUDIES, Json, command, print_json, tell
 from membrane_rs.cli.options import (
@@ -54,6 +55,7 @@ def stability(
     from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
     chosen = load(scene, set_)
+    need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrator")
     cells = stability_map(
@@ -113,6 +115,7 @@ def work_precision(
         return
 
     chosen = load(scene, set_)
+    need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     names = words(integrators, "--integrators") if integrators is not None else None
     meshes = numbers(density, "--density") if density else []
@@ -206,6 +209,7 @@ def _study_meshes(
     from membrane_rs.study.mesh_report import as_dict
 
     chosen = load(scene, set_)
+    need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     if ensemble < 0:

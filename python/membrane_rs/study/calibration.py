@@ -72,7 +72,7 @@ def calibrate(
     workers: int | None = None,
     tell: Tell | None = None,
 ) -> Calibration:
-    """Minimise the misfit by Brent's bounded method on the logarithm of the parameter.
+    """Minimise the misfit by Brent's bounded method on the logarithm of the parameter. To measured curves: `fit`.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ def fit(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fit parameters of a scene to measured curves.
+    """Fit parameters of a scene to measured curves; `calibrate` fits one to the curves of another scene.
 
     Parameters
     ----------
