@@ -125,6 +125,6 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
 
     def __getattr__(name: str) -> Any:
         """A package of this one, imported when it is first named, such as `membrane_rs.study`."""
-        if name in _NAMED:
+        if name in _PACKAGES:
             return import_module(f"{__name__}.{name}")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
