@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 from killed_runs import contents, run_copied
 from membrane_rs import InputError, Scene, Simulation, Stage, open_run, resume, run, scenes
+from membrane_rs.cli.application import app
 from membrane_rs.simulation import integrators
 from numpy.testing import assert_array_equal
 from small_scenes import hanging_strip
+from typer.testing import CliRunner
 
 CREASE = scenes.load("single-crease")
 LEVEL = 9.5e-3
@@ -203,3 +205,13 @@ def test_an_error_later_loses_nothing() -> None:
     with pytest.raises(InputError, match="raised ZeroDivisionError") as caught:
         run(CREASE, 0.01, every=1e-3, frames=2, stop_when=lambda sim: 1 / (sim.time < 3e-3))
     assert caught.value.run.history["time"][-1] >= 2e-3
+
+
+def test_the_command_has_nothing_to_resume_where_an_event_ended_the_run(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    run("spinning-tether", 0.5, frames=3, stop_when={"measure": "hub_angle", "above": 0.2}, out=folder, pictures=False)
+    before = (folder / "history.csv").read_bytes()
+    shown = CliRunner().invoke(app, ["resume", str(folder)])
+    assert shown.exit_code == 0
+    assert "nothing is left to do" in shown.stderr
+    assert (folder / "history.csv").read_bytes() == before

@@ -111,7 +111,7 @@ def try_source(archive: Path) -> None:
         with tempfile.TemporaryDirectory() as other:
             fresh = Environment(Path(other))
             with timed("source archive, built"):
-                fresh.install(f"{archive}[plot]", "pytest", "pytest-timeout")
+                fresh.install(f"{archive}[plot]", "pytest", "pytest-timeout", "hypothesis")
             with timed(f"tests of the source archive: {', '.join(TESTS)}"):
                 paths = [str(tree / "tests" / name) for name in TESTS]
                 fresh.call(fresh.bin / "python", "-m", "pytest", "-q", *paths, cwd=tree)

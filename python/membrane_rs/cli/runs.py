@@ -206,7 +206,8 @@ def _resume(folder: Path, until: float | None, *, no_pictures: bool) -> None:
 
     before = read_summary(folder)
     come = before.get("time", before.get("start_time", 0.0))
-    if before["outcome"] == "finished" and (until is None or until <= come):
+    is_over = before["outcome"] == "finished" or bool(before.get("stopped"))
+    if is_over and (until is None or until <= come):
         tell(f"The run in {folder} is finished, at {come:.6g} s; nothing is left to do. Go on with --until.")
         return
     process = "process {pid} on {host}, since {start}".format(**NOBODY | before.get("process", {}))

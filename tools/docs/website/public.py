@@ -30,8 +30,10 @@ PACKAGES = (
     "membrane_rs.runs",
     "membrane_rs.results",
     "membrane_rs.plotting",
+    "membrane_rs.report",
     "membrane_rs.check",
     "membrane_rs.study",
+    "membrane_rs.units",
 )
 """Packages whose `__all__` is public (docs/compatibility.md)."""
 INTERFACES = (Law, Part, Body, Pattern, Observer)
