@@ -9,6 +9,7 @@ import typer
 
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
 from membrane_rs.cli.options import (
+    Jobs,
     Out,
     SceneArgument,
     Set,
@@ -20,7 +21,7 @@ from membrane_rs.cli.options import (
     words,
 )
 from membrane_rs.cli.progress import run_counter
-from membrane_rs.cli.sweep import Jobs, Overwrite, RecordNames, Samples, Shift
+from membrane_rs.cli.sweep import Overwrite, RecordNames, Samples, Shift
 
 Data = Annotated[
     Path,

@@ -11,6 +11,7 @@ import typer
 
 from membrane_rs.cli.application import FAILED, MANY_RUNS, Json, command, exit_code, print_json, tell
 from membrane_rs.cli.options import (
+    Jobs,
     Out,
     SceneArgument,
     Set,
@@ -51,7 +52,6 @@ Shift = Annotated[
 TimeLimit = Annotated[
     float | None, quantity_option("s", help="Wall time after which a run is ended [s]. Default: none.")
 ]
-Jobs = Annotated[int | None, count_option(help="Runs at a time. Default: one on each core.")]
 Dask = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Address of a scheduler of dask, such as tcp://127.0.0.1:8786.")
 ]

@@ -36,16 +36,6 @@ Fields = Mapping[str, NDArray[Any]]
 ON_NODES = ("velocity", "displacement")
 ON_TRIANGLES = ("triangle_strain", "petal", "stress_1", "stress_2", "stress_direction", "von_mises", "film_state")
 ON_LINES = ("spring_strain", "crease_angle", "buckled", "tension")
-UNITS = {
-    "velocity": "m/s",
-    "displacement": "m",
-    "stress_1": "Pa",
-    "stress_2": "Pa",
-    "von_mises": "Pa",
-    "crease_angle": "rad",
-    "tension": "N",
-}
-"""Units of the fields; those of the others are numbers alone."""
 
 
 @dataclass(frozen=True, eq=False)

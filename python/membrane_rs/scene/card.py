@@ -2,55 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Protocol
 
 from membrane_rs._arrays import Floats
 from membrane_rs._html import Card, Lines
-from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.bodies import Body
-from membrane_rs.scene.law import Law
-from membrane_rs.scene.part import Part
-from membrane_rs.scene.run_settings import RunSettings
-from membrane_rs.scene.stage import Stage
+from membrane_rs.scene.places import Changeable
 
 
-class ShownScene(Protocol):
+class ShownScene(Changeable, Protocol):
     """What of a scene is shown."""
 
     @property
     def name(self) -> str:
         """Its name."""
-
-    @property
-    def mesh(self) -> Mesh | None:
-        """The membrane."""
-
-    @property
-    def material(self) -> Material | None:
-        """Of the membrane."""
-
-    @property
-    def laws(self) -> Sequence[Law]:
-        """All laws."""
-
-    @property
-    def parts(self) -> Sequence[Part]:
-        """All parts."""
-
-    @property
-    def bodies(self) -> Sequence[Body]:
-        """All bodies."""
-
-    @property
-    def stages(self) -> Sequence[Stage]:
-        """The stages."""
-
-    @property
-    def run(self) -> RunSettings:
-        """How it is run."""
 
 
 def text_of(scene: ShownScene, assembly: Assembly) -> str:
