@@ -19,28 +19,6 @@ NAMES = [name for name in public_names() if name.kind != "data"]
 PACKAGE = Path(membrane_rs.__file__).parent
 WITH_EXAMPLES = [path for path in sorted(PACKAGE.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
 INCOMPLETE = (
-    "membrane_rs.Run",
-    "membrane_rs.Run.to_pandas",
-    "membrane_rs.Run.to_xarray",
-    "membrane_rs.Run.view",
-    "membrane_rs.Scene.save",
-    "membrane_rs.Simulation.march",
-    "membrane_rs.Simulation.set_state",
-    "membrane_rs.Simulation.state",
-    "membrane_rs.Stage.function_name",
-    "membrane_rs.plotting.Style.context",
-    "membrane_rs.plotting.Style.size",
-    "membrane_rs.results.Experiment",
-    "membrane_rs.results.Experiment.curve",
-    "membrane_rs.resume",
-    "membrane_rs.run",
-    "membrane_rs.runs.RunFolder",
-    "membrane_rs.runs.RunFolder.asked",
-    "membrane_rs.runs.RunFolder.between",
-    "membrane_rs.runs.RunFolder.prepare",
-    "membrane_rs.runs.RunFolder.reopened",
-    "membrane_rs.runs.RunFrame",
-    "membrane_rs.runs.RunFrame.to_pyvista",
     "membrane_rs.study.Ablation",
     "membrane_rs.study.Ablation.as_dict",
     "membrane_rs.study.Ablation.heading",
@@ -109,7 +87,7 @@ def parameters(value: Any) -> list[str]:
 def described(value: Any) -> set[str]:
     """Names of the parameters, and of the attributes of results, that a docstring or that of a base class describes."""
     kinds = value.__mro__ if inspect.isclass(value) else [value]
-    docs = [NumpyDocString(inspect.cleandoc(kind.__doc__)) for kind in kinds if kind.__doc__ and kind is not object]
+    docs = [NumpyDocString(inspect.getdoc(kind) or "") for kind in kinds if inspect.getdoc(kind) and kind is not object]
     rows = [row for doc in docs for row in (*doc["Parameters"], *doc["Attributes"])]
     return {name.strip().lstrip("*") for row in rows for name in row.name.split(",")}
 

@@ -100,6 +100,11 @@ class Style:
     174.0
     >>> Style(width=120, rc={"axes.grid": False}).font_size
     8.0
+    >>> import matplotlib.pyplot
+    >>> with Style(width=80).context():
+    ...     figure, axes = matplotlib.pyplot.subplots(figsize=Style(width=80).size(1))
+    >>> [round(float(inches), 2) for inches in figure.get_size_inches()]
+    [3.15, 1.73]
     """
 
     width: float | str = "single"
@@ -132,12 +137,30 @@ class Style:
         return 28.0 + 0.2 * self.millimetres if self.panel_height is None else self.panel_height
 
     def size(self, panels: float, *, extra: float = 0.0) -> tuple[float, float]:
-        """Width and height [inch] of a figure of so many panels above each other, and `extra` [mm] beside them."""
+        """Width and height of a figure of so many panels above each other.
+
+        Parameters
+        ----------
+        panels : float
+            Number of panels [-].
+        extra : float
+            Height beside them [mm].
+
+        Returns
+        -------
+        (float, float)
+            [inch]
+        """
         return self.millimetres / INCH, (panels * self.height_of_panel + extra) / INCH
 
     @contextmanager
     def context(self) -> Iterator[None]:
         """Inside, matplotlib has the parameters of this style, and those of its user's own settings again after that.
+
+        Yields
+        ------
+        None
+            Nothing: it is for a `with`.
 
         Raises
         ------

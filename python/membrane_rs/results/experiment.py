@@ -49,6 +49,15 @@ class Experiment:
         Measured values by the name of their column, NaN where there is none; the time is not among them.
     units : mapping of str to str
         The unit of each column, as text; empty where neither the file gives one nor one was wanted.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.results import Experiment
+    >>> torque = {"hub_torque": np.array([0.5, np.nan])}
+    >>> measured = Experiment("drop", np.array([0.0, 1.0]), torque, {"hub_torque": "N m"})
+    >>> measured.curve("hub_torque")
+    (array([0.]), array([0.5]))
     """
 
     name: str
@@ -57,7 +66,25 @@ class Experiment:
     units: Mapping[str, str]
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
-        """Times [s] and values of a column, where there are any. Raises InputError for an unknown column."""
+        """Times and values of a column, where there are any.
+
+        Parameters
+        ----------
+        name : str
+            One of `columns`.
+
+        Returns
+        -------
+        times : (k,) float
+            [s]
+        values : (k,) float
+            In the unit of the column, `units`.
+
+        Raises
+        ------
+        InputError
+            No such column.
+        """
         if name not in self.columns:
             raise InputError(f"column {show(name)}: {self.name} has none; it has {', '.join(self.columns)}")
         values = self.columns[name]

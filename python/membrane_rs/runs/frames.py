@@ -32,8 +32,26 @@ class RunFrame(FrameData):
         Turned by the hub since time 0 [rad]; positions and velocities are relative to the frame that turns with it.
     stage : int
         Index of the stage; at a boundary of the one that begins, 0 for a scene without stages.
-    positions, velocities, triangles, lines, on_nodes, on_triangles, on_lines
-        As in `FrameData`.
+    positions : (N, 3) float
+        Of the nodes, in the frame that turns with the hub [m].
+    velocities : (N, 3) float
+        Relative to that frame [m/s].
+    triangles : (m, 3) int
+        Corners of the triangles.
+    lines : (s, 2) int
+        Ends of the springs: the edges of the membrane, then the segments of the cords.
+    on_nodes, on_triangles, on_lines : mapping of str to array
+        Fields by their names, one row for each node, triangle or line, such as "stress_1" [Pa], "crease_angle" [rad],
+        "tension" [N]: docs/results.md has all.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> frame = membrane_rs.run("hanging-strip", until=0.01, frames=2).frames[-1]
+    >>> frame.time, frame.positions.shape, sorted(frame.on_lines)
+    (0.01, (66, 3), ['buckled', 'crease_angle', 'spring_strain'])
+    >>> frame.to_pyvista().n_cells == len(frame.triangles) + len(frame.lines)
+    True
     """
 
     time: float
@@ -45,6 +63,16 @@ class RunFrame(FrameData):
 
         Those on cells are NaN, or -1 for whole numbers, where a cell has none. The hub has turned by `hub_angle`, but
         the points are those of the turning frame, as `positions` are.
+
+        Returns
+        -------
+        pyvista.PolyData
+            Points [m], triangles first and lines after them.
+
+        Raises
+        ------
+        MissingExtraError
+            pyvista is not installed.
         """
         from membrane_rs.plotting.polydata import polydata
 

@@ -38,6 +38,19 @@ class Run(HasCard, KnownAttributes):
         What summary.json says: see `membrane_rs.results.summary`.
     path : Path or None
         The folder; None for a run in memory alone.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> made = membrane_rs.run("spinning-tether", until=0.02, samples=3, frames=2)
+    >>> made
+    Run('spinning-tether', finished: 3 samples, 2 frames)
+    >>> made.history["time"].tolist(), made.history.units["hub_torque"]
+    ([0.0, 0.01, 0.02], 'N m')
+    >>> made.frames[-1].time, made.frames.near(0.001).time, made.summary["outcome"]
+    (0.02, 0.0, 'finished')
+    >>> made.view(where="picture")
+    <view of spinning-tether at 0.000 s, coloured by film>
     """
 
     ONCE = ("scene", "history", "frames", "summary", "path")
@@ -80,7 +93,35 @@ class Run(HasCard, KnownAttributes):
         time: float | None = None,
         where: str | None = None,
     ) -> NotebookView | None:
-        """Look at it, in a window or in a notebook: see `membrane_rs.view`."""
+        """Look at it, in a window or in a notebook, as `membrane_rs.view` does.
+
+        Parameters
+        ----------
+        color : str
+            "film", or a field that the run has, such as "speed".
+        camera : {"turning", "fixed"}
+            Whether the camera turns with the hub.
+        scale : {"run", "frame"}
+            Whether the colours span the values of the whole run, or of each frame.
+        time : float, optional
+            Of the frame that is shown first, the nearest one [s]. Default: the first.
+        where : {"window", "notebook", "browser", "picture"}, optional
+            Default: a notebook where Python runs in one, else a window.
+
+        Returns
+        -------
+        NotebookView or None
+            What a notebook shows; None once a window is closed.
+
+        Raises
+        ------
+        InputError
+            A word that is none of those, a field that the run lacks, or a run without frames.
+        DisplayError
+            A window where there is no display.
+        MissingExtraError
+            pyvista or matplotlib is not installed.
+        """
         from membrane_rs.plotting.viewer import look_at
 
         return look_at(self, color=color, camera=camera, scale=scale, time=time, where=where)
@@ -88,10 +129,22 @@ class Run(HasCard, KnownAttributes):
     def to_pandas(self) -> DataFrame:
         """The history as a `pandas.DataFrame`, by the time [s]; the units are in its `attrs`.
 
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each sample, a column for each of the history but the time.
+
         Raises
         ------
         MissingExtraError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> import membrane_rs
+        >>> table = membrane_rs.run("spinning-tether", until=0.01, samples=3, frames=2).to_pandas()
+        >>> table.index.tolist(), table.attrs["units"]["kinetic_energy"]
+        ([0.0, 0.005, 0.01], 'J')
         """
         return to_pandas(self)
 
@@ -103,12 +156,24 @@ class Run(HasCard, KnownAttributes):
         frames : bool
             Take the positions of all frames, as "positions" over "frame_time", "node" and "axis" ("x", "y", "z").
 
+        Returns
+        -------
+        xarray.Dataset
+            Columns of the history over "time" [s], and what the frames add.
+
         Raises
         ------
         InputError
-            Frames of more than 4 GB.
+            Frames of more than 4 GB, or a recorded measure with the name of one of their variables.
         MissingExtraError
             xarray is not installed.
+
+        Examples
+        --------
+        >>> import membrane_rs
+        >>> data = membrane_rs.run("spinning-tether", until=0.01, samples=3, frames=2).to_xarray()
+        >>> dict(data.sizes), data["positions"].attrs["units"]
+        ({'time': 3, 'frame_time': 2, 'node': 11, 'axis': 3}, 'm')
         """
         return to_xarray(self, frames=frames)
 

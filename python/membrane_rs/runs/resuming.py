@@ -46,8 +46,12 @@ def resume(
         spacing; lists of times are not continued. Default: the end that the run was asked for.
     pictures : bool, optional
         Draw pictures at the end. Default: what the run was asked for.
-    observers, progress
-        As for `Simulation.run`; `drawing` is the `progress` of `RunFolder`.
+    observers : sequence of observers, optional
+        Further ones, as for `Simulation.run`.
+    progress : callable, optional
+        Called with the simulation at each output, and about every 0.1 s of wall time.
+    drawing : callable, optional
+        Called with (what is drawn, pictures done, pictures in all), as the `progress` of `RunFolder`.
     record, stop_when
         The functions that the run was given, as for `membrane_rs.run`, since no file holds them: the same measures with
         the same units, and what may end the run. That is needed only where it is a function. A run that it has ended

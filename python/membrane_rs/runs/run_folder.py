@@ -90,15 +90,15 @@ class RunFolder(KnownAttributes, Recorder):
 
     Parameters
     ----------
-    path :
+    path : path
         The folder; made where it is missing, with its parents.
-    overwrite :
+    overwrite : bool
         Remove the files of an earlier run in this folder, which its summary.json shows to be one. Other files stay.
-    pictures :
+    pictures : bool
         Draw the pictures of the run when it ends.
-    crossings :
+    crossings : bool
         Count the triangles that pass through each other at each frame, into crossings.csv.
-    progress :
+    progress : callable, optional
         Called with (what is drawn, pictures done, pictures in all) while the pictures are drawn.
 
     Raises
@@ -106,8 +106,21 @@ class RunFolder(KnownAttributes, Recorder):
     MissingExtraError
         Pictures are wanted, and the extra "plot" is not installed.
     OutputError
-        If the folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
+        The folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
         another run goes on there, or it cannot be written.
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> from membrane_rs.runs import RunFolder
+    >>> folder = RunFolder("runs/tether", pictures=False)
+    >>> Simulation(scenes.load("spinning-tether")).run(0.01, frames=2, samples=3, observers=[folder])
+    >>> sorted(file.name for file in folder.path.iterdir() if file.is_file() and file.name[0] != ".")
+    ['frames.pvd', 'history.csv', 'scene.toml', 'state.npz', 'summary.json']
+    >>> again = RunFolder(folder.path, overwrite=True, pictures=False)
+    >>> with again.reopened():
+    ...     again.is_resumed
+    True
     """
 
     ONCE = ("path", "pictures", "crossings")
@@ -154,7 +167,15 @@ class RunFolder(KnownAttributes, Recorder):
     def reopened(self) -> Iterator[None]:
         """Hold the folder of an earlier run to go on there inside, in place of an `overwrite`.
 
-        Raises OutputError where another run goes on there.
+        Yields
+        ------
+        None
+            Nothing: it is for a `with`.
+
+        Raises
+        ------
+        OutputError
+            Another run goes on there, or the folder holds none.
         """
         self._place.reopen()
         self._is_resumed = True

@@ -40,7 +40,83 @@ def run(
     observers: Sequence[Observer[Simulation]] = (),
     progress: Callable[[Simulation], None] | None = None,
 ) -> Run:
-    """Run a scene, and give back its history, frames and summary."""
+    """Run a scene, and give back its history, frames and summary.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one, or the path of a scene file.
+    until : float, optional
+        Time at the end [s]. Default: the scene's; with stages the end of the last one, at the latest.
+    integrator : str, optional
+        Name of the method, one of `membrane_rs.integrators()`. Default: the scene's.
+    dt : float, optional
+        Step [s]. Default: as for `Simulation`.
+    start : Simulation or path, optional
+        Whose motion it goes on from: another simulation, or a saved state. Default: the scene's own start.
+    record : mapping of str to callable, or to (callable, str), optional
+        Measures: by the name of a column a function of the simulation that gives a number and only reads, or that and
+        the unit of the number, such as "N m".
+    every : float, optional
+        Time between two rows of the history [s], in place of `samples`.
+    samples : int or sequence of float, optional
+        Rows of the history, evenly spaced from time 0 to the end, or their times [s]; each frame is one too. Default:
+        the scene's.
+    frames : int or sequence of float, optional
+        How many shapes to keep, evenly spaced, or their times [s]. Default: the scene's.
+    stop_when : callable or mapping, optional
+        What ends the run before its time: a function of the simulation that gives a truth value, or a number that
+        passes zero; or {"measure": name, "above": value}, or "below", with a measure of `Stage`. The time is found as
+        the end of a stage is, whatever the step.
+    out : path, optional
+        Folder of the results; see `membrane_rs.runs.RunFolder`. Default: all stays in memory.
+    overwrite, pictures, crossings : bool
+        For the folder: replace an earlier run; draw pictures at the end; count the triangles that pass through each
+        other at each frame.
+    checkpoint : float
+        For the folder: seconds of wall time between two checkpoints [s].
+    observers : sequence of observers, optional
+        Further ones, see `membrane_rs.simulation.Observer`.
+    progress : callable, optional
+        Called with the simulation at each output, and about every 0.1 s of wall time.
+
+    Returns
+    -------
+    Run
+        What it has shown.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range or of a wrong type, a measure that gives no number, an option that has no effect.
+    SceneError, MissingFileError
+        No scene of that name, no such file, or a scene file that is wrong.
+    UnstableError
+        The run stopped itself; `run` of the error is what was recorded by then.
+    Interrupted
+        Ctrl-C or another signal; `run` of it likewise.
+    OutputError
+        The folder holds another run, or cannot be written.
+    MissingExtraError
+        Pictures are to be drawn, and the extra "plot" is not installed.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> made = membrane_rs.run(
+    ...     "spinning-tether",
+    ...     until=0.02,
+    ...     frames=3,
+    ...     every=0.005,
+    ...     record={"tension": (lambda sim: sim.cord_tensions().max(), "N")},
+    ... )
+    >>> made.outcome, made.history["time"].tolist()
+    ('finished', [0.0, 0.005, 0.01, 0.015, 0.02])
+    >>> made.history["tension"].shape, made.history.units["tension"], made.frames[-1].positions.shape
+    ((5,), 'N', (11, 3))
+    >>> membrane_rs.run("spinning-tether", until=0.02, stop_when=lambda sim: sim.time - 0.01).outcome
+    'stopped: <lambda>, at 0.01 s'
+    """
     sim = Simulation(scenes.scene_of(scene), integrator, dt, start=start)
     memory = RunMemory() if out is None else None
     try:

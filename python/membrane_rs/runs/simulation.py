@@ -224,7 +224,7 @@ class Simulation(Stepper):
         out : path, optional
             Folder of the results; see `membrane_rs.runs.RunFolder`. Default: nothing is written.
         samples : int or sequence of float, optional
-            Rows of the history, evenly spaced, or their times [s]. Default: the scene's.
+            Rows of the history, evenly spaced, or their times [s]; each frame is one too. Default: the scene's.
         observers : sequence of observers, optional
             Further observers.
         progress : callable, optional

@@ -244,6 +244,13 @@ class Scene(Valued, HasCard):
         ------
         OutputError
             The folder cannot be written.
+
+        Examples
+        --------
+        See `from_toml`.
+
+        >>> from membrane_rs import scenes
+        >>> scenes.load("spinning-tether").save("tether")
         """
         folder = path_of(folder, "folder")
         with output_errors(folder):

@@ -129,8 +129,8 @@ class Stage:
     --------
     >>> from membrane_rs import Stage
     >>> settle = Stage("settle", duration=0.1, measure="kinetic_energy", below=1e-7)
-    >>> settle.is_past(1e-8)
-    True
+    >>> settle.is_past(1e-8), settle.measure_name, Stage.function_name(abs)
+    (True, 'kinetic_energy', 'python:abs')
     """
 
     ONLY_IN_PYTHON: ClassVar[str] = "python:"
@@ -213,5 +213,16 @@ class Stage:
 
     @classmethod
     def function_name(cls, function: Measure) -> str:
-        """What a file says in place of a function."""
+        """What a file says in place of a function.
+
+        Parameters
+        ----------
+        function : callable
+            A measure.
+
+        Returns
+        -------
+        str
+            "python:" and its name.
+        """
         return f"{cls.ONLY_IN_PYTHON}{getattr(function, '__qualname__', type(function).__name__)}"

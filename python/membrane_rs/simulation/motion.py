@@ -274,10 +274,7 @@ class Motion(KnownAttributes, Copies, Readings):
         Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
         keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
         there where the time now is another. "scene_digest" tells the scene from others; "integrator", "dt" [s] and
-        "is_adaptive" say how it is stepped. With stages also how far the run has come in them
-        ("stage_index", ...); in a
-        stage that a measure may end, the motion is that at its last evaluation, from which `set_state` steps to
-        "stage_now".
+        "is_adaptive" say how it is stepped.
 
         Returns
         -------
@@ -301,6 +298,8 @@ class Motion(KnownAttributes, Copies, Readings):
             An entry that is missing or unknown, of the wrong type or of another scene's size, a value that is not
             finite, energies that contradict each other, or a state of another scene, method or step:
             `Simulation(scene, start=other)` goes on from that. The simulation is then unchanged.
+        InputTypeError
+            No dict.
         """
         if not isinstance(state, dict):
             raise InputTypeError(f"state = {show(state)}: must be a dict that `state` gave")

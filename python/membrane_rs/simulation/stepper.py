@@ -130,6 +130,15 @@ class Stepper(ShownMotion):
             More steps to the end than `MOST_STEPS`; an observer that steps.
         UnstableError
             The motion became unstable; observers have seen the last state without a fault.
+
+        Examples
+        --------
+        >>> from membrane_rs import Simulation, scenes
+        >>> from membrane_rs.results import CrossingCounts
+        >>> counts, sim = CrossingCounts(), Simulation(scenes.load("hanging-strip"))
+        >>> sim.march(0.01, frames=2, samples=[0.0, 0.005, 0.01], observers=[counts])
+        >>> counts.table()["time"].tolist()
+        [0.0, 0.01]
         """
         self._check_end(end)
         self._outputs(end, frames, samples)  # refused before an observer has started

@@ -190,8 +190,19 @@ class StoppableMotion(ResumableMotion):
             self._open_check()
 
     def state(self) -> dict[str, Any]:
-        """As `ResumableMotion.state`; in a run that a measure may end the motion is that at its last evaluation, from
-        which `set_state` steps to "stop_now".
+        """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.
+
+        Among it "positions" (N, 3) [m], "velocities" (N, 3) [m/s], and "history_vectors" (k N, 3), what the method
+        keeps from step to step, if it keeps anything. They are those at the end of the last step; "output_time" [s] is
+        there where the time now is another. "scene_digest" tells the scene from others; "integrator", "dt" [s] and
+        "is_adaptive" say how it is stepped. With stages also how far the run has come in them ("stage_index", ...). In
+        a stage, or in a run, that a measure may end, the motion is that at its last evaluation, from which `set_state`
+        steps to "stage_now" [s] or "stop_now" [s].
+
+        Returns
+        -------
+        dict of str to object
+            Copies.
         """
         found, check = super().state(), self._stage_end
         watch = None if check is None else next((watch for watch in check.watches if watch.ends_run), None)

@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 from membrane_rs.folding import Pattern
+from membrane_rs.runs.recorder import Recorder
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.laws import Law
 from membrane_rs.scene.parts import Part
@@ -36,7 +37,7 @@ PACKAGES = (
     "membrane_rs.units",
 )
 """Packages whose `__all__` is public (docs/compatibility.md)."""
-INTERFACES = (Law, Part, Body, Pattern, Observer)
+INTERFACES = (Law, Part, Body, Pattern, Observer, Recorder)
 """Classes whose methods serve those who write another of their kind."""
 
 
