@@ -24,7 +24,6 @@ from membrane_rs import (
     integrators,
 )
 from membrane_rs.runs import RunFolder, resume
-from membrane_rs.study.common.variation import varied
 from small_scenes import hanging_strip, patch, refused
 
 SCENE = hanging_strip()
@@ -140,9 +139,9 @@ def test_options_of_a_run_without_effect(tmp_path: Path) -> None:
         refused(lambda sim=sim, values=values: sim.run(until=0.001, **values), InputError, "without out nothing is")  # type: ignore[misc]
         assert sim.step_count == 0
     sim.run(until=0.001, checkpoint=5.0, observers=[RunFolder(tmp_path / "run", pictures=False)])
-    refused(lambda: varied(SCENE, "run.frames", "8"), InputError, "must be a whole number")
-    refused(lambda: varied(SCENE, 3, 8), InputTypeError, "key 3: must be a name such as")  # type: ignore[arg-type]
-    assert varied(SCENE, "run.frames", 8.0).run.frames == 8
+    refused(lambda: SCENE.with_values({"run.frames": "8"}), InputError, "must be a whole number")
+    refused(lambda: SCENE.with_values({3: 8}), InputTypeError, "key 3: must be a name such as")  # type: ignore[dict-item]
+    assert SCENE.with_values({"run.frames": 8.0}).run.frames == 8
     refused(lambda: RunSettings(short_steps=4, substeps=2), InputError, "is the old name of substeps")  # type: ignore[call-arg]
 
 

@@ -30,7 +30,6 @@ from membrane_rs.cli import app
 from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.mesh import Finding
 from membrane_rs.scene.law import Law
-from membrane_rs.study.common.variation import varied
 from small_scenes import RUBBER, cord, hanging_strip
 from typer.testing import CliRunner
 
@@ -77,7 +76,7 @@ def warnings_of(scene: Scene) -> dict[str, Finding]:
     ],
 )
 def test_a_slip_of_a_unit_is_named(parameter: str, value: float, meant: str) -> None:
-    found = warnings_of(varied(MODEL, parameter, value))
+    found = warnings_of(MODEL.with_values({parameter: value}))
     place = parameter.replace("parts.0", "parts[0]").replace("parts.1", "parts[1]")
     assert place in found, found
     assert f"{place} = {value:g}" in found[place].message
@@ -114,13 +113,13 @@ def test_values_of_further_laws(law: Law, place: str, meant: str) -> None:
 )
 def test_values_that_are_judged_by_one_in_doubt_are_not_doubted_too(parameter: str, value: float, place: str) -> None:
     for parts in (MODEL.parts, MODEL.parts[::-1]) if parameter.startswith("material") else (MODEL.parts,):
-        scene = varied(replace(MODEL, parts=parts), parameter, value)
+        scene = replace(MODEL, parts=parts).with_values({parameter: value})
         found = [one for one in audit(scene, costly=False).warnings if one.kind != "thick_film"]
         assert [one.message.split(" = ")[0] for one in found] == [place], found
 
 
 def test_a_hub_that_is_wider_than_the_sail_is_told_with_its_unit() -> None:
-    found = warnings_of(varied(MODEL, "parts.1.anchor_radius", 25.0))
+    found = warnings_of(MODEL.with_values({"parts.1.anchor_radius": 25.0}))
     assert set(found) == {"parts[1].anchor_radius", "spool", "chord_sag"}
     assert "was 25 mm meant? That is 0.025 m" in found["parts[1].anchor_radius"].remedy
 
@@ -171,13 +170,13 @@ def test_a_film_is_torn_before_a_rotor_bursts() -> None:
 
 
 def test_spools_that_disagree() -> None:
-    found = warnings_of(varied(varied(MODEL, "parts.1.anchor_radius", 0.05), "laws.spool_contact.radius", 0.02))
+    found = warnings_of(MODEL.with_values({"parts.1.anchor_radius": 0.05, "laws.spool_contact.radius": 0.02}))
     assert "parts[1] starts its cords 0.05 m from the axis" in found["spool"].message
     assert "laws.spool_contact has a radius of 0.02 m" in found["spool"].message
     for radius in (0.06, 2.5):
-        both = varied(varied(MODEL, "parts.1.anchor_radius", radius), "laws.spool_contact.radius", radius)
+        both = MODEL.with_values({"parts.1.anchor_radius": radius, "laws.spool_contact.radius": radius})
         assert "inside the spool" in warnings_of(both)["spool"].message
-    assert "spool" not in warnings_of(varied(MODEL, "parts.1.anchor_radius", 0.0255))
+    assert "spool" not in warnings_of(MODEL.with_values({"parts.1.anchor_radius": 0.0255}))
 
 
 def test_a_spool_that_the_hole_of_the_sail_does_not_clear() -> None:
@@ -278,7 +277,7 @@ def test_sound_variations_are_free_of_warnings() -> None:
         ("parts.0.mass", 1e-2),
         ("parts.1.segments", 8.0),
     ):
-        assert warnings_of(varied(MODEL, parameter, value)) == {}, parameter
+        assert warnings_of(MODEL.with_values({parameter: value})) == {}, parameter
     assert warnings_of(replace(hanging_strip(), parts=[Fixed("start"), TipMasses(0.05, nodes=(5,))])) == {}
 
 

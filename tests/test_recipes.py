@@ -25,7 +25,6 @@ from membrane_rs.scene.builder import Builder, Cord
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.simulation import Stepper
 from membrane_rs.study.common.density import denser
-from membrane_rs.study.common.variation import varied
 from membrane_rs.study.mesh import jobs_of, kept
 from membrane_rs.study.variants import variants
 from small_scenes import RUBBER, refused
@@ -146,7 +145,7 @@ def test_a_pattern(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     again = Scene.from_toml(tmp_path / "known" / "scene.toml")
     assert again.mesh is not None
     assert again.mesh.source == finer.mesh.source
-    coarser = varied(again, "mesh.cells", 3).mesh
+    coarser = again.with_values({"mesh.cells": 3}).mesh
     assert coarser is not None
     assert coarser.source == Ladder(0.1, 3)
 

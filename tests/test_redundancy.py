@@ -26,7 +26,6 @@ from membrane_rs.check.redundancy import idle_laws, step_savings
 from membrane_rs.cli import app
 from membrane_rs.errors import InputError
 from membrane_rs.folding import Disc, Strip
-from membrane_rs.study.common.variation import varied
 from small_scenes import FILM, RUBBER, cord, hanging_strip, refused
 from typer.testing import CliRunner
 
@@ -89,7 +88,7 @@ def test_a_stiff_law_is_named_with_what_would_take_it_out() -> None:
     scene = Scene(CREASED, RUBBER, [Springs(), Creases(contact_penalty=1e6)], [Fixed("start")])
     best = next(saving for saving in step_savings(scene) if not saving.part.startswith("the triangles"))
     assert best.part == "creases"
-    softer = varied(scene, "laws.creases.contact_penalty", 1e6 / best.gain**2)
+    softer = scene.with_values({"laws.creases.contact_penalty": 1e6 / best.gain**2})
     assert all(saving.part != "creases" or saving.gain < 1.5 for saving in step_savings(softer))
     points = CREASED.reference
     assert step_savings(Scene(Mesh(points, CREASED.triangles), RUBBER, [Springs(), MassDamping(1e6)]))[0].part == (
@@ -131,15 +130,15 @@ def test_check_prints_both() -> None:
     ],
 )
 def test_wrong_parameters(parameter: str, value: float, kind: type[Exception], words: str) -> None:
-    refused(lambda: varied(hanging_strip(), parameter, value), kind, words)
+    refused(lambda: hanging_strip().with_values({parameter: value}), kind, words)
 
 
 def test_parameters_of_every_part_of_a_scene() -> None:
     whole = scenes.load("okuizumi-model-1")
-    assert varied(whole, "parts.1.segments", 5.0).parts[1].segments == 5  # type: ignore[attr-defined]
-    assert varied(whole, "material.thickness", 1e-5).material.thickness == 1e-5  # type: ignore[union-attr]
-    assert varied(whole, "run.until", 0.5).run.until == 0.5
-    coarse = varied(whole, "mesh.rows", 8)
+    assert whole.with_values({"parts.1.segments": 5.0}).parts[1].segments == 5  # type: ignore[attr-defined]
+    assert whole.with_values({"material.thickness": 1e-5}).material.thickness == 1e-5  # type: ignore[union-attr]
+    assert whole.with_values({"run.until": 0.5}).run.until == 0.5
+    coarse = whole.with_values({"mesh.rows": 8})
     assert coarse.mesh is not None
     assert coarse.mesh.node_count < 1000
-    assert math.isclose(varied(hanging_strip(), "laws.spin.frequency", 2.0).law("spin").frequency, 2.0)  # type: ignore[union-attr]
+    assert math.isclose(hanging_strip().with_values({"laws.spin.frequency": 2.0}).law("spin").frequency, 2.0)  # type: ignore[union-attr]

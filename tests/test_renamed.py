@@ -13,7 +13,6 @@ from membrane_rs import Mesh, RunSettings, Scene, SceneError, Simulation, scenes
 from membrane_rs._renamed import new_names
 from membrane_rs.simulation import Motion
 from membrane_rs.study import LengthScales
-from membrane_rs.study.common.variation import varied
 
 
 def test_settle_is_now_relax() -> None:
@@ -53,7 +52,7 @@ def test_old_settings_are_read_where_they_were_written(tmp_path: Path) -> None:
     (tmp_path / "old.toml").write_text(text.replace("substeps = 1\n", ""))
     with pytest.warns(DeprecationWarning, match="run.short_steps is deprecated .*; write substeps"):
         assert Scene.from_toml(tmp_path / "old.toml").run.substeps == 4
-    assert varied(scene, "run.short_steps", 3).run.substeps == 3
+    assert scene.with_values({"run.short_steps": 3}).run.substeps == 3
 
 
 def test_a_saved_state_with_old_names_is_read(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
+from membrane_rs.cli.many_runs import Overwrite, RecordNames, Samples, Shift
 from membrane_rs.cli.options import (
     Jobs,
     Out,
@@ -21,7 +22,6 @@ from membrane_rs.cli.options import (
     words,
 )
 from membrane_rs.cli.progress import run_counter
-from membrane_rs.cli.sweep import Overwrite, RecordNames, Samples, Shift
 
 Data = Annotated[
     Path,

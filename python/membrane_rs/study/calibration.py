@@ -18,7 +18,6 @@ from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell
 from membrane_rs.study.common.stages import refuse_stages
-from membrane_rs.study.common.variation import varied
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
 from membrane_rs.study.length_scales import PAPER
 from membrane_rs.study.mesh import jobs_of, mesh_study
@@ -79,7 +78,7 @@ def calibrate(
     scene : Scene
         The scene to calibrate; a square sail.
     parameter : str
-        Name of the parameter, such as laws.triangles.buckling_on_creases; see `varied`.
+        Name of the parameter, such as laws.triangles.buckling_on_creases; see `Scene.with_values`.
     between : (float, float)
         Bounds, above 0.
     target : Scene
@@ -100,7 +99,7 @@ def calibrate(
     Raises
     ------
     InputError
-        Invalid bounds, too few starts or tries, or input that `mesh_study` and `varied` refuse.
+        Invalid bounds, too few starts or tries, or input that `mesh_study` and `Scene.with_values` refuse.
     """
     from scipy.optimize import minimize_scalar  # slow to import
 
@@ -126,7 +125,7 @@ def calibrate(
     def misfit(value: float) -> float:
         value = float(f"{value:.3g}")
         if value not in tried:
-            found = runs_of(varied(scene, parameter, value), starts)
+            found = runs_of(scene.with_values({parameter: value}), starts)
             distance = {c: float(np.sqrt(np.mean((found.mean(c, times) - aim.mean(c, times)) ** 2))) for c in CURVES}
             size = math.sqrt(sum((distance[c] / spread[c]) ** 2 for c in CURVES) / len(CURVES))
             tried[value] = Tried(value, found, distance, size)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import Unpack
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
@@ -21,9 +22,9 @@ from membrane_rs.plotting.ensemble import Band
 from membrane_rs.plotting.ensemble import Ensemble as Members
 from membrane_rs.plotting.sources import Source
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.many_runs import Progress, Where
-from membrane_rs.study.common.one_run import FINISHED, Record
-from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.many_runs import Progress
+from membrane_rs.study.common.one_run import FINISHED
+from membrane_rs.study.common.options import RunOptions, takes_run_options
 from membrane_rs.study.common.rows import write_table
 from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
 
@@ -161,22 +162,14 @@ class Ensemble:
         return paths
 
 
+@takes_run_options
 def ensemble(
     scene: Scene | str | Path,
     starts: int = 8,
     *,
-    until: float | None = None,
-    samples: int | None = None,
-    record: Record | Sequence[str] | None = None,
-    shift: float = SHIFT,
-    time_limit: float | None = None,
-    executor: Where = "threads",
-    jobs: int | None = None,
-    out: str | Path | None = None,
     table: str | None = None,
-    overwrite: bool = False,
-    retry: bool = False,
     progress: Progress | None = None,
+    **options: Unpack[RunOptions],
 ) -> Ensemble:
     """Run a scene from its own start and from perturbed ones.
 
@@ -186,7 +179,7 @@ def ensemble(
         A scene, the name of a built-in one, or the path of a scene file.
     starts : int
         Number of runs; the first is from the scene's own start.
-    until, samples, record, shift, time_limit, executor, jobs, out, table, overwrite, retry, progress
+    table, progress, until, samples, record, shift, time_limit, executor, jobs, out, overwrite, retry
         As in `sweep`.
 
     Returns
@@ -206,11 +199,7 @@ def ensemble(
     >>> found.band("kinetic_energy").mean.shape
     (3,)
     """
-    runs = sweep(
-        scene, {}, starts=starts, until=until, samples=samples, record=record, shift=shift, time_limit=time_limit,
-        executor=executor, jobs=jobs, out=out, table=table, overwrite=overwrite, retry=retry, progress=progress,
-    )  # fmt: skip
-    return Ensemble(runs)
+    return Ensemble(sweep(scene, {}, starts=starts, table=table, progress=progress, **options))
 
 
 def open_ensemble(path: str | Path) -> Ensemble:

@@ -22,7 +22,6 @@ from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
 from membrane_rs.study.common.stages import refuse_stages
-from membrane_rs.study.common.variation import varied
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
 """Refused: before the run, with a reason. Energy injected and blown up: stopped by the monitor at a known time."""
@@ -93,7 +92,7 @@ def stability_map(
     ----------
     scene : Scene
     parameter : str
-        Name of the parameter in the scene file, such as laws.spring_damping.ratio; see `varied`.
+        Name of the parameter in the scene file, such as laws.spring_damping.ratio; see `Scene.with_values`.
     values : sequence of float
         Its values.
     methods : sequence of str
@@ -127,7 +126,7 @@ def stability_map(
         if limit == math.inf:
             raise InputError(f"integrator {integrator}: has no stability limit; leave it out")
         for value in values:
-            changed = varied(base, parameter, value)
+            changed = base.with_values({parameter: value})
             for share in shares:
                 cells.append(_run(changed, integrator, value, min(share * limit, end), accurate))
                 if progress is not None:

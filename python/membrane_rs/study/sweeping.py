@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from typing_extensions import Unpack
+
 from membrane_rs import scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, reading_errors
@@ -16,9 +18,9 @@ from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.sweep import Varied, plot_sweep
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.kept_runs import kept_run, read_request
-from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where, units_of
-from membrane_rs.study.common.one_run import FINISHED, Record, RunPoint, RunResult, RunSetup
-from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.many_runs import MOST_RUNS, Progress, units_of
+from membrane_rs.study.common.one_run import FINISHED, RunPoint, RunResult
+from membrane_rs.study.common.options import RunOptions, many_runs, takes_run_options
 from membrane_rs.study.common.rows import table_format, to_pandas, write_table
 from membrane_rs.study.common.sampling import GRID, is_sampled, points_of
 from membrane_rs.study.common.vary import Parameter, parameters_of
@@ -174,6 +176,7 @@ class Sweep:
         return ["run", *(parameter.key for parameter in self.parameters), "start", "outcome", "message"]
 
 
+@takes_run_options
 def sweep(
     scene: Scene | str | Path,
     vary: Mapping[str, Any],
@@ -181,18 +184,9 @@ def sweep(
     starts: int = 1,
     sample: str = GRID,
     seed: int = 0,
-    until: float | None = None,
-    samples: int | None = None,
-    record: Record | Sequence[str] | None = None,
-    shift: float = SHIFT,
-    time_limit: float | None = None,
-    executor: Where = "threads",
-    jobs: int | None = None,
-    out: str | Path | None = None,
     table: str | None = None,
-    overwrite: bool = False,
-    retry: bool = False,
     progress: Progress | None = None,
+    **options: Unpack[RunOptions],
 ) -> Sweep:
     """Run a scene for all combinations, or samples, of some of its values.
 
@@ -209,6 +203,10 @@ def sweep(
         "grid": all combinations. "lhs:20": a Latin hypercube of so many samples. "sobol:32": a Sobol sequence.
     seed : int
         Of the samples.
+    table : {"parquet", "csv"}, optional
+        Format of the table in the folder. Default: Parquet where pyarrow is installed, else CSV.
+    progress : callable, optional
+        Called with the number of runs that are done, that of all, and the last one.
     until : float, optional
         Time at the end [s]. Default: the scene's.
     samples : int, optional
@@ -227,14 +225,10 @@ def sweep(
         Runs at a time. Default: one for each core; 1000 in an executor of the caller.
     out : path, optional
         Folder of the runs and their table. With the same request it is gone on with. Default: nothing is written.
-    table : {"parquet", "csv"}, optional
-        Format of the table in the folder. Default: Parquet where pyarrow is installed, else CSV.
     overwrite : bool
         Whether the runs of another request in the folder are removed.
     retry : bool
         Whether runs that crashed or ran out of time are made again.
-    progress : callable, optional
-        Called with the number of runs that are done, that of all, and the last one.
 
     Returns
     -------
@@ -263,6 +257,7 @@ def sweep(
     sampled = is_sampled(sample)
     parameters = parameters_of(chosen, vary, sampled=sampled)
     points = with_starts(points_of(parameters, sample, seed), starts)
+    out = options.get("out")
     if out is None and len(points) > MOST_IN_MEMORY:
         raise InputError(f"{len(points):,} runs: at most {MOST_IN_MEMORY:,} are kept in memory; give out=, a folder")
     request = {
@@ -273,7 +268,6 @@ def sweep(
         "starts": starts,
         "points": [list(point.values.values()) for point in points[::starts]],
     }
-    setup = RunSetup(until, samples, record or {}, shift, time_limit)
     ending = None if out is None else table_format(table)
     rows: dict[int, Mapping[str, Any]] = {}
     histories: dict[int, Mapping[str, Floats]] = {}
@@ -282,10 +276,7 @@ def sweep(
         kept = [rows[k] for k in sorted(rows)]
         return Sweep(parameters, points, kept, runs.path, sample, units_of(runs.setup), histories)
 
-    with ManyRuns(
-        chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS,
-        overwrite=overwrite, retry=retry,
-    ) as runs:  # fmt: skip
+    with many_runs(chosen, request, OUTPUTS, **options) as runs:
         try:
             for k, result in runs.results(points, progress):
                 rows[k] = {"run": k, **result.row()}

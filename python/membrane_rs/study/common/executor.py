@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.study.common.lanes import completed, thread_lanes
+from membrane_rs.study.common.pools import completed, thread_pools
 
 Result = TypeVar("Result")
 Tell = Callable[[str], None]
@@ -72,8 +72,8 @@ def run_parallel(
         Fewer than one worker.
     """
     found: dict[int, Result] = {}
-    with thread_lanes(workers_of(workers), stop.set) as lanes:
-        for done, (k, result) in enumerate(completed(lanes, _called, jobs), start=1):
+    with thread_pools(workers_of(workers), stop.set) as pools:
+        for done, (k, result) in enumerate(completed(pools, _called, jobs), start=1):
             if isinstance(result, BaseException):
                 raise result
             found[k] = result

@@ -29,7 +29,6 @@ from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
 from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.study.common.executor import workers_of
 from membrane_rs.study.common.kept_runs import KeptRuns
-from membrane_rs.study.common.lanes import GIVEN_CAPACITY, Lane, completed, process_lanes, thread_lanes
 from membrane_rs.study.common.one_run import (
     CRASHED,
     TIME_LIMIT,
@@ -44,6 +43,7 @@ from membrane_rs.study.common.one_run import (
     packed,
     stop_runs,
 )
+from membrane_rs.study.common.pools import GIVEN_CAPACITY, Pool, completed, process_pools, thread_pools
 
 MOST_RUNS = 100_000
 """More runs at once are taken as an input error: as many files in a folder, and rows of a table."""
@@ -120,7 +120,7 @@ class ManyRuns:
             self._kept = KeptRuns(folder, scene, asked, outputs=outputs, overwrite=overwrite)
         self._scene_packed = packed(scene)
         self._ending = ExitStack()
-        self._lanes: Sequence[Lane] = ()
+        self._pools: Sequence[Pool] = ()
         self._running: Generator[tuple[int, RunResult | Exception], None, None] | None = None
 
     @property
@@ -201,17 +201,17 @@ class ManyRuns:
                 kind = "" if isinstance(result, ExecutorError) else f"{type(result).__name__}: "
                 yield k, RunResult(points[k], CRASHED, kind + " ".join(str(result).split()))
 
-    def _started(self, count: int) -> Sequence[Lane]:
-        """The lanes, of which as many as there are tasks are started the first time."""
+    def _started(self, count: int) -> Sequence[Pool]:
+        """The pools, of which as many as there are tasks are started the first time."""
         if isinstance(self._executor, Executor):
-            self._lanes = [Lane(self._executor, self._jobs)]
-        elif self._executor == "threads" and not self._lanes:
-            lanes = thread_lanes(self._jobs, lambda: stop_runs(self._ticket))
-            self._lanes = self._ending.enter_context(lanes)
-        elif self._executor == "processes" and len(self._lanes) < min(self._jobs, count):
-            more = process_lanes(min(self._jobs, count) - len(self._lanes))
-            self._lanes = [*self._lanes, *self._ending.enter_context(more)]
-        return self._lanes
+            self._pools = [Pool(self._executor, self._jobs)]
+        elif self._executor == "threads" and not self._pools:
+            pools = thread_pools(self._jobs, lambda: stop_runs(self._ticket))
+            self._pools = self._ending.enter_context(pools)
+        elif self._executor == "processes" and len(self._pools) < min(self._jobs, count):
+            more = process_pools(min(self._jobs, count) - len(self._pools))
+            self._pools = [*self._pools, *self._ending.enter_context(more)]
+        return self._pools
 
 
 def checked_setup(setup: RunSetup) -> RunSetup:

@@ -1,7 +1,7 @@
-"""Where tasks are carried out: lanes, each an executor that holds a number of them at a time.
+"""Where tasks are carried out: pools, each an executor that holds a number of them at a time.
 
-Threads share one lane. Each process has a lane of its own, so that one that dies ends its own task alone, and which one
-is known: the task is tried once more, in a new process. An executor of the caller is one lane.
+Threads share one pool. Each process has a pool of its own, so that one that dies ends its own task alone, and which one
+is known: the task is tried once more, in a new process. An executor of the caller is one pool.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ GIVEN_CAPACITY = 1000
 """Tasks that wait at a time in an executor of the caller, whose number of workers is not known."""
 
 
-class Lane:
+class Pool:
     """An executor of the caller, or of threads, and how many tasks it holds at a time."""
 
     def __init__(self, executor: Executor, capacity: int) -> None:
@@ -63,7 +63,7 @@ class Lane:
         raise self.broken(error) from error
 
 
-class ProcessLane(Lane):
+class ProcessPool(Pool):
     """One process of this machine, which holds one task."""
 
     def __init__(self, stopper: Connection) -> None:
@@ -72,13 +72,13 @@ class ProcessLane(Lane):
 
     def _made(self) -> ProcessPoolExecutor:
         """A process that imports this package anew: a fork of a process with threads may wait for ever."""
-        pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self._stopper,))
+        executor = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self._stopper,))
         try:
-            self._started: Future[None] = pool.submit(_nothing)
+            self._started: Future[None] = executor.submit(_nothing)
         except OSError as error:
-            pool.shutdown(wait=False, cancel_futures=True)
+            executor.shutdown(wait=False, cancel_futures=True)
             raise ExecutorError(f"no further process can be started ({error.strerror}); give fewer jobs") from error
-        return pool
+        return executor
 
     def submit(self, function: Callable[[Task], Result], task: Task) -> Future[Result]:
         """Give it a task, in a new process where the last one has died meanwhile."""
@@ -102,34 +102,34 @@ class ProcessLane(Lane):
 
 
 @contextmanager
-def thread_lanes(count: int, stop: Callable[[], None]) -> Iterator[list[Lane]]:
-    """A lane of so many threads. `stop` is called on any error, and makes tasks end soon."""
-    with ThreadPoolExecutor(count) as pool:
+def thread_pools(count: int, stop: Callable[[], None]) -> Iterator[list[Pool]]:
+    """A pool of so many threads. `stop` is called on any error, and makes tasks end soon."""
+    with ThreadPoolExecutor(count) as executor:
         try:
-            yield [Lane(pool, count)]
+            yield [Pool(executor, count)]
         except BaseException:
             stop()
-            pool.shutdown(wait=True, cancel_futures=True)
+            executor.shutdown(wait=True, cancel_futures=True)
             raise
 
 
 @contextmanager
-def process_lanes(count: int) -> Iterator[list[Lane]]:
-    """Lanes of so many processes, which end with this block, and with this process."""
+def process_pools(count: int) -> Iterator[list[Pool]]:
+    """Pools of so many processes, which end with this block, and with this process."""
     reader, writer = get_context("spawn").Pipe(duplex=False)
-    lanes: list[Lane] = []
+    pools: list[Pool] = []
     try:
-        lanes += [ProcessLane(reader) for _ in range(count)]
-        yield lanes
+        pools += [ProcessPool(reader) for _ in range(count)]
+        yield pools
     finally:
         writer.close()
-        for lane in lanes:
-            lane.executor.shutdown(wait=True, cancel_futures=True)
+        for pool in pools:
+            pool.executor.shutdown(wait=True, cancel_futures=True)
         reader.close()
 
 
 def completed(
-    lanes: Sequence[Lane], function: Callable[[Task], Result], tasks: Sequence[Task]
+    pools: Sequence[Pool], function: Callable[[Task], Result], tasks: Sequence[Task]
 ) -> Generator[tuple[int, Result | Exception], None, None]:
     """Yield the index of each task with its result, or with the error that it raised or its process died of, in the
     order in which they end.
@@ -142,23 +142,23 @@ def completed(
         An executor of the caller that broke, was shut down or cancelled tasks.
     """
     left = deque((k, False) for k in range(len(tasks)))
-    waiting: dict[Future[Result], tuple[int, bool, Lane]] = {}
+    waiting: dict[Future[Result], tuple[int, bool, Pool]] = {}
     try:
         while left or waiting:
-            for lane in lanes:
-                while left and lane.held < lane.capacity:
+            for pool in pools:
+                while left and pool.held < pool.capacity:
                     k, was_tried = left.popleft()
-                    waiting[lane.submit(function, tasks[k])] = k, was_tried, lane
+                    waiting[pool.submit(function, tasks[k])] = k, was_tried, pool
             done = wait(waiting, return_when=FIRST_COMPLETED)[0]
             for future in sorted(done, key=lambda one: waiting[one][0]):
-                k, was_tried, lane = waiting.pop(future)
-                lane.held -= 1
+                k, was_tried, pool = waiting.pop(future)
+                pool.held -= 1
                 try:
                     result: Result | Exception = future.result()
                 except CancelledError as error:
-                    raise lane.broken(error) from error
+                    raise pool.broken(error) from error
                 except BrokenExecutor as error:
-                    lane.renew(error)
+                    pool.renew(error)
                     if not was_tried:
                         left.appendleft((k, True))
                         continue

@@ -1,0 +1,81 @@
+"""What all studies of many runs take: how long runs are, what they record, where they are made, where they are kept."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypedDict, TypeVar
+
+from membrane_rs.scene import Scene
+from membrane_rs.study.common.many_runs import ManyRuns, Where
+from membrane_rs.study.common.one_run import Record, RunSetup
+from membrane_rs.study.common.perturbation import SHIFT
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class RunOptions(TypedDict, total=False):
+    """Keyword parameters of studies of many runs; `membrane_rs.study.sweep` describes them."""
+
+    until: float | None
+    samples: int | None
+    record: Record | Sequence[str] | None
+    shift: float
+    time_limit: float | None
+    executor: Where
+    jobs: int | None
+    out: str | Path | None
+    overwrite: bool
+    retry: bool
+
+
+def many_runs(
+    scene: Scene,
+    request: Mapping[str, Any],
+    outputs: Sequence[str],
+    *,
+    until: float | None = None,
+    samples: int | None = None,
+    record: Record | Sequence[str] | None = None,
+    shift: float = SHIFT,
+    time_limit: float | None = None,
+    executor: Where = "threads",
+    jobs: int | None = None,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    retry: bool = False,
+) -> ManyRuns:
+    """The runs of a study with its options.
+
+    Parameters
+    ----------
+    scene : Scene
+        From which all runs depart.
+    request : mapping
+        What else a folder of the same runs must have been asked for: plain values by name.
+    outputs : sequence of str
+        Patterns of further files that are the folder's own.
+    until, samples, record, shift, time_limit, executor, jobs, out, overwrite, retry
+        As in `membrane_rs.study.sweep`.
+
+    Raises
+    ------
+    InputError, InputTypeError, OutputError
+        As `ManyRuns` does.
+    """
+    return ManyRuns(
+        scene, RunSetup(until, samples, record or {}, shift, time_limit), executor=executor, jobs=jobs, folder=out,
+        request=request, outputs=outputs, overwrite=overwrite, retry=retry,
+    )  # fmt: skip
+
+
+def takes_run_options(function: F) -> F:
+    """A function with `**options: Unpack[RunOptions]` whose signature, in helps and completion, names each of them."""
+    own = inspect.signature(function)
+    named = [one for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
+    options = [
+        one for name, one in inspect.signature(many_runs).parameters.items() if name in RunOptions.__annotations__
+    ]
+    function.__signature__ = own.replace(parameters=[*named, *options])  # type: ignore[attr-defined]
+    return function
