@@ -82,7 +82,7 @@ accuracy: $(VENV)/tools
 deployment: $(VENV)/tools
 	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
 
-# Remakes every number and picture of README.md.
+# Remakes README.md's pictures, and the tables of docs/accuracy.md.
 readme: demo
 	$(BIN)/python tools/docs/accuracy.py
 	$(BIN)/python tools/docs/readme_numbers.py --write

@@ -1,6 +1,6 @@
 """All figures and tables on accuracy, remade from scratch: `make accuracy`.
 
-Each part is a sequence of commands that write into docs/ and README.md. A part that fails does not affect the others;
+Each part is a sequence of commands that write into docs/. A part that fails does not affect the others;
 failures are reported at the end and by the exit code. Parts that use all cores run alone, the others in parallel.
 """
 
@@ -85,7 +85,7 @@ PARTS = (
     ),
     Part(
         "readme",
-        "README.md: the table of exact solutions",
+        "docs/accuracy.md: the table of exact solutions",
         [("tools/docs/accuracy.py",), ("tools/docs/readme_numbers.py", "--write", "--tables", "accuracy.md")],
     ),
 )

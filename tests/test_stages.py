@@ -363,11 +363,12 @@ def test_a_scene_of_springs_and_stages_keeps_its_digest_apart() -> None:
     refused(lambda: Simulation(two).set_state(state), InputError, "scene_digest is that of another scene")
 
 
-def test_the_stages_of_readme_run(tmp_path: Path) -> None:
-    readme = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-    sail, stages = (block for block in re.findall(r"```toml\n(.*?)```", readme, re.DOTALL) if "[[" in block)
+def test_the_stages_of_the_page_run(tmp_path: Path) -> None:
+    docs = Path(__file__).parent.parent / "docs"
+    pages = [(docs / name).read_text(encoding="utf-8") for name in ("units.md", "stages.md")]
+    sail, stages = (block for page in pages for block in re.findall(r"```toml\n(.*?)```", page, re.DOTALL))
     file = tmp_path / "scene.toml"
-    file.write_text(sail.replace("until = 0.6", "watch = 50") + stages)
+    file.write_text(sail.replace('until = "0.6 s"', "watch = 50") + stages)
     scene = Scene.from_toml(file)
     assert scene.staged(0).law("mass_damping") is not None
     assert scene.staged(1).law("mass_damping") is None

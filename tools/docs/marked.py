@@ -13,7 +13,6 @@ from membrane_rs._files import write_text
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-README = ROOT / "README.md"
 DOCS = ROOT / "docs"
 
 

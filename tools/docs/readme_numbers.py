@@ -1,4 +1,4 @@
-"""Update the numbers and pictures of README from the results of the demo and of accuracy.py in `out`.
+"""Update README's pictures and the tables of docs/accuracy.md from results of the demo and of accuracy.py in `out`.
 
 Without --write it only compares them, and the exit code gives the result.
 """
@@ -9,9 +9,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from marked import DOCS, README, ROOT, MarkedPart, copy_small
+from marked import DOCS, ROOT, MarkedPart, copy_small
 
-TABLES = {name: MarkedPart(README, name) for name in ("summary.md", "accuracy.md")}
+TABLES = {name: MarkedPart(DOCS / "accuracy.md", name) for name in ("summary.md", "accuracy.md")}
 """The marked parts, by the file of the demo or of accuracy.py."""
 SOURCES = {
     "reel-out.png": "okuizumi-whole/snapshots/01-reel-out-turning.png",
@@ -33,7 +33,7 @@ def main() -> None:
     """Compare, or write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--out", type=Path, default=ROOT / "out", help="folder of the results")
-    parser.add_argument("--write", action="store_true", help="write README.md and docs/*.png")
+    parser.add_argument("--write", action="store_true", help="write docs/accuracy.md and docs/*.png")
     parser.add_argument("--tables", nargs="+", choices=TABLES, help="only these tables, without the pictures")
     options = parser.parse_args()
 
@@ -44,7 +44,7 @@ def main() -> None:
         if not options.tables:
             copy_pictures(options.out)
     elif any(TABLES[name].read() != text.strip() for name, text in tables.items()):
-        sys.exit("README.md holds other numbers than the last demo; run `make readme`")
+        sys.exit("docs/accuracy.md holds other numbers than the last demo; run `make readme`")
 
 
 if __name__ == "__main__":
