@@ -14,6 +14,7 @@ from membrane_rs import (
     InputError,
     InputTypeError,
     Mesh,
+    MissingFileError,
     RunSettings,
     Scene,
     Simulation,
@@ -165,3 +166,13 @@ def test_values_that_no_state_has_are_refused_by_name(change: dict[str, Any], wo
     after = sim.state()
     assert all(np.array_equal(before[name], after[name]) for name in before)
     refused(lambda: sim.set_state([]), InputTypeError, "must be a dict")  # type: ignore[arg-type]
+
+
+def test_the_folder_of_a_run_is_a_start_and_is_restored(tmp_path: Path) -> None:
+    first = Simulation(STRIP)
+    first.run(until=1e-3, frames=2, samples=2, out=tmp_path / "run", pictures=False)
+    for again in (Simulation(STRIP, start=tmp_path / "run"), Simulation.restore(tmp_path / "run")):
+        assert again.time == first.time
+        assert (again.positions == first.positions).all()
+    (tmp_path / "empty").mkdir()
+    refused(lambda: Simulation(STRIP, start=tmp_path / "empty"), MissingFileError, "empty/state.npz: there is no such")

@@ -9,10 +9,8 @@ from typing import Any
 from membrane_rs._files import output_errors
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
-from membrane_rs.simulation.checkpoint import StateFile
+from membrane_rs.simulation.checkpoint import STATE, StateFile
 from membrane_rs.simulation.stepper import Stepper
-
-STATE = "state.npz"
 
 
 class State(Writer):

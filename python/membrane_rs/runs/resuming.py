@@ -11,12 +11,12 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.results.record import Progress
 from membrane_rs.results.recorded import Measures, Recorded
-from membrane_rs.results.state import STATE
 from membrane_rs.results.summary import SUMMARY, folder_of_run, read_summary
 from membrane_rs.runs import signals
 from membrane_rs.runs.request import Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.simulation import Simulation
+from membrane_rs.simulation.checkpoint import STATE
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.stopping import Stop, StopWhen
 

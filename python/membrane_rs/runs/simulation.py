@@ -48,10 +48,10 @@ class Simulation(Stepper):
         power of ten of a second. The step depends neither on the end of a run nor on its outputs.
 
     start : Simulation or path, optional
-        Go on from the motion of another simulation, or of a saved state: its positions, velocities, time and the angle
-        of its hub, which turns on from there at this scene's rate. The scene may have other laws, parameters and parts,
-        but must have the same nodes, triangles and segments of cords. Steps are counted from there, and the energy
-        ledger is opened anew. Default: the scene's own start, at time 0.
+        Go on from the motion of another simulation, or of a saved state, in a file or in the folder of a run: its
+        positions, velocities, time and the angle of its hub, which turns on from there at this scene's rate. The scene
+        may have other laws, parameters and parts, but must have the same nodes, triangles and segments of cords. Steps
+        are counted from there, and the energy ledger is opened anew. Default: the scene's own start, at time 0.
 
     Raises
     ------

@@ -22,6 +22,8 @@ from membrane_rs.scene.scene import SCENE_FILE
 from membrane_rs.scene.toml import MESH_FILE, read_scene
 from membrane_rs.simulation.continuation import scene_digest
 
+STATE = "state.npz"
+"""The name of a saved state in the folder of a run."""
 _SCENE = "scene/"
 _RENAMED = {"is_settled": "is_relaxed"}
 """New names of entries by their old ones, which are read too."""

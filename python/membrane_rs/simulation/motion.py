@@ -188,7 +188,9 @@ class Motion(KnownAttributes, Copies, Readings):
     def _start_from(self, other: Motion) -> None:
         """Go on from where another simulation of the same nodes is. Raises InputError."""
         if not isinstance(other, Motion):
-            raise InputTypeError(f"start = {show(other)}: must be a Simulation, or the path of a saved state")
+            raise InputTypeError(
+                f"start = {show(other)}: must be a Simulation, or the path of a saved state or of a run's folder"
+            )
         check_same_nodes(self.assembly, other.assembly)
         self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities)
         self.is_relaxed = other.is_relaxed

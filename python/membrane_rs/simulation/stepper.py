@@ -15,7 +15,7 @@ from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene import Scene
-from membrane_rs.simulation.checkpoint import StateFile, read_state
+from membrane_rs.simulation.checkpoint import STATE, StateFile, read_state
 from membrane_rs.simulation.continuation import unknown_entries
 from membrane_rs.simulation.measures import is_measured
 from membrane_rs.simulation.motion import Motion
@@ -330,7 +330,7 @@ class Stepper(ShownMotion):
         Parameters
         ----------
         path : path
-            Of the file.
+            Of the file, or the folder of a run, whose last checkpoint is taken.
 
         Returns
         -------
@@ -355,6 +355,7 @@ class Stepper(ShownMotion):
     def _of_file(cls, path: str | Path, *, motion_alone: bool = False, stop: Stop | None = None) -> Self:
         """The same; for its motion alone, without measures that were functions; with what may end its run."""
         path = path_of(path)
+        path = path / STATE if path.is_dir() else path
         scene, state = read_state(path, motion_alone=motion_alone)
         try:
             sim = cls._with_method_of(scene, state)
