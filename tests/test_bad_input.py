@@ -70,7 +70,7 @@ def test_unknown_integrators(name: Any) -> None:
 
 @pytest.mark.parametrize("scene", [None, "okuizumi-model-1", 3, Scene, SCENE.mesh])
 def test_no_scene(scene: Any) -> None:
-    refused(lambda: Simulation(scene), InputTypeError, "must be a Scene; load or build one first")
+    refused(lambda: Simulation(scene), InputTypeError, "must be a Scene, such as scenes.load")
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,9 @@ import meshio
 import numpy as np
 import pytest
 from fake_simulation import small_sail
-from membrane_rs import Fixed, InputError, Scene, Simulation, Triangles
+from membrane_rs import Fixed, Scene, Simulation, Triangles
 from membrane_rs.folding import Strip
-from membrane_rs.plotting.fields import FIELDS, field_named, fields_of, value_ranges
+from membrane_rs.plotting.fields import FIELDS, fields_of, value_ranges
 from membrane_rs.results.vtk import write_frame
 from numpy.typing import NDArray
 from small_scenes import RUBBER
@@ -108,10 +108,3 @@ def test_ranges_hold_all_frames_or_a_share_of_each() -> None:
         "state": (0.0, 2.0), "spring_strain": (-2.0, 1.0), "buckled": (0.0, 1.0)
     }  # fmt: skip
     assert value_ranges([first, second], share=0.9)["spring_strain"] == pytest.approx((-1.9, 0.95))
-
-
-def test_a_field_is_found_by_its_name() -> None:
-    assert field_named("von_mises").title == "Von Mises stress [Pa]"
-    assert field_named("state").title == "State of the film"
-    with pytest.raises(InputError, match=r"'colour': is no field; must be one of largest_principal_stress, von_mises"):
-        field_named("colour")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -53,6 +54,15 @@ def test_names_of_users_are_text(tmp_path: Any) -> None:
         text = "".join(parsed(item).itertext())
         assert "<script>alert(1)<b>&\"'" in text
     assert "&lt;/td&gt;" in scene._repr_html_()
+
+
+def test_a_line_stays_a_line_whatever_a_run_says(tmp_path: Path) -> None:
+    scene = replace(hanging_strip(), stages=[Stage(f"stage-{k}", 1e-3 * (k + 1)) for k in range(100)])
+    result = run(scene, 1e-3, frames=2, samples=2, out=tmp_path / "a\nb", pictures=False)
+    result.summary["outcome"] = "failed: " + 1000 * "long\n"
+    for item in (scene, result):
+        assert len(repr(item)) < 400
+        assert repr(item).isprintable()
 
 
 def test_what_is_shown_of_a_simulation_and_of_a_run() -> None:

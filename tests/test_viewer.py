@@ -13,7 +13,7 @@ import pytest
 from membrane_rs import Creases, Cylinder, InputError, MissingFileError, OutputError, Schedule
 from membrane_rs.plotting import painter
 from membrane_rs.plotting.actors import film_colors
-from membrane_rs.plotting.fields import field_named
+from membrane_rs.plotting.fields import FIELDS
 from membrane_rs.plotting.viewer import viewer as module
 from membrane_rs.plotting.viewer.coloring import NOTHING, Scale
 from membrane_rs.plotting.viewer.frames import KeptFrames
@@ -102,7 +102,7 @@ def test_fields_lie_on_triangles_nodes_or_lines(strip: Any) -> None:
     for name in viewer.colors[1:]:
         viewer.choose(name)
         viewer.go_to(0.04)
-        shown, field = viewer.shown(), field_named(name)
+        shown, field = viewer.shown(), FIELDS[name]
         assert shown.scale is not None
         assert shown.scale.field is field
         values = field.values(strip.frames[8])
@@ -150,14 +150,14 @@ def test_the_range_is_that_of_the_run_or_of_the_frame(strip: Any) -> None:
 
 
 def test_values_beyond_the_range_have_the_colour_of_its_end_and_none_is_grey() -> None:
-    scale = Scale(field_named("speed"), 1.0, 3.0)
+    scale = Scale(FIELDS["speed"], 1.0, 3.0)
     colors = scale.color(np.array([-5.0, 1.0, 2.0, 3.0, 9.0, np.nan, np.inf]))
     assert (colors[[0, 1]] == scale.colors[0]).all()
     assert (colors[[3, 4]] == scale.colors[-1]).all()
     assert not (colors[2] == scale.colors[[0, -1]]).all(axis=1).any()
     assert tuple(colors[5]) == NOTHING
-    assert len(np.unique(Scale(field_named("speed"), 2.0, 2.0).color(np.array([2.0, 2.0])), axis=0)) == 1
-    states = Scale(field_named("state"), 0.0, 2.0)
+    assert len(np.unique(Scale(FIELDS["speed"], 2.0, 2.0).color(np.array([2.0, 2.0])), axis=0)) == 1
+    states = Scale(FIELDS["state"], 0.0, 2.0)
     assert (states.color(np.array([0.0, 1.0, 2.0])) == states.colors).all()
 
 

@@ -64,8 +64,8 @@ def explained(error: ModuleNotFoundError, use: str = "") -> ImportError:
 def missing(module: str, use: str = "") -> MissingExtraError:
     """The error that a library is not installed."""
     name = EXTRAS[module]
-    reason = f"{use}: this needs {module}" if use else f"{module} is not installed"
-    return MissingExtraError(f'{reason}, which comes with the extra {name!r}; pip install "membrane_rs[{name}]"', name)
+    reason = f"{use}: this needs {module}, which" if use else f"{module} is not installed; it"
+    return MissingExtraError(f'{reason} comes with the extra {name!r}: pip install "membrane_rs[{name}]"', name)
 
 
 def _is_installed(module: str) -> bool:

@@ -1,4 +1,4 @@
-"""What a notebook shows of an object: a small picture of its lines, and a table."""
+"""What is shown of an object: text in a line, and in a notebook a small picture of its lines, and a table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SIZE = 180
 MOST_LINES = 2000
 """Lines in a picture; of more, some are left out evenly."""
 LONGEST_TEXT = 120
-"""Characters of a text in a table; a longer one is cut."""
+"""Characters of a text in a line or in a table; a longer one is cut."""
 _NO_LINES: Ints = np.zeros((0, 2), dtype=np.int64)
 _LOOKS = {
     "outline": 'stroke="currentColor" stroke-width="1.2"',
@@ -104,8 +104,13 @@ def _path(points: Floats, pairs: Ints) -> str:
     return "".join(f"M{a:g} {b:g}L{c:g} {d:g}" for a, b, c, d in dict.fromkeys(map(tuple, ends.tolist())))
 
 
-def _text(value: object) -> str:
-    """A value as text of HTML, cut where it is long."""
+def in_a_line(value: object) -> str:
+    """A value as text in one line, cut where it is long; what cannot be printed is replaced."""
     text = f"{value:.6g}" if isinstance(value, float) else str(value)
     text = text if len(text) <= LONGEST_TEXT else f"{text[: LONGEST_TEXT - 3]}..."
-    return escape("".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text))
+    return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)
+
+
+def _text(value: object) -> str:
+    """A value as text of HTML."""
+    return escape(in_a_line(value))

@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.errors import InputError
 from membrane_rs.mesh.queries import find_pairs
 
 Place = Literal["nodes", "triangles", "lines"]
@@ -102,13 +101,6 @@ class Field:
 def fields_of(frame: FieldFrame) -> list[Field]:
     """The fields of `FIELDS` that a frame has values of, in that order."""
     return [field for field in FIELDS.values() if field.values(frame) is not None]
-
-
-def field_named(name: str) -> Field:
-    """The field of a name. Raises InputError, which lists them."""
-    if name not in FIELDS:
-        raise InputError(f"field = {name!r:.60}: is no field; must be one of {', '.join(FIELDS)}")
-    return FIELDS[name]
 
 
 def value_ranges(

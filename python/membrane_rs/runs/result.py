@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from membrane_rs._html import Card, HasCard
+from membrane_rs._html import Card, HasCard, in_a_line
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs.mesh import Mesh
 from membrane_rs.results.run_history import RunHistory
@@ -198,6 +198,6 @@ class Run(HasCard, KnownAttributes):
 
     def __repr__(self) -> str:
         """Scene, outcome and sizes."""
-        where = "" if self.path is None else f", in {self.path}"
+        where = "" if self.path is None else f", in {in_a_line(self.path)}"
         size = f"{self.history.sample_count} samples, {len(self.frames)} frames"
-        return f"Run({self.scene.name!r}, {self.outcome}: {size}{where})"
+        return f"Run({self.scene.name!r}, {in_a_line(self.outcome)}: {size}{where})"

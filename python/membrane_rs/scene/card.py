@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Protocol
 
 from membrane_rs._arrays import Floats
-from membrane_rs._html import Card, Lines
+from membrane_rs._html import Card, Lines, in_a_line
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.places import Changeable
@@ -23,7 +23,7 @@ class ShownScene(Changeable, Protocol):
 def text_of(scene: ShownScene, assembly: Assembly) -> str:
     """Name, size and laws."""
     laws = ", ".join(law.kind for law in scene.laws) or "none"
-    stages = f"; stages {', '.join(stage.name for stage in scene.stages)}" if scene.stages else ""
+    stages = f"; stages {in_a_line(', '.join(stage.name for stage in scene.stages))}" if scene.stages else ""
     return f"Scene({scene.name!r}: {assembly.node_count} nodes; laws {laws}{stages})"
 
 

@@ -65,7 +65,7 @@ class Motion(KnownAttributes, Copies, Readings):
 
     def _build(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
         if not isinstance(scene, Scene):
-            raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene; load or build one first")
+            raise InputTypeError(f"Simulation.scene = {show(scene)}: must be a Scene, such as scenes.load(NAME)")
         self.scene = scene
         self.is_relaxed = False
         self._motions_set = 0
