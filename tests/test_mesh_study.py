@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, OutputError, Scene, Springs, scenes
 from membrane_rs.cli import app
-from membrane_rs.study import calibrate, jobs_of, mesh_study, write_mesh_study
+from membrane_rs.study import jobs_of, match_scene, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, limit, orders, overall_order, steps
 from membrane_rs.study.mesh import MeshRun, kept
 from membrane_rs.study.mesh_report import report
@@ -148,11 +148,11 @@ def test_the_command_and_its_other_name(words: list[str], tmp_path: Path) -> Non
     assert "--rows = 8.5: must be whole numbers from 1 on" in wrong.output
 
 
-def test_calibration_finds_the_value_that_the_target_has(sail: Scene, tmp_path: Path) -> None:
+def test_a_match_finds_the_value_that_the_target_has(sail: Scene, tmp_path: Path) -> None:
     coarse = replace(sail.mesh.source, rows=8).mesh()  # type: ignore[union-attr, type-var]
     target = replace(sail, mesh=coarse)
     said: list[str] = []
-    found = calibrate(
+    found = match_scene(
         replace(target, laws=[Springs(buckling=20.0), *sail.laws[1:]]),
         "laws.springs.buckling",
         (20.0, 500.0),
@@ -172,9 +172,9 @@ def test_calibration_finds_the_value_that_the_target_has(sail: Scene, tmp_path: 
     assert any("laws.springs.buckling = 20.0: misfit" in line for line in said)
 
 
-def test_a_calibration_that_cannot_be_is_refused(sail: Scene, tmp_path: Path) -> None:
+def test_a_match_that_cannot_be_is_refused(sail: Scene, tmp_path: Path) -> None:
     def wrong(between: tuple[float, float] = (1.0, 2.0), starts: int = 2) -> None:
-        calibrate(sail, "laws.springs.buckling", between, sail, tmp_path, starts=starts)
+        match_scene(sail, "laws.springs.buckling", between, sail, tmp_path, starts=starts)
 
     refused(lambda: wrong((2.0, 1.0)), InputError, "two numbers above 0, the lower one first")
     refused(lambda: wrong((0.0, 1.0)), InputError, "two numbers above 0")

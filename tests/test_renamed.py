@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
-from membrane_rs import Mesh, RunSettings, Scene, SceneError, Simulation, scenes
+from membrane_rs import InputError, Mesh, RunSettings, Scene, SceneError, Simulation, scenes
 from membrane_rs._renamed import new_names
 from membrane_rs.simulation import Motion
-from membrane_rs.study import LengthScales
+from membrane_rs.study import LengthScales, calibrate
 
 
 def test_settle_is_now_relax() -> None:
@@ -53,6 +54,29 @@ def test_old_settings_are_read_where_they_were_written(tmp_path: Path) -> None:
     with pytest.warns(DeprecationWarning, match="run.short_steps is deprecated .*; write substeps"):
         assert Scene.from_toml(tmp_path / "old.toml").run.substeps == 4
     assert scene.with_values({"run.short_steps": 3}).run.substeps == 3
+
+
+def test_a_call_of_calibrate_as_it_was_leads_to_match_scene(tmp_path: Path) -> None:
+    """It fitted one parameter to another scene; the call is refused by `match_scene`, before anything runs."""
+    sail, old = scenes.load("okuizumi-model-1"), cast("Any", calibrate)
+    by_place = (sail, "laws.springs.buckling", (2.0, 1.0), sail, tmp_path)
+    names = ("scene", "parameter", "between", "target", "folder")
+    calls: list[tuple[tuple[Any, ...], dict[str, Any]]] = [
+        (by_place, {"tries": 2}),
+        ((), dict(zip(names, by_place, strict=True))),
+    ]
+    for args, named in calls:
+        with (
+            pytest.warns(
+                DeprecationWarning, match=r"arguments of match_scene is deprecated .*; call match_scene"
+            ) as warned,
+            pytest.raises(InputError, match=r"between = .*the lower one first"),
+        ):
+            old(*args, **named)
+        assert [warning.filename for warning in warned] == [__file__]
+    with pytest.raises(InputError, match="vary"):
+        old(sail, "data.csv", (2.0, 1.0))
+    assert list(signature(calibrate).parameters)[:3] == ["scene", "data", "vary"]
 
 
 def test_a_saved_state_with_old_names_is_read(tmp_path: Path) -> None:

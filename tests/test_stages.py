@@ -29,7 +29,7 @@ from membrane_rs.cli import app
 from membrane_rs.results import read_history, read_summary
 from membrane_rs.scene.stage import MEASURES
 from membrane_rs.simulation.measures import OF_MOTION, PHASE
-from membrane_rs.study import ablate, calibrate, work_precision
+from membrane_rs.study import ablate, match_scene, work_precision
 from membrane_rs.study.limits import measured_limit
 from membrane_rs.study.stability import stability_map
 from small_scenes import cord, hanging_strip, refused
@@ -315,7 +315,7 @@ def test_studies_refuse_stages(tmp_path: Path) -> None:
         lambda: work_precision(scene),
         lambda: measured_limit(scene),
         lambda: stability_map(scene, "material.density", [1.0], methods=["rk4"]),
-        lambda: calibrate(scene, "material.density", bounds, scene, tmp_path),
+        lambda: match_scene(scene, "material.density", bounds, scene, tmp_path),
     ):
         refused(study, InputError, "has 1 stages; a study compares runs of a scene without")
 

@@ -1,14 +1,21 @@
 """Old names of attributes, fields and keys: each still leads to the new one, and its warning says which that is.
 
 A class keeps an old name of an attribute, and a checked class that of a field, as `old = Renamed("new")`. A dict with
-old keys is a `RenamedKeys`.
+old keys is a `RenamedKeys`. A function whose name was that of another one is decorated with `takes_name_of`.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from functools import wraps
+from inspect import Parameter, signature
+from typing import Any, TypeVar
+
+from typing_extensions import ParamSpec
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
 
 REMOVAL = "0.4"
 """The version in which deprecated names are removed."""
@@ -18,6 +25,31 @@ def deprecated(old: str, remedy: str, depth: int = 1) -> None:
     """Give a DeprecationWarning at the place that called so many functions above the caller of this one."""
     text = f"{old} is deprecated and is removed in version {REMOVAL}; {remedy}"
     warnings.warn(text, DeprecationWarning, stacklevel=2 + depth)
+
+
+def takes_name_of(other: Callable[..., Any]) -> Callable[[Callable[Given, Result]], Callable[Given, Result]]:
+    """Decorate a function whose name was that of another one, which is called something else now.
+
+    Calls with arguments that the other function alone accepts lead to it, with a DeprecationWarning.
+    """
+
+    def decorate(function: Callable[Given, Result]) -> Callable[Given, Result]:
+        own = signature(function).parameters
+        most = sum(one.kind is not Parameter.KEYWORD_ONLY for one in own.values())
+        others = set(signature(other).parameters) - set(own)
+
+        @wraps(function)
+        def call(*args: Given.args, **named: Given.kwargs) -> Result:
+            if len(args) <= most and not others & set(named):
+                return function(*args, **named)
+            name = function.__name__
+            deprecated(f"{name} with the arguments of {other.__name__}", f"call {other.__name__}, its new name")
+            found: Result = other(*args, **named)
+            return found
+
+        return call
+
+    return decorate
 
 
 class Renamed:

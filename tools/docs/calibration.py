@@ -15,7 +15,7 @@ from marked import DOCS, ROOT, MarkedPart, copy_small
 from membrane_rs import Scene, scenes
 from membrane_rs._markdown import table
 from membrane_rs.results import Experiment
-from membrane_rs.study import Fit, fit
+from membrane_rs.study import Calibration, calibrate
 from membrane_rs.study.common.many_runs import ManyRuns
 from membrane_rs.study.common.one_run import RunPoint, RunSetup
 
@@ -49,7 +49,7 @@ def synthetic(scene: Scene) -> Experiment:
     return Experiment("synthetic", time, curves, {"deployment_rate": "", "phase_difference_deg": "deg"})
 
 
-def rows_of(found: Fit, scene: Scene) -> list[tuple[str, ...]]:
+def rows_of(found: Calibration, scene: Scene) -> list[tuple[str, ...]]:
     """The parameters of a fit beside the true ones."""
     data = "both curves" if len(found.columns) == len(NOISE) else "the rate alone"
     rows: list[tuple[str, ...]] = []
@@ -74,7 +74,7 @@ def main() -> None:
     texts: list[str] = []
     for columns in (list(NOISE), ["deployment_rate"]):
         sigmas = {name: NOISE[name] for name in columns}
-        found = fit(
+        found = calibrate(
             begin, data, RANGES, columns=columns, starts=STARTS, uncertainty=sigmas, samples=SAMPLES, most_runs=300,
             shift=SHIFT, step=STEP,
             out=given.out / "-".join(columns), progress=lambda *now: print(*now[:2], flush=True),

@@ -19,7 +19,7 @@ from membrane_rs import Simulation, Springs, scenes
 from membrane_rs._markdown import table
 from membrane_rs.folding import SquareSail
 from membrane_rs.mesh import net_moduli
-from membrane_rs.study import Calibration, MeshRun, agreeing, calibrate, jobs_of, mesh_study, write_mesh_study
+from membrane_rs.study import MeshRun, SceneMatch, agreeing, jobs_of, match_scene, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.length_scales import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
@@ -147,7 +147,7 @@ def moduli() -> str:
 
 def calibrated(until: float | None, folder: Path, jobs: int | None) -> str:
     """alpha on creases of a film of triangles, calibrated against the curves of springs."""
-    found: Calibration = calibrate(
+    found: SceneMatch = match_scene(
         scenes.load(TRIANGLES),
         ALPHA_C,
         (3.0, 1000.0),

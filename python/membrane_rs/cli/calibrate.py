@@ -83,7 +83,7 @@ def calibrate(
     Ctrl-C stops and keeps the runs that are done; the same command goes on with them.
     """
     from membrane_rs.errors import InputError
-    from membrane_rs.study import fit
+    from membrane_rs.study import calibrate as study
     from membrane_rs.study.common.vary import split_vary
 
     varied = split_vary(vary or [])
@@ -96,7 +96,7 @@ def calibrate(
     if columns is not None:
         given["columns"] = words(columns, "--columns")
     with run_counter() as progress:
-        found = fit(
+        found = study(
             chosen, data, varied, starts=starts, method=method, uncertainty=_deviations(uncertainty or []), step=step,
             most_runs=most_runs, executor="processes", out=folder, overwrite=overwrite, progress=progress,
             **{name: value for name, value in given.items() if value is not None},

@@ -8,14 +8,14 @@ from membrane_rs._moved import Moved
 from membrane_rs.errors import AuditWarning
 from membrane_rs.study.ablation import Ablation, ablate
 from membrane_rs.study.accuracy import WorkPrecision, work_precision
-from membrane_rs.study.calibration import Calibration, calibrate
+from membrane_rs.study.calibration.fitting import calibrate
+from membrane_rs.study.calibration.result import Calibration
 from membrane_rs.study.comparison import Comparison, Difference, compare
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
-from membrane_rs.study.fitting.fit import fit
-from membrane_rs.study.fitting.result import Fit
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
+from membrane_rs.study.scene_match import SceneMatch, match_scene
 from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
 
 __all__ = [
@@ -25,9 +25,9 @@ __all__ = [
     "Comparison",
     "Difference",
     "Ensemble",
-    "Fit",
     "LengthScales",
     "MeshRun",
+    "SceneMatch",
     "Sweep",
     "WorkPrecision",
     "ablate",
@@ -35,8 +35,8 @@ __all__ = [
     "calibrate",
     "compare",
     "ensemble",
-    "fit",
     "jobs_of",
+    "match_scene",
     "mesh_study",
     "open_ensemble",
     "open_sweep",
@@ -49,5 +49,14 @@ __all__ = [
 warnings.filterwarnings("ignore", category=AuditWarning, module=r"membrane_rs\.study\.")
 
 __getattr__ = Moved(
-    __name__, {__name__: {"Chart": "WorkPrecision", "Lengths": "LengthScales", "chart": "work_precision"}}
+    __name__,
+    {
+        __name__: {
+            "Chart": "WorkPrecision",
+            "Fit": "Calibration",
+            "Lengths": "LengthScales",
+            "chart": "work_precision",
+            "fit": "calibrate",
+        }
+    },
 )

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs.study.fitting.model import Curves, FitModel
+from membrane_rs.study.calibration.model import Curves, FitModel
 
 UNDETERMINED = 0.5
 """A direction is not determined where one standard deviation along it is more than this share of the range."""

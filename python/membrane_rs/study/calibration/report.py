@@ -1,4 +1,4 @@
-"""The tables and the figure of a fit."""
+"""The tables and the figure of a calibration."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.plotting import plot_comparison
+from membrane_rs.study.calibration.analysis import Analysis, FittedParameter
+from membrane_rs.study.calibration.model import DataColumn
 from membrane_rs.study.common.one_run import RunResult
-from membrane_rs.study.fitting.analysis import Analysis, FittedParameter
-from membrane_rs.study.fitting.model import DataColumn
 
 
 def table_of_parameters(parameters: Sequence[FittedParameter]) -> str:
@@ -52,7 +52,7 @@ def table_of_correlation(keys: Sequence[str], correlation: Floats) -> str:
     return table(("correlation", *keys), rows)
 
 
-def plot_fit(
+def plot_calibration(
     columns: Sequence[DataColumn],
     first: Sequence[RunResult],
     best: Sequence[RunResult],

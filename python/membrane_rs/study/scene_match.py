@@ -1,4 +1,4 @@
-"""Calibration: the value of a parameter with which a scene's curves are nearest to those of a target scene.
+"""The value of a parameter with which a scene's curves are nearest to those of another scene, the target.
 
 The misfit is the distance of the mean curves over the spread of the target's own starts: at a misfit of one the two
 scenes differ no more than two runs of the target do.
@@ -35,7 +35,7 @@ class Tried:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class SceneMatch:
     """All values tried, and the best of them."""
 
     parameter: str
@@ -57,7 +57,7 @@ class Calibration:
         return table(head, [*rows, ("*spread of the target's starts*", *_sizes(self.spread), "1")], words=())
 
 
-def calibrate(
+def match_scene(
     scene: Scene,
     parameter: str,
     between: tuple[float, float],
@@ -70,13 +70,15 @@ def calibrate(
     until: float | None = None,
     workers: int | None = None,
     tell: Tell | None = None,
-) -> Calibration:
-    """Minimise the misfit by Brent's bounded method on the logarithm of the parameter. To measured curves: `fit`.
+) -> SceneMatch:
+    """Find the value with which a scene's curves are nearest to those of another scene; of measured ones: `calibrate`.
+
+    The misfit is minimised by Brent's bounded method on the logarithm of the parameter.
 
     Parameters
     ----------
     scene : Scene
-        The scene to calibrate; a square sail.
+        The scene whose parameter is found; a square sail.
     parameter : str
         Name of the parameter, such as laws.triangles.buckling_on_creases; see `Scene.with_values`.
     between : (float, float)
@@ -141,7 +143,7 @@ def calibrate(
         method="bounded",
         options={"maxiter": tries, "xatol": 0.05},
     )
-    return Calibration(parameter, aim, spread, tuple(tried.values()))
+    return SceneMatch(parameter, aim, spread, tuple(tried.values()))
 
 
 def _sizes(of: dict[str, float]) -> tuple[str, str]:

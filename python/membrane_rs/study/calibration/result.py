@@ -1,4 +1,4 @@
-"""The result of a fit: values, how far they are known, tables, a figure, files."""
+"""The result of a calibration: values, how far they are known, tables, a figure, files."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import output_errors, path_of, write_text
 from membrane_rs.errors import MissingExtraError
 from membrane_rs.scene import Scene
-from membrane_rs.study.fitting.analysis import Analysis, FittedParameter
-from membrane_rs.study.fitting.model import Curves, DataColumn, FitModel
-from membrane_rs.study.fitting.report import plot_fit, table_of_columns, table_of_correlation, table_of_parameters
+from membrane_rs.study.calibration.analysis import Analysis, FittedParameter
+from membrane_rs.study.calibration.model import Curves, DataColumn, FitModel
+from membrane_rs.study.calibration.report import (
+    plot_calibration,
+    table_of_columns,
+    table_of_correlation,
+    table_of_parameters,
+)
 
 CALIBRATED = "calibrated"
 OUTPUTS = ("calibration.md", "calibration.json", "calibration.png")
@@ -26,7 +31,7 @@ NEAR = 1e-3
 
 
 @dataclass(frozen=True)
-class Fit:
+class Calibration:
     """Parameters of a scene that were fitted to measured curves.
 
     Attributes
@@ -71,7 +76,7 @@ class Fit:
     def __repr__(self) -> str:
         """Outcome, values and misfit, in a line."""
         values = ", ".join(f"{key} = {value:.6g}" for key, value in self.values.items())
-        return f"Fit({self.outcome}: {values}; misfit {self.misfit:.4g})"
+        return f"Calibration({self.outcome}: {values}; misfit {self.misfit:.4g})"
 
     @property
     def values(self) -> dict[str, float]:
@@ -126,7 +131,7 @@ class Fit:
         -------
         matplotlib.figure.Figure
         """
-        return plot_fit(self.columns, self._first.runs, self._best.runs, path=path, **options)
+        return plot_calibration(self.columns, self._first.runs, self._best.runs, path=path, **options)
 
     def save(self, folder: str | Path, **options: Any) -> list[Path]:
         """Write the scene with the fitted values, the tables, the numbers and the figure into a folder.
@@ -181,7 +186,7 @@ class Fit:
         }
 
 
-def fit_of(
+def calibration_of(
     scene: Scene,
     model: FitModel,
     start: tuple[Floats, Curves],
@@ -191,8 +196,8 @@ def fit_of(
     method: str,
     outcome: str,
     path: Path | None,
-) -> Fit:
-    """The result of a fit: shares and curves at its start and at its best values, and how far these are known."""
+) -> Calibration:
+    """The result: shares and curves at the start and at the best values, and how far these are known."""
     errors = np.full(len(model.parameters), np.inf) if known is None else known.errors
     fitted = []
     for one, first, share, error in zip(model.parameters, start[0], best[0], errors, strict=True):
@@ -209,7 +214,7 @@ def fit_of(
     }
     trials = [(model.values(key), None if one.failure else one.misfit) for key, one in model.known.items()]
     failures = [one.failure for one in model.known.values() if one.failure]
-    return Fit(
+    return Calibration(
         fitted, model.columns, best[1].misfit, start[1].misfit, in_units, known, method, outcome, trials,
         len(model.known) * model.starts, failures, scene, start[1], best[1], path,
     )  # fmt: skip

@@ -13,10 +13,10 @@ from membrane_rs import InputError, Scene, run, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.cli.application import USAGE, app
 from membrane_rs.results import Experiment
-from membrane_rs.study import Fit, fit
+from membrane_rs.study import Calibration, calibrate
+from membrane_rs.study.calibration.analysis import Analysis, analysed
+from membrane_rs.study.calibration.model import Curves, DataColumn
 from membrane_rs.study.common.vary import Parameter
-from membrane_rs.study.fitting.analysis import Analysis, analysed
-from membrane_rs.study.fitting.model import Curves, DataColumn
 from typer.testing import CliRunner
 
 END, SAMPLES = 0.15, 151
@@ -46,11 +46,11 @@ def measured(scene: Scene, seed: int = 0, noise: float = 1.0, columns: tuple[str
 
 
 @pytest.fixture(scope="module")
-def found(scene: Scene, begin: Scene) -> Fit:
-    return fit(begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE)
+def found(scene: Scene, begin: Scene) -> Calibration:
+    return calibrate(begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE)
 
 
-def test_known_parameters_come_back_within_their_errors(found: Fit) -> None:
+def test_known_parameters_come_back_within_their_errors(found: Calibration) -> None:
     assert found.outcome == "converged"
     assert not found.undetermined
     assert found.misfit < 0.2 * found.first_misfit
@@ -62,11 +62,11 @@ def test_known_parameters_come_back_within_their_errors(found: Fit) -> None:
     assert found.scene.value("laws.spin.frequency") == found.values["laws.spin.frequency"]
 
 
-def test_errors_have_the_size_of_the_scatter_of_fits(scene: Scene, found: Fit) -> None:
+def test_errors_have_the_size_of_the_scatter_of_fits(scene: Scene, found: Calibration) -> None:
     """The standard deviation that one fit gives is that of the values which fits to other noise find."""
     values = []
     for seed in range(1, 7):
-        again = fit(found.scene, measured(scene, seed), RANGES, samples=SAMPLES, uncertainty=NOISE)
+        again = calibrate(found.scene, measured(scene, seed), RANGES, samples=SAMPLES, uncertainty=NOISE)
         values.append([again.values[key] for key in TRUE])
     scatter = np.std([*values, [found.values[key] for key in TRUE]], axis=0, ddof=1)
     said = [(one.high - one.low) / 2 for one in found.parameters]
@@ -75,7 +75,9 @@ def test_errors_have_the_size_of_the_scatter_of_fits(scene: Scene, found: Fit) -
 
 
 def test_the_simplex_finds_them_too(scene: Scene, begin: Scene) -> None:
-    found = fit(begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE, method="nelder-mead", starts=2)
+    found = calibrate(
+        begin, measured(scene), RANGES, samples=SAMPLES, uncertainty=NOISE, method="nelder-mead", starts=2
+    )
     assert found.misfit < 1.3
     assert found.values == pytest.approx(TRUE, rel=0.05)
 
@@ -85,7 +87,7 @@ def test_what_the_data_do_not_determine_is_said(scene: Scene) -> None:
     data = measured(scene, noise=0.2, columns=("phase_difference_deg",))
     ranges = {"laws.spin.frequency": "2:5", "laws.spring_damping.ratio": "0.005:0.08:log"}
     from_elsewhere = scene.with_values({"laws.spin.frequency": 4.0})
-    found = fit(from_elsewhere, data, ranges, samples=SAMPLES, uncertainty={"phase_difference_deg": 1.0})
+    found = calibrate(from_elsewhere, data, ranges, samples=SAMPLES, uncertainty={"phase_difference_deg": 1.0})
     frequency, ratio = found.parameters
     assert frequency.is_determined
     assert abs(frequency.value - 3.0) < 0.1
@@ -93,7 +95,7 @@ def test_what_the_data_do_not_determine_is_said(scene: Scene) -> None:
     assert any("laws.spring_damping.ratio" in one for one in found.undetermined)
     assert not any("laws.spin.frequency" in one for one in found.undetermined)
     assert "not determined by these data" in found.table()
-    assert repr(found).startswith(f"Fit({found.outcome}: {found.parameters[0].key} = ")
+    assert repr(found).startswith(f"Calibration({found.outcome}: {found.parameters[0].key} = ")
 
 
 class Linear:
@@ -170,14 +172,14 @@ def test_noisy_derivatives_do_not_make_errors_smaller() -> None:
 
 
 def test_a_parameter_at_the_end_of_its_range_is_said(scene: Scene) -> None:
-    found = fit(scene, measured(scene), {"laws.spin.frequency": "3.5:5"}, samples=SAMPLES)
+    found = calibrate(scene, measured(scene), {"laws.spin.frequency": "3.5:5"}, samples=SAMPLES)
     assert found.parameters[0].end == "lower"
     assert not found.parameters[0].is_determined
     assert any("lower end" in warning for warning in found.warnings)
 
 
 def test_few_runs_give_the_best_so_far_and_no_errors(scene: Scene, begin: Scene) -> None:
-    found = fit(begin, measured(scene), RANGES, samples=SAMPLES, most_runs=3)
+    found = calibrate(begin, measured(scene), RANGES, samples=SAMPLES, most_runs=3)
     assert found.runs <= 3
     assert found.outcome.startswith("stopped at 3 runs")
     assert found.analysis is None
@@ -189,7 +191,7 @@ def test_runs_that_fail_are_walked_around(scene: Scene) -> None:
     limited = scene.with_values({"parts.0.strain_limit": 0.012})
     slow = limited.with_values({"laws.spin.frequency": 2.0})
     data = measured(slow, noise=0.0, columns=("phase_difference_deg",))
-    found = fit(limited, data, {"laws.spin.frequency": "1:6"}, samples=SAMPLES, method="nelder-mead")
+    found = calibrate(limited, data, {"laws.spin.frequency": "1:6"}, samples=SAMPLES, method="nelder-mead")
     assert "over its bound" in " ".join(found.failures)
     assert found.warnings[-1].startswith("failed: laws.spin.frequency = ")
     assert found.values["laws.spin.frequency"] == pytest.approx(2.0, rel=0.01)
@@ -198,9 +200,9 @@ def test_runs_that_fail_are_walked_around(scene: Scene) -> None:
 def test_a_folder_makes_no_run_twice(scene: Scene, begin: Scene, tmp_path: Path) -> None:
     shown: list[int] = []
     options = {"samples": SAMPLES, "out": tmp_path / "fit", "most_runs": 12}
-    first = fit(begin, measured(scene), RANGES, **options)  # type: ignore[arg-type]
+    first = calibrate(begin, measured(scene), RANGES, **options)  # type: ignore[arg-type]
     written = {path: path.stat().st_mtime_ns for path in (tmp_path / "fit" / "runs").iterdir()}
-    again = fit(begin, measured(scene), RANGES, progress=lambda *now: shown.append(now[0]), **options)  # type: ignore[arg-type]
+    again = calibrate(begin, measured(scene), RANGES, progress=lambda *now: shown.append(now[0]), **options)  # type: ignore[arg-type]
     assert again.values == first.values
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "fit" / "runs").iterdir()} == written
 
@@ -230,13 +232,13 @@ def test_wrong_input_is_refused(
     scene: Scene, vary: dict[str, object], options: dict[str, object], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        fit(scene, measured(scene), vary, samples=SAMPLES, **options)  # type: ignore[arg-type]
+        calibrate(scene, measured(scene), vary, samples=SAMPLES, **options)  # type: ignore[arg-type]
 
 
 def test_data_that_no_run_records_are_refused(scene: Scene) -> None:
     data = Experiment("data", np.array([0.0, 0.1]), {"tension": np.array([1.0, 2.0])}, {"tension": ""})
     with pytest.raises(InputError, match=r"'tension' of the data: no run records it.*hub_force"):
-        fit(scene, data, RANGES, samples=SAMPLES, until=0.1)
+        calibrate(scene, data, RANGES, samples=SAMPLES, until=0.1)
 
 
 def test_the_command(scene: Scene, begin: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from membrane_rs import scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
+from membrane_rs._renamed import takes_name_of
 from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.results.experiment import Experiment, read_experiment
@@ -24,13 +25,14 @@ from membrane_rs.results.history_table import column_units
 from membrane_rs.scene import Scene
 from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.scene.staging import planned_starts
+from membrane_rs.study.calibration.analysis import analysed, jacobian
+from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, data_columns
+from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where
 from membrane_rs.study.common.one_run import Record, RunSetup, as_record
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.vary import Parameter, parameters_of
-from membrane_rs.study.fitting.analysis import analysed, jacobian
-from membrane_rs.study.fitting.model import BudgetSpent, Curves, FitModel, data_columns
-from membrane_rs.study.fitting.result import OUTPUTS, Fit, fit_of
+from membrane_rs.study.scene_match import match_scene
 
 LEAST_SQUARES, NELDER_MEAD = "least-squares", "nelder-mead"
 METHODS = (LEAST_SQUARES, NELDER_MEAD)
@@ -41,7 +43,8 @@ NEAR_END = 0.02
 """Values this near to an end of their range, as a share of it, are tried at that end too."""
 
 
-def fit(
+@takes_name_of(match_scene)
+def calibrate(
     scene: Scene | str | Path,
     data: Experiment | str | Path,
     vary: Mapping[str, Any],
@@ -61,8 +64,8 @@ def fit(
     out: str | Path | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
-) -> Fit:
-    """Fit parameters of a scene to measured curves; `calibrate` fits one to the curves of another scene.
+) -> Calibration:
+    """Fit parameters of a scene to measured curves; `match_scene` fits one to the curves of another scene.
 
     Parameters
     ----------
@@ -100,7 +103,7 @@ def fit(
 
     Returns
     -------
-    Fit
+    Calibration
         Values, errors, sensitivities, correlations, and what the data do not determine.
 
     Raises
@@ -116,11 +119,11 @@ def fit(
     >>> import numpy as np
     >>> from membrane_rs import run
     >>> from membrane_rs.results import Experiment
-    >>> from membrane_rs.study import fit
+    >>> from membrane_rs.study import calibrate
     >>> curve = run("spinning-tether", until=0.05, frames=2).history
     >>> some = slice(None, None, 100)
     >>> data = Experiment("measured", curve["time"][some], {"hub_force": curve["hub_force"][some]}, {"hub_force": "N"})
-    >>> found = fit("spinning-tether", data, {"laws.spin.frequency": "1:4"}, samples=51, most_runs=60)
+    >>> found = calibrate("spinning-tether", data, {"laws.spin.frequency": "1:4"}, samples=51, most_runs=60)
     >>> [one.key for one in found.parameters], found.undetermined
     (['laws.spin.frequency'], [])
     """
@@ -141,7 +144,7 @@ def fit(
     curves_of_data = data_columns(measured, columns, uncertainty, end)
     wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
     setup = RunSetup(end, samples, wanted, shift)
-    request = {"kind": "fit", "vary": {one.key: one.as_table() for one in parameters}}
+    request = {"kind": "calibration", "vary": {one.key: one.as_table() for one in parameters}}
     with ManyRuns(
         chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS, overwrite=overwrite
     ) as runs:
@@ -157,7 +160,7 @@ def fit(
             best, curves = model.best()
         except BudgetSpent:
             known = None
-        return fit_of(
+        return calibration_of(
             chosen, model, (first, begun), (best, curves), known, method=method, outcome=outcome, path=runs.path
         )
 
