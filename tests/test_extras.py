@@ -51,6 +51,30 @@ def test_a_module_that_no_extra_brings_is_an_error_of_its_own() -> None:
         extra("no_such_module")
 
 
+def test_a_library_that_cannot_be_loaded_is_named_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    reason = "libGL.so.1: cannot open shared object file"
+    (tmp_path / "xarray.py").write_text(f"raise ImportError({reason!r})\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "xarray", raising=False)
+    with pytest.raises(
+        MissingExtraError, match=rf"frames: xarray cannot be loaded \({reason}\); install what it lacks"
+    ):
+        extra("xarray", "frames")
+    with pytest.raises(typer.Exit), reported_errors():
+        import_module("xarray")
+    shown = capsys.readouterr().err
+    assert reason in shown
+    assert "fault of membrane_rs" not in shown
+
+
+def test_an_import_that_this_package_gets_wrong_is_its_fault(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit), reported_errors():
+        raise ImportError("cannot import name 'x'", name="membrane_rs.scene")
+    assert "fault of membrane_rs" in capsys.readouterr().err
+
+
 def test_the_error_can_be_sent_to_another_process() -> None:
     error = MissingExtraError("sweeps: this needs pandas", "sweep")
     sent = pickle.loads(pickle.dumps(error))

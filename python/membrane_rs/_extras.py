@@ -48,17 +48,32 @@ def need(*modules: str, use: str = "") -> None:
 
 
 def extra(module: str, use: str = "") -> ModuleType:
-    """A library of an extra, imported. Raises MissingExtraError where it is not installed."""
+    """A library of an extra, imported. Raises MissingExtraError where it is not installed, or cannot be loaded."""
     try:
         return import_module(module)
     except ModuleNotFoundError as error:
         raise explained(error, use) from None
+    except ImportError as error:
+        raise unloadable(module, error, use) from error
 
 
-def explained(error: ModuleNotFoundError, use: str = "") -> ImportError:
-    """The error that names the extra of a module that was not found; the same error for a module of no extra."""
+def explained(error: ImportError, use: str = "") -> ImportError:
+    """The error that names the extra of a module that was not found, or what a library that was found lacks; the same
+    error for a module of no extra, and for one of this package.
+    """
     module = (error.name or "").partition(".")[0]
-    return missing(module, use) if module in EXTRAS else error
+    if isinstance(error, ModuleNotFoundError):
+        return missing(module, use) if module in EXTRAS else error
+    return error if module == __package__ else unloadable(module or "a library", error, use)
+
+
+def unloadable(module: str, error: ImportError, use: str = "") -> MissingExtraError:
+    """The error that a library is there, but not what it needs itself, such as a shared library of the system."""
+    reason = " ".join(str(error).split())
+    return MissingExtraError(
+        f"{use}{use and ': '}{module} cannot be loaded ({reason}); install what it lacks, or the library anew",
+        EXTRAS.get(module.partition(".")[0], ""),
+    )
 
 
 def missing(module: str, use: str = "") -> MissingExtraError:

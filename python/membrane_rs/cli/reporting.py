@@ -79,7 +79,7 @@ def reported_errors() -> Iterator[None]:
         if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
             raise
         _show_traceback(error)
-        known = explained(error) if isinstance(error, ModuleNotFoundError) else error
+        known = explained(error) if isinstance(error, ImportError) else error
         if known is not error:
             show_error(str(known))
             raise typer.Exit(FAILED) from None
