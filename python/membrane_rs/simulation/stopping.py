@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from membrane_rs._messages import in_one_line
 from membrane_rs._validation import build, nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST
@@ -107,7 +108,7 @@ class _Signed:
         except InputError:
             raise
         except Exception as error:
-            raise InputError(f"{where}: raised {type(error).__name__}: {error}; mend the function") from error
+            raise InputError(f"{where}: raised {in_one_line(error)}; mend the function") from error
         if value is None or (isinstance(value, np.ndarray) and value.ndim):
             raise InputTypeError(f"{where}: gave {show(value)}; must give one number, or true or false")
         is_truth = isinstance(value, bool | np.bool_)
