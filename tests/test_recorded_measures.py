@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from killed_runs import contents, run_copied
-from membrane_rs import InputError, Simulation, open_run, resume, run, scenes
+from membrane_rs import InputError, InputTypeError, Simulation, open_run, resume, run, scenes
 from numpy.testing import assert_array_equal
 
 TETHER = "spinning-tether"
@@ -44,6 +44,34 @@ def test_measures_are_columns_with_their_units(tmp_path: Path) -> None:
     assert dict(written.history.units) == dict(kept.history.units)
     assert_array_equal(written.history["speed"], kept.history["speed"])
     assert open_run(tmp_path / "run").summary["request"]["record"] == {"speed": "m/s", "twice": ""}
+
+
+def test_known_measures_by_their_names() -> None:
+    given: list[Any] = [["largest_speed", "kinetic_energy"], {"kinetic_energy": None, "largest_speed": None}]
+    for record in given:
+        result = run(TETHER, 2e-3, samples=5, frames=2, record=record)
+        assert list(result.history)[-1] == "largest_speed"
+        assert list(result.history).count("kinetic_energy") == 1
+        assert result.history.units["largest_speed"] == "m/s"
+        assert result.summary["request"]["record"] == {"largest_speed": "m/s"}
+        sim = Simulation(scenes.load(TETHER))
+        sim.reach(2e-3)
+        assert result.history["largest_speed"][-1] == speed(sim)
+    both = run(TETHER, 2e-3, samples=5, frames=2, record={"speed": speed, "largest_speed": None})
+    assert list(both.history)[-2:] == ["speed", "largest_speed"]
+    assert_array_equal(both.history["speed"], both.history["largest_speed"])
+
+
+@pytest.mark.parametrize("record", ["largest_speed", {"largest_speed"}, 3, [3], [["largest_speed"]]])
+def test_what_is_no_list_of_names_is_refused(record: Any) -> None:
+    with pytest.raises(InputTypeError, match=r"record.*: must be a"):
+        run(TETHER, 1e-3, record=record)
+
+
+def test_an_unknown_name_is_refused() -> None:
+    for record in (["largest_sped"], {"largest_sped": None}):
+        with pytest.raises(InputError, match="'largest_sped' is no known measure; did you mean 'largest_speed'"):
+            run(TETHER, 1e-3, record=record)
 
 
 def test_samples_at_an_interval() -> None:
@@ -130,3 +158,31 @@ def test_a_run_with_measures_is_resumed_with_them(tmp_path: Path) -> None:
     assert dict(open_run(left).history.units) == dict(open_run(whole).history.units)
     resume(left, 0.025, record=RECORD)
     assert open_run(left).history["time"][-2:].tolist() == [0.024, 0.025]
+
+
+def test_known_measures_are_resumed_without_being_given(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    run_copied(Simulation(scenes.load("single-crease")), whole, record=["largest_speed", "hub_angle"])
+    left = tmp_path / "left-4"
+    for record, words in (
+        ({"largest_speed": (speed, "m/s")}, "records the known measure of that name; leave it out"),
+        (["contact_force"], "does not record it; leave it out"),
+    ):
+        with pytest.raises(InputError, match=words):
+            resume(left, record=record)
+    resume(left)
+    assert contents(left) == contents(whole)
+    resume(tmp_path / "left-5", record=["hub_angle", "largest_speed"])
+    assert contents(tmp_path / "left-5") == contents(whole)
+
+
+def test_a_function_with_the_name_of_a_known_measure_stays_a_function(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    record: dict[str, Any] = {"largest_speed": (lambda sim: sim.time, "m/s"), "contact_force": None}
+    run_copied(Simulation(scenes.load("single-crease")), whole, record=record)
+    with pytest.raises(InputError, match="records 'largest_speed', a function"):
+        resume(tmp_path / "left-4")
+    with pytest.raises(InputError, match="records 'largest_speed', a function"):
+        resume(tmp_path / "left-4", record=["largest_speed"])
+    resume(tmp_path / "left-4", record={"largest_speed": record["largest_speed"]})
+    assert contents(tmp_path / "left-4") == contents(whole)

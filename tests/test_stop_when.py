@@ -79,6 +79,13 @@ def test_a_measure_of_stages_with_its_value() -> None:
     assert stopped.history["time"][-1] == pytest.approx(ended.history["time"][-1], rel=1e-12)
 
 
+@pytest.mark.parametrize("text", ["kinetic_energy > 2e-7", "kinetic_energy>=0.2 uJ", " kinetic_energy above 2e-4mJ "])
+def test_a_measure_of_stages_as_text(text: str) -> None:
+    stopped = run(CREASE, 0.02, stop_when=text, frames=2, samples=2)
+    assert stopped.summary["request"]["stop"] == {"measure": "kinetic_energy", "above": 2e-7}
+    assert stopped.outcome.startswith("stopped: kinetic_energy above 2e-07, at ")
+
+
 @pytest.mark.parametrize("measure", [None, "kinetic_energy"])
 @pytest.mark.parametrize("level", [7.0e-3, 9e-3])
 def test_with_stages(measure: Any, level: float) -> None:
@@ -176,11 +183,16 @@ def test_a_damaged_state_is_refused_and_changes_nothing(entry: dict[str, Any]) -
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (3, "must be a function of the simulation, or a table"),
+        (3, "must be a function of the simulation, or a known measure and its value"),
         ({"above": 1.0}, "lacks the measure"),
         ({"measure": "hub_angle"}, "neither below nor above"),
         ({"measure": "hub_angel", "above": 1.0}, r"stop_when.measure = 'hub_angel'.*did you mean 'hub_angle'"),
         ({"measure": "hub_angle", "over": 1.0}, "'over': no such key"),
+        ("hub_angle", "must be a measure, < or >, and the value"),
+        ("hub_angle = 3", "must be a measure, < or >, and the value"),
+        ("hub_angle > 3 kg", "is a mass; must be an angle"),
+        ("hub_angel > 3", "did you mean 'hub_angle'"),
+        ("hub_angle > nan", r"stop_when.above = nan: must be finite"),
         ({"measure": height, "above": 1.0}, "give a function by itself"),
         (lambda _: 1 / 0, "raised ZeroDivisionError"),
         (lambda _: None, "gave None; must give one number, or true or false"),

@@ -8,10 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
-from membrane_rs.cli.many_runs import Overwrite, RecordNames, Samples, Shift
+from membrane_rs.cli.many_runs import Overwrite, Samples, Shift
 from membrane_rs.cli.options import (
     Jobs,
     Out,
+    RecordNames,
     SceneArgument,
     Set,
     Until,

@@ -42,6 +42,13 @@ def methods(incomplete: str) -> list[str]:
     return [name for name in integrators() if name.startswith(incomplete)]
 
 
+def measures(incomplete: str) -> list[tuple[str, str]]:
+    """Known measures, with their units."""
+    from membrane_rs.scene.stage import MEASURE_UNITS
+
+    return [(name, unit or "-") for name, unit in MEASURE_UNITS.items() if name.startswith(incomplete)]
+
+
 def keys(context: typer.Context, incomplete: str) -> list[str]:
     """Dotted keys of the scene that stands before the option, each with its equals sign."""
     from membrane_rs.errors import MembraneError

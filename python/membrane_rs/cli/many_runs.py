@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict, TypeVar, get_args, 
 import typer
 
 from membrane_rs.cli.application import exit_code
-from membrane_rs.cli.options import Jobs, Out, Until, count_option, quantity_option, report_audit
+from membrane_rs.cli.options import Jobs, Out, RecordNames, Until, count_option, quantity_option, report_audit
 from membrane_rs.cli.progress import run_counter
 
 if TYPE_CHECKING:
@@ -21,9 +21,6 @@ Study = TypeVar("Study")
 
 
 Samples = Annotated[int | None, count_option(help="Rows of each history. Default: the scene's.")]
-RecordNames = Annotated[
-    list[str] | None, typer.Option("--record", metavar="NAME", help="A further measure, such as largest_speed.")
-]
 Shift = Annotated[
     float | None,
     quantity_option("m", help="Standard deviation of the coordinates of perturbed starts [m]. Default: 1e-12."),

@@ -113,6 +113,16 @@ Substeps = Annotated[
 ShortSteps = Annotated[int | None, typer.Option("--short-steps", hidden=True, help="The old name of --substeps.")]
 Out = Annotated[Path | None, path_option(help="Folder of the results. Default: in runs/, named by the scene.")]
 Frames = Annotated[int | None, count_option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
+Samples = Annotated[int | None, count_option(help="Rows of the history, evenly spaced. Default: the scene's.")]
+RecordNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--record",
+        metavar="NAME",
+        autocompletion=completion.measures,
+        help="A further measure in the history, such as largest_speed. May be given several times.",
+    ),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
 Ensemble = Annotated[
     int | None, count_option(help="Number of runs from perturbed starts; 0: none. Default: depends on the study.")

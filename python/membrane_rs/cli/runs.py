@@ -30,6 +30,8 @@ from membrane_rs.cli.options import (
     NoPictures,
     Out,
     Overwrite,
+    RecordNames,
+    Samples,
     SceneArgument,
     Set,
     ShortSteps,
@@ -39,6 +41,7 @@ from membrane_rs.cli.options import (
     Until,
     load,
     path,
+    quantity_option,
     report,
     simulation_of,
     substeps_of,
@@ -49,6 +52,16 @@ from membrane_rs.cli.progress import Bar, progress_bar, terminal
 if TYPE_CHECKING:
     from membrane_rs.runs import Simulation
 
+Every = Annotated[
+    float | None, quantity_option("s", help="Time between rows of the history [s], or as 1ms, in place of --samples.")
+]
+StopWhen = Annotated[
+    str | None,
+    typer.Option(
+        metavar="CONDITION",
+        help="End before --until as a measure passes a value: 'deployment_rate > 0.99', 'kinetic_energy < 0.1uJ'.",
+    ),
+]
 NOBODY = dict.fromkeys(("pid", "host", "start"), "unknown")
 
 
@@ -66,6 +79,10 @@ def run(
     short_steps: ShortSteps = None,
     out: Out = None,
     frames: Frames = None,
+    samples: Samples = None,
+    every: Every = None,
+    record: RecordNames = None,
+    stop_when: StopWhen = None,
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
     despite_errors: Annotated[
@@ -84,7 +101,9 @@ def run(
     wanted: dict[str, Any] = {
         "until": until, "integrator": integrator, "dt": dt, "tolerance": tolerance,
         "spectral_radius": spectral_radius, "substeps": substeps_of(substeps, short_steps), "frames": frames,
+        "samples": samples,
     }  # fmt: skip
+    history = History(samples, every, record, stop_when)
     loaded = load(scene, set_)
     end = wanted.pop("until") if loaded.stages else None
     chosen = with_settings(loaded, wanted)
@@ -93,7 +112,10 @@ def run(
     with _reported(folder, json=json):
         if unaccepted_errors(chosen) and not despite_errors:
             _refuse(sim, folder, overwrite)
-        _run(sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, checkpoint=checkpoint)
+        _run(
+            sim, folder, overwrite, pictures=not no_pictures, crossings=crossings, until=end, frames=frames,
+            checkpoint=checkpoint, history=history,
+        )  # fmt: skip
 
 
 @command(RUNS, example="run spinning-tether --until 0.01 --no-pictures\nresume runs/spinning-tether --until 0.02")
@@ -111,6 +133,10 @@ def resume(
     until: Until = None,
     out: Out = None,
     frames: Frames = None,
+    samples: Samples = None,
+    every: Every = None,
+    record: RecordNames = None,
+    stop_when: StopWhen = None,
     overwrite: Overwrite = False,
     no_pictures: NoPictures = False,
     json: Json = False,
@@ -128,12 +154,18 @@ def resume(
         )
     source = folder_of_run(source)
     if source.is_dir():
-        for option, value in (("--out", out), ("--frames", frames), ("--overwrite", overwrite or None)):
-            if value is not None:
-                raise InputError(f"{option}: a run is continued in its own folder; leave it out, or name a state")
+        fixed = {"--out": out, "--frames": frames, "--samples": samples, "--every": every, "--record": record,
+                 "--stop-when": stop_when, "--overwrite": overwrite or None}  # fmt: skip
+        for option, value in fixed.items():
+            if value not in (None, []):
+                raise InputError(
+                    f"{option}: a run is continued in its own folder as it was asked for; leave it out, or name its "
+                    "state.npz"
+                )
         with _reported(source, json=json):
             _resume(source, until, no_pictures=no_pictures)
         return
+    history = History(samples, every, record, stop_when)
     sim = Simulation.restore(source)
     report(sim.audit())
     end = sim.planned_end if until is None else until
@@ -141,7 +173,7 @@ def resume(
         raise InputError(f"--until = {end}: the state is at {sim.time:.6g} s already; give a later time (s)")
     folder = out or source.parent.with_name(f"{source.parent.resolve().name}-continued")
     with _reported(folder, json=json):
-        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames)
+        _run(sim, folder, overwrite, pictures=not no_pictures, until=end, frames=frames, history=history)
 
 
 def _refuse(sim: Simulation, folder: Path, overwrite: bool) -> None:
@@ -167,6 +199,7 @@ def _run(
     until: float | None = None,
     frames: int | None = None,
     checkpoint: float = 10.0,
+    history: History,
 ) -> None:
     """Run with a progress bar; say how to continue where it is stopped."""
     from membrane_rs.runs import RunFolder
@@ -178,7 +211,18 @@ def _run(
         if settings.relax > 0 and sim.time == 0.0 and not sim.is_relaxed:
             show.relaxing()
         with warnings_of_run():
-            sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint)
+            sim.run(until, frames, progress=show.steps, observers=(results,), checkpoint=checkpoint, **vars(history))
+
+
+class History:
+    """Which rows and columns the history of a run has, and what may end it: options of `run` and `resume`."""
+
+    def __init__(self, samples: int | None, every: float | None, record: list[str] | None, stop: str | None) -> None:
+        from membrane_rs.errors import InputError
+
+        if samples is not None and every is not None:
+            raise InputError(f"--every {every:g}: --samples {samples} is given too; leave one of them out")
+        self.samples, self.every, self.record, self.stop_when = samples, every, record, stop
 
 
 @contextmanager

@@ -93,9 +93,10 @@ class HistoryTable:
     columns: list[str]
     last: list[float]
     """The last row; empty before the first one."""
+    measures: Measures
+    """Those that are recorded beside the columns that each history has."""
 
     def __init__(self, sim: Stepper, measures: Measures | None = None) -> None:
-        self._measures = measures or Measures()
         self._corners = Corners(sim.assembly, stowed_turn(sim))
         self._energies = list(sim.potential_names)
         bodies = [name for body in sim.scene.bodies for name in (body.name, f"{body.name}_friction")]
@@ -112,8 +113,8 @@ class HistoryTable:
             *self._of_stages,
             *((MOTOR,) if any(law.turns_hub for law in sim.scene.laws) else ()),
         ]
-        self._measures.check_names((*self.columns, *RENAMED))
-        self.columns += self._measures.units
+        self.measures = (measures or Measures()).beside((*self.columns, *RENAMED))
+        self.columns += self.measures.units
         self.last = []
         self._values = array("d")
 
@@ -143,7 +144,7 @@ class HistoryTable:
             row += [sim.stage, math.fsum(ledger["changes"].values())]
         if MOTOR in self.columns:
             row.append(math.nan if ledger[MOTOR] is None else ledger[MOTOR])
-        row += self._measures.values(sim)
+        row += self.measures.values(sim)
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.last = [float(value) + 0.0 for value in row]
         self._values.extend(self.last)

@@ -14,12 +14,17 @@ from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import MOST_INSTANTS
+from membrane_rs.scene.stage import MEASURES
 from membrane_rs.simulation.output_times import SAME_TIME, output_times, with_boundaries
 
 CHECKPOINT = 10.0
 """Seconds of wall time between two checkpoints, unless the caller says otherwise."""
 Instants = int | Sequence[float]
 """How many, evenly spaced from time 0 to the end, or their times [s]."""
+
+
+_WHERE_GIVEN = ("every", "record", "known", "stop")
+"""What a table of a request leaves out where it is empty."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,8 @@ class Request:
     """Interval between two samples [s], in place of their number."""
     record: Mapping[str, str] = field(default_factory=dict)
     """Units of the measures that are recorded, by their names."""
+    known: Sequence[str] = ()
+    """Those of them that are no functions of a user."""
     stop: str | Mapping[str, Any] | None = None
     """What may end the run before its time; of a function its name alone."""
 
@@ -51,6 +58,9 @@ class Request:
             object.__setattr__(self, "every", _interval(self.every, self.until))
         if not isinstance(self.record, Mapping) or not all(isinstance(unit, str) for unit in self.record.values()):
             raise InputTypeError(f"record = {show(self.record)}: must be a table of names and units")
+        recorded = set(self.record) & set(MEASURES)
+        if not isinstance(self.known, Sequence) or not recorded.issuperset(self.known):
+            raise InputTypeError(f"known = {show(self.known)}: must be names of known measures that are recorded")
         if not isinstance(self.stop, str | Mapping | None):
             raise InputTypeError(f"stop = {show(self.stop)}: must be a text or a table")
 
@@ -76,7 +86,7 @@ class Request:
     def as_table(self) -> dict[str, Any]:
         """The same as a table."""
         table = asdict(self)
-        return {name: value for name, value in table.items() if value or name not in ("every", "record", "stop")}
+        return {name: value for name, value in table.items() if value or name not in _WHERE_GIVEN}
 
     def output_times(self, start: float, scene: Scene, starts: Sequence[float] = ()) -> dict[float, bool]:
         """The instants [s] that a run from `start` on shows, and whether each is a frame. `starts` are those of the

@@ -9,8 +9,9 @@ from pathlib import Path
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError
+from membrane_rs.results.history_table import HistoryTable
 from membrane_rs.results.record import Progress
-from membrane_rs.results.recorded import Measures, Recorded
+from membrane_rs.results.recorded import Measures, Recorded, RecordTable, record_table
 from membrane_rs.results.summary import SUMMARY, folder_of_run, read_summary
 from membrane_rs.runs import signals
 from membrane_rs.runs.request import Request
@@ -54,8 +55,9 @@ def resume(
         Called with (what is drawn, pictures done, pictures in all), as the `progress` of `RunFolder`.
     record, stop_when
         The functions that the run was given, as for `membrane_rs.run`, since no file holds them: the same measures with
-        the same units, and what may end the run. That is needed only where it is a function. A run that it has ended
-        goes on beyond, to a later `until`, without it, unless it is given again.
+        the same units, and what may end the run. Known measures are recorded by their names again, and need not be
+        given. A run that `stop_when` has ended goes on beyond, to a later `until`, without it, unless it is given
+        again.
 
     Returns
     -------
@@ -96,6 +98,7 @@ def resume(
         with results.reopened():
             # What had ended a run is not looked for from before that, where the run goes on beyond.
             sim = Simulation._of_file(path / STATE, stop=None if is_stopped else stop)
+            _check_known(path, sim, request, measures)
             if end < sim.time:
                 raise InputError(f"until = {end} s: the run has come to {sim.time:.6g} s already; give a later time")
             if (summary["outcome"] == "finished" or is_stopped) and end == request.until:
@@ -117,22 +120,36 @@ def resume(
     return sim
 
 
-def _measures(path: Path, request: Request, record: Recorded | None) -> Recorded | None:
-    """The functions of a run's measures. Raises InputError where they are not those that it recorded."""
-    given = Measures(record).units
-    for name in (*request.record, *given):
-        if name not in given:
-            functions = ", ".join(f"{show(known)}: ..." for known in request.record)
+def _measures(path: Path, request: Request, record: Recorded | None) -> RecordTable:
+    """The measures that a run recorded: known ones by their names, and the functions of a user. Raises InputError where
+    these are not those that it recorded.
+    """
+    given, table = Measures(record), record_table(record)
+    functions = [name for name in request.record if name not in request.known]
+    for name in functions:
+        if table.get(name) is None:
+            words = ", ".join(f"{show(known)}: ..." for known in functions)
             raise InputError(
                 f"{path}: the run records {show(name)}, a function, which no file holds; resume it from Python: "
-                f"membrane_rs.resume(folder, record={{{functions}}})"
+                f"membrane_rs.resume(folder, record={{{words}}})"
             )
+    for name, unit in given.units.items():
+        if name in given.known:
+            continue  # recorded, or a column that each history has: `_check_known`
+        if name not in functions:
+            what = "records the known measure of that name" if name in request.known else "does not record it"
+            raise InputError(f"record[{show(name)}]: the run in {path} {what}; leave it out")
+        if unit != request.record[name]:
+            known = f"the run in {path} has it in {request.record[name]!r}"
+            raise InputError(f"record[{show(name)}]: is given in {unit!r}, but {known}; give that unit")
+    return {name: table.get(name) for name in (*request.record, *given.known)}
+
+
+def _check_known(path: Path, sim: Simulation, request: Request, measures: RecordTable) -> None:
+    """Refuse known measures that are neither recorded nor columns of each history. Raises InputError."""
+    for name in HistoryTable(sim, Measures(measures)).measures.units:
         if name not in request.record:
             raise InputError(f"record[{show(name)}]: the run in {path} does not record it; leave it out")
-        if given[name] != request.record[name]:
-            known = f"the run in {path} has it in {request.record[name]!r}"
-            raise InputError(f"record[{show(name)}]: is given in {given[name]!r}, but {known}; give that unit")
-    return record
 
 
 def _stop(path: Path, request: Request, stop_when: StopWhen | None, *, is_stopped: bool) -> Stop | None:

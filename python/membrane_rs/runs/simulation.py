@@ -266,7 +266,7 @@ class Simulation(Stepper):
             raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
         _check_every(every, samples)
         stop = stop_when if stop_when is None or isinstance(stop_when, Stop) else Stop(stop_when)
-        measures = Measures(record)
+        measures = _measures(self, record)
         request = Request(
             end,
             settings.frames if frames is None else frames,
@@ -274,6 +274,7 @@ class Simulation(Stepper):
             checkpoint=checkpoint,
             every=every,
             record=measures.units,
+            known=measures.known,
             stop=None if stop is None else stop.table,
         )
         # Refused before anything is written.
@@ -323,6 +324,12 @@ class Simulation(Stepper):
             finally:
                 self._end_stop()
         return folder
+
+
+def _measures(sim: Simulation, record: Recorded | None) -> Measures:
+    """What is recorded beside the columns that each history has. Raises InputError and InputTypeError."""
+    measures = Measures(record)
+    return HistoryTable(sim, measures).measures if measures.units else measures
 
 
 def _check_every(every: float | None, samples: object) -> None:

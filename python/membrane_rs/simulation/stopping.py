@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -19,10 +21,13 @@ from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.stage_end import StageEnd, Watch
 from membrane_rs.simulation.stage_state import ResumableMotion
 
-StopWhen = Callable[[Any], float] | Callable[[Any], bool] | Mapping[str, Any]
-"""A function of the simulation, or {"measure": name, "above": value} as of a stage, or "below" in place of "above"."""
+StopWhen = Callable[[Any], float] | Callable[[Any], bool] | Mapping[str, Any] | str
+"""A function of the simulation; or a known measure and a value, as of a stage: "deployment_rate > 0.99", or the same as
+a table, {"measure": "deployment_rate", "above": 0.99}, or with "below" in place of "above"."""
 _KEYS = ("measure", "below", "above")
-_EXAMPLE = '{"measure": "deployment_rate", "above": 0.99}'
+_SIGNS = {"<": "below", "<=": "below", "below": "below", ">": "above", ">=": "above", "above": "above"}
+_CONDITION = re.compile(r"\s*(\w+)\s*(<=?|>=?|\bbelow\b|\babove\b)\s*(\S.*?)\s*")
+_EXAMPLE = '"deployment_rate > 0.99"'
 
 
 class Stop:
@@ -30,9 +35,9 @@ class Stop:
 
     Parameters
     ----------
-    given : callable or Mapping
+    given : callable, str or Mapping
         A function of the simulation that gives a number, which ends the run as it passes zero in either direction, or a
-        truth value, which ends it as it becomes true; or the measure of a stage, with "below" or "above".
+        truth value, which ends it as it becomes true; or the measure of a stage, with the value that it passes.
 
     Raises
     ------
@@ -42,13 +47,13 @@ class Stop:
 
     def __init__(self, given: StopWhen) -> None:
         self._function: _Signed | None = None
-        if isinstance(given, Mapping):
-            self._stage = _stage(given)
+        if isinstance(given, Mapping | str):
+            self._stage = _stage(_condition(given) if isinstance(given, str) else given)
         elif callable(given):
             self._function = _Signed(given)
             self._stage = Stage("run", LONGEST, self._function, above=0.0)
         else:
-            what = f"must be a function of the simulation, or a table such as {_EXAMPLE}"
+            what = f"must be a function of the simulation, or a known measure and its value, such as {_EXAMPLE}"
             raise InputTypeError(f"stop_when = {show(given)}: {what}")
 
     @property
@@ -78,13 +83,25 @@ class Stop:
         return Watch(follower, (-1,) if self._function.is_truth else (-1, 1), ends_run=True)
 
 
+def _condition(text: str) -> dict[str, Any]:
+    """The table of a text such as "kinetic_energy < 0.1 uJ". Raises InputError."""
+    found = _CONDITION.fullmatch(text)
+    if found is None:
+        what = f"must be a measure, < or >, and the value that it passes, such as {_EXAMPLE}"
+        raise InputError(f"stop_when = {show(text)}: {what}")
+    measure, sign, value = found.groups()
+    with suppress(ValueError):
+        return {"measure": measure, _SIGNS[sign]: float(value)}
+    return {"measure": measure, _SIGNS[sign]: value}
+
+
 def _stage(given: Mapping[str, Any]) -> Stage:
     """A stage with the measure and the value of a table."""
     for key in given:
         if key not in _KEYS:
             raise InputError(f"stop_when: {show(key)}: no such key; {nearest(str(key), _KEYS)}")
     if "measure" not in given:
-        raise InputError(f"stop_when: lacks the measure; give a table such as {_EXAMPLE}")
+        raise InputError(f"stop_when: lacks the measure; give it with its value, such as {_EXAMPLE}")
     if not isinstance(given["measure"], str):
         raise InputTypeError(f"stop_when.measure = {show(given['measure'])}: must be a name; give a function by itself")
     try:

@@ -22,6 +22,7 @@ from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.results.experiment import Experiment, read_experiment
 from membrane_rs.results.history_table import column_units
+from membrane_rs.results.recorded import Recorded, RecordTable, record_table
 from membrane_rs.scene import Scene
 from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.scene.staging import planned_starts
@@ -29,7 +30,7 @@ from membrane_rs.study.calibration.analysis import analysed, jacobian
 from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where
-from membrane_rs.study.common.one_run import Record, RunSetup, as_record
+from membrane_rs.study.common.one_run import RunSetup
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.scene_match import match_scene
@@ -56,7 +57,7 @@ def calibrate(
     step: float | None = None,
     until: float | None = None,
     samples: int | None = None,
-    record: Record | Sequence[str] | None = None,
+    record: Recorded | None = None,
     shift: float = SHIFT,
     most_runs: int = 500,
     executor: Where = "threads",
@@ -137,7 +138,7 @@ def calibrate(
         if isinstance(count, bool) or not isinstance(count, int) or not least <= count <= most:
             raise InputError(f"{name} = {show(count)}: must be a whole number from {least} to {most}")
     parameters = _ranges(chosen, vary)
-    wanted = dict(as_record(record or {}))
+    wanted = dict(record_table(record))
     measured = _measured(data, wanted)
     planned = planned_starts(chosen.stages)[-1] if chosen.stages else chosen.run.until
     end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
@@ -180,7 +181,7 @@ def _ranges(scene: Scene, vary: Mapping[str, Any]) -> list[Parameter]:
     return found
 
 
-def _measured(data: object, record: Record) -> Experiment:
+def _measured(data: object, record: RecordTable) -> Experiment:
     """The data, those of a file in the units of a history."""
     if isinstance(data, Experiment):
         return data

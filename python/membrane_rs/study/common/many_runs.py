@@ -21,24 +21,21 @@ from uuid import uuid4
 
 from typing_extensions import Self
 
-from membrane_rs._validation import nearest, number_of, show
+from membrane_rs._validation import number_of, show
 from membrane_rs.errors import ExecutorError, InputError, InputTypeError
-from membrane_rs.results.recorded import Measures
+from membrane_rs.results.recorded import Measures, record_table
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
-from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.study.common.executor import workers_of
 from membrane_rs.study.common.kept_runs import KeptRuns
 from membrane_rs.study.common.one_run import (
     CRASHED,
     TIME_LIMIT,
-    Record,
     RunPoint,
     RunResult,
     RunSetup,
     RunStopped,
     RunTask,
-    as_record,
     make_run,
     packed,
     stop_runs,
@@ -230,20 +227,8 @@ def checked_setup(setup: RunSetup) -> RunSetup:
     limit = None if setup.time_limit is None else number_of("time_limit", setup.time_limit)
     if limit is not None and limit <= 0.0:
         raise InputError(f"time_limit = {limit}: must be above 0 (s of wall time for each run)")
-    return RunSetup(until, samples, _checked_record(setup.record), shift, limit)
-
-
-def _checked_record(record: Any) -> Record:
-    """Measures by name; from a list of names those that are known. Raises InputError and InputTypeError."""
-    is_list = isinstance(record, Sequence) and not isinstance(record, str)
-    if not isinstance(record, Mapping) and not (is_list and all(isinstance(name, str) for name in record)):
-        raise InputTypeError(f"record = {show(record)}: must be a table of functions by name, or a list of names")
-    record = as_record(record)
-    unknown = next((name for name, measure in record.items() if measure is None and name not in MEASURE_UNITS), None)
-    if unknown is not None:
-        raise InputError(f"record: {show(unknown)} is no known measure; {nearest(str(unknown), MEASURE_UNITS)}")
-    Measures({name: measure for name, measure in record.items() if measure is not None})
-    return dict(record)
+    Measures(setup.record)
+    return RunSetup(until, samples, dict(record_table(setup.record)), shift, limit)
 
 
 def check_picklable(setup: RunSetup) -> None:
@@ -274,6 +259,4 @@ def _as_request(setup: RunSetup) -> dict[str, Any]:
 
 def units_of(setup: RunSetup) -> dict[str, str]:
     """The unit of each measure by the name of its column."""
-    record = as_record(setup.record)
-    given = {name: measure for name, measure in record.items() if measure is not None}
-    return {name: MEASURE_UNITS[name] for name in record if name not in given} | Measures(given).units
+    return Measures(setup.record).units

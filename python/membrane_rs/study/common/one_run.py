@@ -9,7 +9,7 @@ from __future__ import annotations
 import pickle
 import time
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from typing import Any
@@ -18,11 +18,9 @@ from membrane_rs._arrays import Floats
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.features import curve_features, energy_balance
 from membrane_rs.results.history_table import HistoryTable
-from membrane_rs.results.recorded import Measures
+from membrane_rs.results.recorded import Measures, Recorded, RecordTable, record_table
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.scene.stage import MEASURE_UNITS
-from membrane_rs.simulation.measures import OF_MOTION
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
 
 FINISHED, UNSTABLE, REFUSED, FAILED = "finished", "unstable", "refused", "failed"
@@ -41,10 +39,6 @@ NAMED = ("time", "deployment_rate", "phase_difference_deg", "energy_error", "ref
 DETAILS = ("stage", "hub_angle", "energy_", "work_")
 """Beginnings of names of columns of which a row has no numbers, unless they are a user's measures."""
 
-Measure = Callable[[Any], float]
-Record = Mapping[str, Measure | tuple[Measure, str] | None]
-"""Measures by the names of their columns: a function of the simulation, that and its unit, or None for a known one of
-the name."""
 _stopped: set[str] = set()
 """Tickets of runs of this process that are to end."""
 
@@ -77,7 +71,7 @@ class RunSetup:
 
     until: float | None = None
     samples: int | None = None
-    record: Record | Sequence[str] = field(default_factory=dict)
+    record: Recorded = field(default_factory=dict)
     shift: float = SHIFT
     time_limit: float | None = None
 
@@ -125,11 +119,6 @@ class RunResult:
         """The run as one row of a table."""
         point = {**self.point.values, "start": self.point.start}
         return {**point, "outcome": self.outcome, "message": self.message, **self.facts}
-
-
-def as_record(record: Record | Sequence[str]) -> Record:
-    """Measures by the names of their columns; from a list of names those that are known."""
-    return record if isinstance(record, Mapping) else dict.fromkeys(record)
 
 
 class RunStopped(Exception):  # noqa: N818 - no error
@@ -195,11 +184,11 @@ def make_run(task: RunTask) -> RunResult:
     history = {} if sim is None else curves.table(sim.time)
     if sim is None or not history or not len(history["time"]):
         return RunResult(task.point, outcome, message)
-    facts = _facts(sim, history, as_record(task.setup.record)) | {"wall_time": time.perf_counter() - began}
+    facts = _facts(sim, history, record_table(task.setup.record)) | {"wall_time": time.perf_counter() - began}
     return RunResult(task.point, outcome, message, facts, history)
 
 
-def _facts(sim: Simulation, history: Mapping[str, Floats], record: Record) -> dict[str, float | None]:
+def _facts(sim: Simulation, history: Mapping[str, Floats], record: RecordTable) -> dict[str, float | None]:
     """The numbers of a row."""
     facts: dict[str, float | None] = {"time": sim.time, **curve_features(history)}
     balance = energy_balance(dict(history))
@@ -215,8 +204,8 @@ def _facts(sim: Simulation, history: Mapping[str, Floats], record: Record) -> di
 class _Curves:
     """Observer that keeps the history."""
 
-    def __init__(self, record: Record | Sequence[str]) -> None:
-        self._record = as_record(record)
+    def __init__(self, record: Recorded) -> None:
+        self._record = record
         self._table: HistoryTable | None = None
 
     @property
@@ -225,14 +214,7 @@ class _Curves:
         return self._table is not None
 
     def start(self, sim: Simulation) -> None:
-        own = HistoryTable(sim).columns
-        wanted: dict[str, Any] = {}
-        for name, measure in self._record.items():
-            if measure is not None:
-                wanted[name] = measure
-            elif name not in own:
-                wanted[name] = OF_MOTION[name], MEASURE_UNITS[name]
-        self._table = HistoryTable(sim, Measures(wanted))
+        self._table = HistoryTable(sim, Measures(self._record))
 
     def sample(self, sim: Simulation) -> None:
         if self._table is not None:

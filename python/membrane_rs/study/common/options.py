@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypedDict, TypeVar
 
+from membrane_rs.results.recorded import Recorded
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.many_runs import ManyRuns, Where
-from membrane_rs.study.common.one_run import Record, RunSetup
+from membrane_rs.study.common.one_run import RunSetup
 from membrane_rs.study.common.perturbation import SHIFT
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -20,7 +21,7 @@ class RunOptions(TypedDict, total=False):
 
     until: float | None
     samples: int | None
-    record: Record | Sequence[str] | None
+    record: Recorded | None
     shift: float
     time_limit: float | None
     executor: Where
@@ -37,7 +38,7 @@ def many_runs(
     *,
     until: float | None = None,
     samples: int | None = None,
-    record: Record | Sequence[str] | None = None,
+    record: Recorded | None = None,
     shift: float = SHIFT,
     time_limit: float | None = None,
     executor: Where = "threads",
