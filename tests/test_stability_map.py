@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import pytest
 from membrane_rs import InputError
@@ -34,6 +35,18 @@ def test_outcomes_follow_the_predicted_limit(cells: list[Cell]) -> None:
     assert cells[4].limit < 0.3 * cells[0].limit
 
 
+def test_cells_do_not_depend_on_the_number_of_jobs(cells: list[Cell]) -> None:
+    shown: list[Cell] = []
+    options: dict[str, Any] = {"methods": ["rk4"], "shares": [0.3, 0.9, 1.2, 200], "until": 0.2, "jobs": 1}
+    assert list(map(str, stability_map(hanging_strip(), RATIO, [0.02, 5.0], progress=shown.append, **options))) == list(
+        map(str, cells)
+    )
+    assert list(map(str, shown)) == list(map(str, cells))
+    refused(
+        lambda: stability_map(hanging_strip(), RATIO, [0.02], **{**options, "jobs": 0}), InputError, "jobs = 0: must be"
+    )
+
+
 def test_files(cells: list[Cell], tmp_path: Path) -> None:
     paths = write_map(cells, RATIO, tmp_path / "map", "strip")
     assert [path.name for path in paths] == ["stability.csv", "stability-rk4.png"]
@@ -54,8 +67,8 @@ def test_nothing_to_run() -> None:
 
 
 def test_command(tmp_path: Path) -> None:
-    words = ["stability", "single-crease", "--values", "0,0.1", "--steps", "0.5,1.5", "--integrator", "rk4"]
-    result = CliRunner().invoke(app, [*words, "--until", "0.002", "--out", str(tmp_path)])
+    words = ["stability", "single-crease", "--values", "0,0.1", "--steps", "0.5,1.5", "--integrators", "rk4"]
+    result = CliRunner().invoke(app, [*words, "--jobs", "1", "--until", "0.002", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert "of the limit)" in result.output
     assert (tmp_path / "stability.csv").is_file()

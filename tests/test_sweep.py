@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import inspect
 import json
 import math
 import os
@@ -17,7 +18,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, MissingFileError, OutputError
 from membrane_rs.cli import app
-from membrane_rs.study import Ensemble, Sweep, ensemble, open_ensemble, open_sweep, sweep
+from membrane_rs.study import Sweep, ensemble, open_ensemble, open_sweep, sweep
 from membrane_rs.study.common.rows import table_format
 from small_scenes import refused
 from typer.testing import CliRunner
@@ -142,10 +143,52 @@ def test_an_ensemble(tmp_path: Path) -> None:
 
 def test_what_an_ensemble_needs(made: Sweep) -> None:
     refused(lambda: open_ensemble(made.path or ""), InputError, "use open_sweep")
-    failed = Ensemble(sweep(SCENE, {}, starts=1, record={"odd": lambda sim: math.nan}, **SHORT))
+    failed = ensemble(SCENE, 1, record={"odd": lambda sim: math.nan}, **SHORT)
     assert failed.runs.outcomes() == {"failed": 1}
     refused(failed.plot, InputError, "no run has come to its end")
     refused(lambda: failed.band("time"), InputError, "no run has come to its end")
+
+
+def test_one_run_is_no_sweep() -> None:
+    refused(lambda: sweep(SCENE, {}), InputError, "vary: names no value, .*such as laws.creases.stiffness, or starts")
+    assert sweep(SCENE, {}, starts=2, **SHORT).outcomes() == {"finished": 2}
+
+
+@pytest.mark.parametrize(("key", "option"), [("run.until", {"until": 1.0}), ("run.samples", {"samples": 5})])
+def test_what_an_option_rules_is_not_varied(key: str, option: dict[str, Any]) -> None:
+    words = f"vary {key}: {next(iter(option))} = .* rules it in all runs"
+    refused(lambda: sweep(SCENE, {key: [2, 3]}, **option), InputError, words)
+
+
+def test_samples_that_are_rounded_to_one_are_told() -> None:
+    found = sweep(SCENE, {"run.substeps": "1:3"}, sample="lhs:9", until=1e-3, samples=2)
+    assert found.summary() == "3 of 3 runs: 3 finished (9 samples, of which 3 are different)"
+    found = sweep(SCENE, {FREQUENCY: "1:3"}, sample="lhs:3", starts=2, until=1e-3, samples=2)
+    assert found.summary() == "6 of 6 runs: 6 finished"
+
+
+def test_a_keyword_that_does_not_exist() -> None:
+    wrong: Any = {"untill": 3}
+    with pytest.raises(TypeError, match=r"^sweep\(\): got an unexpected keyword argument 'untill'$"):
+        sweep(SCENE, {FREQUENCY: [1]}, **wrong)
+    with pytest.raises(TypeError, match=r"^ensemble\(\): got an unexpected keyword argument 'untill'$"):
+        ensemble(SCENE, 2, **wrong)
+
+
+def test_signatures_name_all_options() -> None:
+    of_sweep, of_ensemble = inspect.signature(sweep).parameters, inspect.signature(ensemble).parameters
+    assert {"until", "samples", "record", "time_limit", "executor", "jobs", "out", "overwrite", "retry"} < set(of_sweep)
+    assert set(of_sweep) - set(of_ensemble) == {"vary", "sample", "seed"}
+    assert (of_sweep["shift"].default, of_sweep["executor"].default) == (1e-12, "threads")
+
+
+def test_results_make_their_folder(made: Sweep, tmp_path: Path) -> None:
+    few = ensemble(SCENE, 2, **SHORT)
+    assert all(path.is_file() for path in few.save(tmp_path / "a" / "b"))
+    for write in (few.plot, made.plot):
+        refused(lambda write=write: write(path=tmp_path / "c" / "d.png"), OutputError, "cannot write .*d.png: No such")  # type: ignore[misc]
+    refused(lambda: made.save_table(tmp_path / "c" / "d.csv"), OutputError, "cannot write .*d.csv: No such")
+    assert not (tmp_path / "c").exists()
 
 
 def test_the_format_of_a_table(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,7 +66,11 @@ def test_values_of_stages() -> None:
     [
         ({"laws.crease.stiffness": "1"}, "did you mean 'laws.creases.stiffness'"),
         ({"laws.creases.stifness": "1"}, "did you mean 'stiffness'"),
-        ({STIFFNESS: "-1,1,-3", "material.thickness": "0"}, "(?s)-1: must be .*-3: must be .*thickness = 0: must be"),
+        ({STIFFNESS: "-1,1,-3", "material.thickness": "0"}, "stiffness = -1, -3: must be .*thickness = 0: must be"),
+        ({"material.thickness": "5kg,1um,3 s"}, "thickness = '5kg': is a mass; .*thickness = '3 s': is a time"),
+        ({"name": "a,b"}, "vary name: is a text that no run depends on; vary a value, such as"),
+        ({"name": [1]}, "vary name: is a text"),
+        ({"run.integrator": "rk4,leapfrop,rk"}, "run.integrator = 'leapfrop': is no method; did you mean 'leapfrog'"),
         ({STIFFNESS: "nan"}, "must be finite"),
         ({STIFFNESS: "1:inf:3"}, "must be finite"),
         ({STIFFNESS: "1e999:2:3"}, "must be finite"),
@@ -84,7 +88,7 @@ def test_values_of_stages() -> None:
         ({STIFFNESS: "1:2:" + 30 * "9"}, "at most 100,000 values"),
         ({STIFFNESS: "2:1:5"}, "from a lower to a higher value, 2 to 1"),
         ({STIFFNESS: "0:1:log5"}, "must begin above 0"),
-        ({STIFFNESS: "soft:stiff:3"}, "(?s)'soft': must be a number.*'stiff': must be a number"),
+        ({STIFFNESS: "soft:stiff:3"}, "stiffness = 'soft', 'stiff': must be a number"),
         ({"run.integrator": "leapfrog:rk4:3"}, "is no number; a range needs two"),
         ({"material.thickness": "5kg"}, "is a mass; must be a length"),
         ({"run.substeps": "1.5"}, "whole number"),
@@ -105,8 +109,17 @@ def test_wrong_values(crease: Scene, vary: Any, words: str) -> None:
 
 
 def test_many_faults_are_cut_short(crease: Scene) -> None:
-    with pytest.raises(InputError, match="and 90 more faults"):
+    with pytest.raises(InputError, match=r"stiffness = -100, -99, .*, -91 and 90 more: must be at least 0$"):
         parameters_of(crease, {STIFFNESS: list(range(-100, 0))})
+    with pytest.raises(InputError, match="and 40 more faults"):
+        parameters_of(crease, {f"laws.{k}": [1] for k in range(50)})
+
+
+def test_a_wrong_key_is_told_once(crease: Scene) -> None:
+    with pytest.raises(InputError) as told:
+        parameters_of(crease, {"laws.crease.stiffness": "1,3,10"})
+    assert str(told.value).count("no value of that name") == 1
+    assert str(told.value).startswith("laws.crease.stiffness = 1, 3, 10: this scene has no value")
 
 
 def test_one_value_by_two_keys() -> None:
@@ -172,7 +185,9 @@ def test_wrong_designs(crease: Scene, sample: Any, seed: Any, words: str) -> Non
 
 
 def test_ranges_and_designs_that_do_not_fit(crease: Scene) -> None:
-    refused(lambda: points_of([], "lhs:4"), InputError, "nothing to sample")
+    refused(lambda: points_of([], "lhs:4"), InputError, "samples are taken from ranges, and there is none")
+    listed = parameters_of(crease, {STIFFNESS: "1,3"}, sampled=True)
+    refused(lambda: points_of(listed, "lhs:5"), InputError, "vary a range such as 10:1000 .*or run all combinations")
     with pytest.raises(InputError, match="leave 5 out"):
         parameters_of(crease, {STIFFNESS: "1:2:log5"}, sampled=True)
 

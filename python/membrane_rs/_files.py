@@ -41,6 +41,14 @@ def path_of(value: object, name: str = "path") -> Path:
     return Path(found)
 
 
+def made_folder(folder: object, name: str = "folder") -> Path:
+    """A folder, which is made with those above it where there is none. Raises as `path_of`, and OutputError."""
+    path = path_of(folder, name)
+    with output_errors(path):
+        path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
 def check_regular(path: Path, most: int = MOST_BYTES) -> None:
     """Refuse what is no regular file, or one of more than `most` bytes, before it is opened.
 

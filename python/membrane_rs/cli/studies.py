@@ -33,6 +33,11 @@ from membrane_rs.cli.options import (
 if TYPE_CHECKING:
     from membrane_rs.study import Ablation, WorkPrecision
 
+Methods = Annotated[
+    str | None,
+    typer.Option("--integrators", "--integrator", help="Methods, separated by commas. Default: all."),
+]
+
 
 @command(STUDIES, example="stability spinning-tether --values 0,0.02 --steps 0.5,1.05 --until 0.001")
 def stability(
@@ -46,8 +51,9 @@ def stability(
     steps: Annotated[str, typer.Option(help="Steps in multiples of the stability limit, separated by commas.")] = (
         "0.25,0.5,0.75,0.95,1.05,1.5"
     ),
-    integrator: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
+    integrator: Methods = None,
     until: Until = None,
+    jobs: Jobs = None,
     out: Out = None,
     json: Json = False,
 ) -> None:
@@ -57,7 +63,7 @@ def stability(
     chosen = load(scene, set_)
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
-    names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrator")
+    names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrators")
     cells = stability_map(
         chosen,
         parameter,
@@ -65,6 +71,7 @@ def stability(
         methods=names,
         shares=numbers(steps, "--steps"),
         until=until,
+        jobs=jobs,
         progress=lambda cell: (tell if json else typer.echo)(
             f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
             f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
@@ -84,7 +91,7 @@ def work_precision(
     scene: SceneArgument,
     *,
     set_: Set = None,
-    integrators: Annotated[str | None, typer.Option(help="Methods, separated by commas. Default: all.")] = None,
+    integrators: Methods = None,
     until: Until = None,
     steps: Annotated[int, count_option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
     curves: Annotated[

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._files import output_errors, replacing, write_text
+from membrane_rs._files import made_folder, replacing, write_text
 from membrane_rs._markdown import table
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
@@ -162,9 +162,7 @@ class Ablation:
 
     def save(self, folder: Path | str) -> None:
         """Write ablation.md, ablation.csv, ablation.json, and the smallest model's scene. Raises OutputError."""
-        folder = Path(folder)
-        with output_errors(folder):
-            folder.mkdir(parents=True, exist_ok=True)
+        folder = made_folder(folder)
         write_text(folder / "ablation.md", self.table())
         with replacing(folder / "ablation.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._files import output_errors, replacing
+from membrane_rs._files import made_folder, replacing
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.work_precision import COSTS, Line, Row, plot_work_precision
@@ -146,9 +146,7 @@ class WorkPrecision:
 
     def save(self, folder: Path | str) -> None:
         """Write chart.csv, chart.json and chart.png into a folder. Raises OutputError."""
-        folder = Path(folder)
-        with output_errors(folder):
-            folder.mkdir(parents=True, exist_ok=True)
+        folder = made_folder(folder)
         with replacing(folder / "chart.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             names = ["integrator", "density", "dt", "share_of_limit", "tolerance", "steps", "rejected", "evaluations"]

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from typing_extensions import Unpack
 
+from membrane_rs import scenes
 from membrane_rs._arrays import Floats
-from membrane_rs._files import path_of
+from membrane_rs._files import made_folder
 from membrane_rs._markdown import table as markdown
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
@@ -26,7 +27,8 @@ from membrane_rs.study.common.many_runs import Progress
 from membrane_rs.study.common.one_run import FINISHED
 from membrane_rs.study.common.options import RunOptions, takes_run_options
 from membrane_rs.study.common.rows import write_table
-from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
+from membrane_rs.study.common.sampling import GRID
+from membrane_rs.study.sweeping import Sweep, open_sweep, swept
 
 CURVES = "curves"
 """The file of means and spreads."""
@@ -138,6 +140,8 @@ class Ensemble:
     def save(self, folder: str | Path, columns: Sequence[str] | None = None, **options: Any) -> list[Path]:
         """Write curves.csv (mean, standard deviation, lowest and highest of each column) and ensemble.png; the paths.
 
+        The folder is made where there is none.
+
         Columns and options are those of `plot`.
 
         Raises
@@ -147,9 +151,9 @@ class Ensemble:
         OutputError
             A file cannot be written.
         """
-        folder = path_of(folder, "folder")
         if not self.histories:
             raise InputError(NOTHING)
+        folder = made_folder(folder)
         table: dict[str, Floats] = {}
         for name in self.columns:
             band, widest = self.band(name), self.band(name, "range")
@@ -199,7 +203,9 @@ def ensemble(
     >>> found.band("kinetic_energy").mean.shape
     (3,)
     """
-    return Ensemble(sweep(scene, {}, starts=starts, table=table, progress=progress, **options))
+    chosen = scenes.scene_of(scene)
+    design = {"sample": GRID}
+    return Ensemble(swept(chosen, [], [{}], starts, design, table=table, progress=progress, options=options))
 
 
 def open_ensemble(path: str | Path) -> Ensemble:

@@ -19,7 +19,7 @@ import numpy as np
 
 from membrane_rs._archives import read_arrays
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors, reading_errors, replacing
+from membrane_rs._files import made_folder, reading_errors, replacing
 from membrane_rs._validation import show
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
@@ -175,9 +175,7 @@ def mesh_study(
     sail = _sail(scene)
     for job in jobs:
         sail.with_rows(job.rows)  # refuses rows that do not fit, before anything runs
-    folder = Path(folder)
-    with output_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    folder = made_folder(folder)
     stop = Event()
     runs = run_parallel(
         [lambda job=job: _kept(scene, sail, job, folder, stop) for job in jobs],  # type: ignore[misc]

@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from membrane_rs._files import output_errors, write_text
+from membrane_rs._files import made_folder, write_text
 from membrane_rs._markdown import table
 from membrane_rs.plotting.mesh_study import plot_meshes
 from membrane_rs.study.convergence import CURVES, Density, densities, limit, orders, overall_order, run_features, steps
@@ -131,9 +131,7 @@ def write_mesh_study(runs: Sequence[MeshRun], folder: str | Path) -> str:
     OutputError
         It cannot be written.
     """
-    folder = Path(folder)
-    with output_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    folder = made_folder(folder)
     tables = report(runs)
     write_text(folder / "mesh-study.md", tables)
     text = StringIO()

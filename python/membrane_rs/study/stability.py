@@ -13,14 +13,16 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Event
 
-from membrane_rs._files import output_errors, write_text
+from membrane_rs._files import made_folder, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
+from membrane_rs.study.common.executor import run_parallel
 from membrane_rs.study.common.stages import refuse_stages
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
@@ -84,6 +86,7 @@ def stability_map(
     shares: Sequence[float] = SHARES,
     until: float | None = None,
     accurate: float = ACCURATE,
+    jobs: int | None = None,
     progress: Callable[[Cell], None] | None = None,
 ) -> list[Cell]:
     """Run the scene for every value of `parameter`, step and method.
@@ -103,8 +106,10 @@ def stability_map(
         End of each run [s]. Default: the scene's.
     accurate : float
         Energy error up to which a run counts as fine.
+    jobs : int, optional
+        Runs at a time. Default: one for each core. Cells do not depend on it.
     progress : callable, optional
-        Called with each cell.
+        Called with each cell, as its run ends.
 
     Raises
     ------
@@ -120,27 +125,38 @@ def stability_map(
     end = scene.run.until if until is None else until
     settings = replace(scene.run, until=end, dt=None, watch=WATCH, energy_loss=1e9, snapshots=(), samples=SAMPLES)
     base = replace(scene, run=settings)
-    cells: list[Cell] = []
+    wanted: list[tuple[Scene, str, float, float]] = []
     for integrator in methods:
         limit = Simulation(base, integrator).stable_dt()
         if limit == math.inf:
             raise InputError(f"integrator {integrator}: has no stability limit; leave it out")
         for value in values:
             changed = base.with_values({parameter: value})
-            for share in shares:
-                cells.append(_run(changed, integrator, value, min(share * limit, end), accurate))
-                if progress is not None:
-                    progress(cells[-1])
-    return cells
+            wanted += [(changed, integrator, value, min(share * limit, end)) for share in shares]
+    stop = Event()
+    return run_parallel(
+        [lambda one=one: _run(one, accurate, stop) for one in wanted],  # type: ignore[misc]
+        [f"{integrator}, {parameter} = {value}" for _, integrator, value, _ in wanted],
+        stop,
+        workers=jobs,
+        each=progress,
+    )
 
 
-def _run(scene: Scene, integrator: str, value: float, dt: float, accurate: float) -> Cell:
+def _run(case: tuple[Scene, str, float, float], accurate: float, stop: Event) -> Cell:
+    """A cell, of a scene, a method, the parameter's value and a step [s]. Raises KeyboardInterrupt at `stop`."""
+    scene, integrator, value, dt = case
+
+    def watch(_: Simulation) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+
     worst = _WorstError()
     limit = float("nan")
     try:
         limit = Simulation(scene, integrator).stable_dt()
         sim = Simulation(scene, integrator, dt)
-        sim.run(observers=[worst], frames=2)
+        sim.run(observers=[worst], frames=2, progress=watch)
     except InputError as error:
         return Cell(integrator, value, dt, limit, "refused", 0.0, float("nan"), str(error))
     except UnstableError as error:
@@ -155,8 +171,7 @@ def write_map(cells: Sequence[Cell], parameter: str, folder: Path, title: str = 
 
     Raises OutputError where that fails.
     """
-    with output_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    folder = made_folder(folder)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["integrator", parameter, "dt", "predicted_limit", "outcome", "time", "energy_error", "message"])

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from typing_extensions import Unpack
 
@@ -22,13 +22,16 @@ from membrane_rs.study.common.many_runs import MOST_RUNS, Progress, units_of
 from membrane_rs.study.common.one_run import FINISHED, RunPoint, RunResult
 from membrane_rs.study.common.options import RunOptions, many_runs, takes_run_options
 from membrane_rs.study.common.rows import table_format, to_pandas, write_table
-from membrane_rs.study.common.sampling import GRID, is_sampled, points_of
+from membrane_rs.study.common.sampling import GRID, is_sampled, points_of, sample_count
 from membrane_rs.study.common.vary import Parameter, parameters_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 TABLE, FIGURE = "table", "sweep"
+NOTHING_VARIED = "give one to vary, such as laws.creases.stiffness, or starts above 1"
+RULED_BY: Mapping[str, Literal["until", "samples"]] = {"run.until": "until", "run.samples": "samples"}
+"""Options in whose place the values of a scene are, by their keys."""
 MOST_IN_MEMORY = 10_000
 """Runs of a sweep without a folder: their histories take some 100 kB each."""
 OUTPUTS = (f"{TABLE}.*", f"{FIGURE}.png")
@@ -117,7 +120,7 @@ class Sweep:
     def summary(self) -> str:
         """How many runs there are and how they ended, and what failed and why."""
         counts = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes().items())
-        lines = [f"{len(self.rows)} of {len(self.points)} runs: {counts or 'none made'}"]
+        lines = [f"{len(self.rows)} of {len(self.points)} runs: {counts or 'none made'}{self._repeated()}"]
         for row in self.failures():
             lines.append(f"run {row['run']} ({self.name_of(row)}) {row['outcome']}: {row['message']}")
         return "\n".join(lines)
@@ -171,6 +174,11 @@ class Sweep:
         """
         varied = [Varied(one.key, one.unit, one.values, one.is_log) for one in self.parameters]
         return plot_sweep(self.rows, varied, columns, sampled=is_sampled(self.sample), units=self.units, **options)
+
+    def _repeated(self) -> str:
+        """What is to be said where samples were rounded to fewer combinations of values."""
+        count, found = sample_count(self.sample), len({tuple(point.values.items()) for point in self.points})
+        return f" ({count} samples, of which {found} are different)" if found < count else ""
 
     def _first(self) -> list[str]:
         return ["run", *(parameter.key for parameter in self.parameters), "start", "outcome", "message"]
@@ -256,17 +264,38 @@ def sweep(
     chosen = scenes.scene_of(scene)
     sampled = is_sampled(sample)
     parameters = parameters_of(chosen, vary, sampled=sampled)
-    points = with_starts(points_of(parameters, sample, seed), starts)
+    values = points_of(parameters, sample, seed)
+    if not parameters and starts == 1:
+        raise InputError(f"vary: names no value, so that all there is is one run; {NOTHING_VARIED}")
+    for key, option in RULED_BY.items():
+        if options.get(option) is not None and any(parameter.key == key for parameter in parameters):
+            raise InputError(f"vary {key}: {option} = {options[option]} rules it in all runs; leave one of them out")
+    design = {"sample": sample, **({"seed": seed} if sampled else {})}
+    return swept(chosen, parameters, values, starts, design, table=table, progress=progress, options=options)
+
+
+def swept(
+    scene: Scene,
+    parameters: Sequence[Parameter],
+    values: Sequence[Mapping[str, Any]],
+    starts: int,
+    design: Mapping[str, Any],
+    *,
+    table: str | None,
+    progress: Progress | None,
+    options: RunOptions,
+) -> Sweep:
+    """Run a scene for combinations of values, each from so many starts; `design` says how they were chosen."""
+    points = with_starts(values, starts)
     out = options.get("out")
     if out is None and len(points) > MOST_IN_MEMORY:
         raise InputError(f"{len(points):,} runs: at most {MOST_IN_MEMORY:,} are kept in memory; give out=, a folder")
     request = {
         "kind": "sweep",
         "vary": {parameter.key: parameter.as_table() for parameter in parameters},
-        "sample": sample,
-        **({"seed": seed} if sampled else {}),
+        **design,
         "starts": starts,
-        "points": [list(point.values.values()) for point in points[::starts]],
+        "points": [list(point.values()) for point in values],
     }
     ending = None if out is None else table_format(table)
     rows: dict[int, Mapping[str, Any]] = {}
@@ -274,9 +303,9 @@ def sweep(
 
     def found() -> Sweep:
         kept = [rows[k] for k in sorted(rows)]
-        return Sweep(parameters, points, kept, runs.path, sample, units_of(runs.setup), histories)
+        return Sweep(parameters, points, kept, runs.path, design["sample"], units_of(runs.setup), histories)
 
-    with many_runs(chosen, request, OUTPUTS, **options) as runs:
+    with many_runs(scene, request, OUTPUTS, **options) as runs:
         try:
             for k, result in runs.results(points, progress):
                 rows[k] = {"run": k, **result.row()}

@@ -48,6 +48,7 @@ def run_parallel(
     workers: int | None = None,
     tell: Tell | None = None,
     outcome: Callable[[Result], str] = lambda _: "",
+    each: Callable[[Result], None] | None = None,
 ) -> list[Result]:
     """Run jobs in parallel and return their results in the order of the jobs.
 
@@ -65,6 +66,8 @@ def run_parallel(
         Called with a line of text after each job.
     outcome : callable
         Description of a result, for `tell`.
+    each : callable, optional
+        Called with each result, as its job ends.
 
     Raises
     ------
@@ -77,6 +80,8 @@ def run_parallel(
             if isinstance(result, BaseException):
                 raise result
             found[k] = result
+            if each is not None:
+                each(result)
             words = outcome(result)
             if tell is not None:
                 tell(f"[{done}/{len(jobs)}] {names[k]}{words and ': ' + words}")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._archives import read_arrays
-from membrane_rs._files import PART, output_errors, path_of, read_text, reading_errors, replacing, write_text
+from membrane_rs._files import PART, made_folder, output_errors, read_text, reading_errors, replacing, write_text
 from membrane_rs._validation import show
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.file import ARRAYS
@@ -69,11 +69,9 @@ class KeptRuns:
         outputs: Sequence[str] = (),
         overwrite: bool = False,
     ) -> None:
-        self.path = path_of(folder, "out")
+        self.path = made_folder(folder, "out")
         self._own = (*OWN_FILES, *outputs)
         asked = json.loads(json.dumps({"scene": scene.to_toml(), "mesh": mesh_mark(scene), **request}))
-        with output_errors(self.path):
-            self.path.mkdir(parents=True, exist_ok=True)
         self._lock = FolderLock(self.path)
         if not self._lock.acquire():
             raise OutputError(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
 from pathlib import Path
-from typing import Any, TypedDict, TypeVar
+from typing import Any, TypedDict, TypeVar, cast
 
 from membrane_rs.results.recorded import Recorded
 from membrane_rs.scene import Scene
@@ -72,11 +73,24 @@ def many_runs(
 
 
 def takes_run_options(function: F) -> F:
-    """A function with `**options: Unpack[RunOptions]` whose signature, in helps and completion, names each of them."""
+    """A function with `**options: Unpack[RunOptions]` whose signature, in helps and completion, names each of them.
+
+    It raises TypeError for a keyword that is none of them.
+    """
     own = inspect.signature(function)
     named = [one for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
     options = [
         one for name, one in inspect.signature(many_runs).parameters.items() if name in RunOptions.__annotations__
     ]
-    function.__signature__ = own.replace(parameters=[*named, *options])  # type: ignore[attr-defined]
-    return function
+    signature = own.replace(parameters=[*named, *options])
+
+    @wraps(function)
+    def called(*args: Any, **keywords: Any) -> Any:
+        try:
+            signature.bind(*args, **keywords)
+        except TypeError as error:
+            raise TypeError(f"{function.__name__}(): {error}") from None
+        return function(*args, **keywords)
+
+    called.__signature__ = signature  # type: ignore[attr-defined]
+    return cast("F", called)

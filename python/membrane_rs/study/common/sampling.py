@@ -24,6 +24,11 @@ def is_sampled(sample: str) -> bool:
     return _design(sample)[0] != GRID
 
 
+def sample_count(sample: str) -> int:
+    """Number of samples of a design; 0 for all combinations. Raises InputError for no design."""
+    return _design(sample)[1]
+
+
 def points_of(parameters: Sequence[Parameter], sample: str = GRID, seed: int = 0) -> list[dict[str, Any]]:
     """The combinations of a design, each once.
 
@@ -34,14 +39,14 @@ def points_of(parameters: Sequence[Parameter], sample: str = GRID, seed: int = 0
     sample : str
         "grid": all combinations, the last parameter's values first. "lhs:20": a Latin hypercube of so many samples, in
         which each parameter takes its range evenly. "sobol:32": a scrambled Sobol sequence, whose number is a power of
-        two. A list is sampled as a range of as many equal parts.
+        two. Beside ranges a list is sampled as a range of as many equal parts.
     seed : int
         Of the samples.
 
     Raises
     ------
     InputError, InputTypeError
-        No design, no parameter to sample, more combinations than `MOST_RUNS`.
+        No design, no range to sample from, more combinations than `MOST_RUNS`.
     """
     kind, count = _design(sample)
     if isinstance(seed, bool) or not isinstance(seed, int):
@@ -50,8 +55,11 @@ def points_of(parameters: Sequence[Parameter], sample: str = GRID, seed: int = 0
         raise InputError(f"seed = {show(seed)}: must be from 0 to 2^63 - 1")
     if kind == GRID:
         count = math.prod(len(parameter.values) for parameter in parameters)
-    elif not parameters:
-        raise InputError(f"sample = {show(sample)}: there is nothing to sample; give at least one --vary")
+    elif not any(parameter.is_range for parameter in parameters):
+        raise InputError(
+            f"sample = {show(sample)}: samples are taken from ranges, and there is none; vary a range such as 10:1000 "
+            f"or 10:1000:log, or run all combinations ({GRID})"
+        )
     if count > MOST_RUNS:
         raise InputError(f"{count:,} combinations of values: must be at most {MOST_RUNS:,}; give fewer values")
     keys = [parameter.key for parameter in parameters]

@@ -20,10 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._validation import show
+from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.values import key_at
+from membrane_rs.simulation import integrators
 
 MOST_VALUES = 100_000
 """Values of one parameter."""
@@ -134,7 +135,8 @@ def parameters_of(scene: Scene, vary: Mapping[str, Any], *, sampled: bool = Fals
     return list(found.values())
 
 
-_EXAMPLE = '{"laws.creases.stiffness": [1, 3, 10], "laws.springs.buckling": "10:1000:log5"}'
+EXAMPLE_KEY = "laws.creases.stiffness"
+_EXAMPLE = f'{{"{EXAMPLE_KEY}": [1, 3, 10], "laws.springs.buckling": "10:1000:log5"}}'
 
 
 class _SeveralError(InputError):
@@ -242,21 +244,36 @@ def _tried(scene: Scene, key: str, values: Sequence[Any]) -> tuple[tuple[Any, ..
 
     Raises InputError for all that it does not accept.
     """
-    found, faults = [], {}
-    own, unit = key, ""
+    if key == "name":
+        raise InputError(f"vary {key}: is a text that no run depends on; vary a value, such as {EXAMPLE_KEY}")
+    found: list[Any] = []
+    faults: dict[str, tuple[list[str], type[InputError]]] = {}
+    own, unit, methods = key, "", integrators()
     for value in values:
         try:
             changed = scene.with_values({key: value})
+            if changed.run.integrator not in methods:
+                raise InputError(f"{key} = {show(value)}: is no method; {nearest(changed.run.integrator, methods)}")
             if isinstance(value, bool) and key.count(".") == 1:  # a law, part or body as a whole
                 found.append(value)
                 continue
             found.append(_plain(key, changed.value(key)))
             own, unit = key_at(changed, key), changed.unit(key)
         except InputError as error:
-            faults[str(error)] = type(error)
+            # The same words of several values are one fault.
+            words = str(error).removeprefix(f"{key} = {show(value)}: ")
+            faults.setdefault(words, ([], type(error)))[0].append("" if words == str(error) else show(value))
     if faults:
-        raise _SeveralError(faults)
+        raise _SeveralError({_fault(key, words, given): kind for words, (given, kind) in faults.items()})
     return tuple(found), own, unit
+
+
+def _fault(key: str, words: str, values: Sequence[str]) -> str:
+    """What is wrong with some values of a key."""
+    if not values[0]:
+        return words
+    more = f" and {len(values) - SHOWN} more" if len(values) > SHOWN else ""
+    return f"{key} = {', '.join(values[:SHOWN])}{more}: {words}"
 
 
 def _plain(key: str, value: Any) -> Any:
