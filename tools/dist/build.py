@@ -2,7 +2,8 @@
 
 The wheel is linked by zig against an old C library, so that it runs on other Linux systems than the one that built it.
 Both are made from a copy of the files that git knows. With `--links`, the address of the repository's files, the links
-and pictures of README.md in that copy become absolute: a page of the package shows them, wherever it stands.
+and pictures of README.md in that copy become absolute: a page of the package shows them, wherever it stands. The
+metadata then name that address too.
 """
 
 from __future__ import annotations
@@ -24,6 +25,13 @@ def absolute(text: str, links: str) -> str:
     return LINK.sub(lambda found: f"{found[1]}{links.rstrip('/')}/{found[2]}", text)
 
 
+def with_urls(metadata: str, links: str) -> str:
+    """pyproject.toml with the addresses of documentation and changelog."""
+    pages = {"Documentation": "docs/index.md", "Changelog": "CHANGELOG.md", "Citation": "CITATION.cff"}
+    table = "".join(f'{name} = "{links.rstrip("/")}/{file}"\n' for name, file in pages.items())
+    return metadata.replace("[project.scripts]\n", f"[project.urls]\n{table}\n[project.scripts]\n", 1)
+
+
 def copy_of_tree(to: Path, links: str | None) -> None:
     """Copy all files that git knows, as they are now."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
@@ -31,8 +39,9 @@ def copy_of_tree(to: Path, links: str | None) -> None:
         (to / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, to / name)
     if links:
-        readme = to / "README.md"
-        readme.write_text(absolute(readme.read_text(encoding="utf-8"), links), encoding="utf-8")
+        for name, changed in (("README.md", absolute), ("pyproject.toml", with_urls)):
+            text = (to / name).read_text(encoding="utf-8")
+            (to / name).write_text(changed(text, links), encoding="utf-8")
 
 
 def maturin(tree: Path, *words: str) -> None:
