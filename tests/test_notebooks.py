@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "notebooks"
-PICTURES = {"ten_minutes": 6, "own_sail": 4, "many_runs": 1}
+PICTURES = {"one_sail": 6, "own_sail": 4, "many_runs": 1}
 """How many pictures each shows at least."""
 SECONDS = 300.0
 """A cell that takes longer fails; all of a notebook take seconds on a machine that does nothing else."""
