@@ -2,9 +2,9 @@
 A fit to measured curves
 ========================
 
-`study.calibrate` finds values of a scene with which its curves are nearest to measured ones, how far each is known, and what
-the data leave open. The measurement is made up here, of a known spin and a known tip mass, with noise: so the fit can be
-judged.
+`study.calibrate` finds values of a scene with which its curves are nearest to measured ones. It says how far each is
+known, and what the data leave open. The measurement is made up here, of a known spin and a known tip mass, with noise:
+so the fit can be judged.
 """
 
 import membrane_rs

@@ -2,8 +2,8 @@
 Looking at a run
 ================
 
-`run.view()` opens a window with a slider for the time, in a notebook a page with the same. Here it gives pictures, which
-need no display.
+`run.view()` opens a window with a slider for the time, in a notebook a page with the same. Here it gives pictures,
+which need no display.
 """
 
 import membrane_rs
