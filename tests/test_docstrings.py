@@ -1,18 +1,22 @@
-"""Docstrings of all that is public: parameters, what is returned, and examples that run."""
+"""Docstrings of all that is public: parameters, units, what is returned and raised, and examples that run."""
 
 from __future__ import annotations
 
 import doctest
 import importlib
 import inspect
-from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import membrane_rs
 import pytest
-from numpydoc.docscrape import NumpyDocString
-from website.public import INTERFACES, PublicName, members, public_names
+from docstring_rules import faults, lacks
+from membrane_rs._validation import number_of
+from membrane_rs.errors import InputError, InputTypeError, MissingFileError
+from membrane_rs.results import read_experiment
+from membrane_rs.runs.place import Place
+from membrane_rs.runs.running import _keep
+from raised_errors import raised
+from website.public import PublicName, members, public_names
 
 NAMES = [name for name in public_names() if name.kind != "data"]
 """Constants have a docstring that a program does not see."""
@@ -31,6 +35,7 @@ INCOMPLETE = (
     "membrane_rs.study.Calibration.plot",
     "membrane_rs.study.Calibration.save",
     "membrane_rs.study.Calibration.table",
+    "membrane_rs.study.Calibration.values",
     "membrane_rs.study.Comparison",
     "membrane_rs.study.Comparison.as_dict",
     "membrane_rs.study.Comparison.difference",
@@ -39,10 +44,12 @@ INCOMPLETE = (
     "membrane_rs.study.Comparison.table",
     "membrane_rs.study.Difference",
     "membrane_rs.study.Ensemble.band",
+    "membrane_rs.study.Ensemble.histories",
     "membrane_rs.study.Ensemble.plot",
     "membrane_rs.study.Ensemble.save",
     "membrane_rs.study.Ensemble.statistics",
     "membrane_rs.study.Ensemble.summary",
+    "membrane_rs.study.LengthScales",
     "membrane_rs.study.MeshRun",
     "membrane_rs.study.SceneMatch",
     "membrane_rs.study.SceneMatch.table",
@@ -60,6 +67,8 @@ INCOMPLETE = (
     "membrane_rs.study.WorkPrecision.save",
     "membrane_rs.study.WorkPrecision.summary",
     "membrane_rs.study.ablate",
+    "membrane_rs.study.calibrate",
+    "membrane_rs.study.compare",
     "membrane_rs.study.match_scene",
     "membrane_rs.study.open_ensemble",
     "membrane_rs.study.open_sweep",
@@ -67,64 +76,6 @@ INCOMPLETE = (
     "membrane_rs.study.write_mesh_study",
 )
 """Names whose docstrings lack something still. None is added; one that is complete leaves the list."""
-
-
-def plain(member: Any) -> Any:
-    """The function of a method or of a property."""
-    if isinstance(member, property):
-        return member.fget
-    return member.func if isinstance(member, cached_property) else getattr(member, "__func__", member)
-
-
-def parameters(value: Any) -> list[str]:
-    """Names of parameters that a caller gives."""
-    if inspect.isclass(value) and getattr(value, "_is_protocol", False):
-        return []
-    names = [name for name in inspect.signature(value).parameters if not name.startswith("_")]
-    return [name for name in names if name not in ("self", "cls")]
-
-
-def described(value: Any) -> set[str]:
-    """Names of the parameters, and of the attributes of results, that a docstring or that of a base class describes."""
-    kinds = value.__mro__ if inspect.isclass(value) else [value]
-    docs = [NumpyDocString(inspect.getdoc(kind) or "") for kind in kinds if inspect.getdoc(kind) and kind is not object]
-    rows = [row for doc in docs for row in (*doc["Parameters"], *doc["Attributes"])]
-    return {name.strip().lstrip("*") for row in rows for name in row.name.split(",")}
-
-
-def lacks(value: Any, examples: str, *, is_interface: bool = False) -> list[str]:
-    """What the docstring of a function, method, class or property lacks; `examples` are those of its class.
-
-    Methods of an interface are called by the package, not by users: its class has an example, and
-    `test_recipes.py` has more.
-    """
-    function = plain(value)
-    text = inspect.getdoc(function) or ""
-    doc = NumpyDocString(text)
-    found = [] if text else ["a docstring"]
-    if isinstance(value, property | cached_property):
-        return found
-    if not (inspect.isclass(value) and issubclass(value, BaseException)):
-        found += [f"parameter {name}" for name in parameters(function) if name not in described(function)]
-    if not inspect.isclass(value):
-        returned = inspect.signature(function).return_annotation
-        is_silent = returned in ("None", None, inspect.Signature.empty) or doc["Returns"] or doc["Yields"]
-        found += [] if is_silent else ["Returns"]
-    is_shown = doc["Examples"] or f".{function.__name__}(" in examples
-    is_error = inspect.isclass(value) and issubclass(value, BaseException)
-    return found if is_shown or is_error or is_interface else [*found, "Examples"]
-
-
-def faults(name: PublicName) -> dict[str, str]:
-    """What a public name and its members lack, by path."""
-    value = name.value
-    found = {name.path: lacks(value, "")}
-    if name.kind == "class":
-        examples = inspect.getdoc(value) or ""
-        for member in members(value):
-            what = lacks(inspect.getattr_static(value, member), examples, is_interface=value in INTERFACES)
-            found[f"{name.path}.{member}"] = what
-    return {path: ", ".join(what) for path, what in found.items() if what}
 
 
 def test_public_names_are_found() -> None:
@@ -154,16 +105,52 @@ def test_examples_run(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert outcome.failed == 0
 
 
-def test_what_a_docstring_lacks_is_found() -> None:
-    def shown(a: int, b: int) -> int:
-        """Sum.
+NUMBER, MATERIAL = inspect.getdoc(membrane_rs.units.number) or "", inspect.getdoc(membrane_rs.Material) or ""
 
-        Parameters
-        ----------
-        a : int
-            First.
-        """
-        return a + b
 
-    assert lacks(shown, "") == ["parameter b", "Returns", "Examples"]
-    assert lacks(shown, ">>> it.shown(1, 2)") == ["parameter b", "Returns"]
+@pytest.mark.parametrize(
+    ("removed", "instead", "lacking"),
+    [
+        ("name : str\n", "", ["parameter name"]),
+        ("name : str\n", "names : str\n", ["parameter name", "no parameter names"]),
+        ("Returns\n-------\n", "Notes\n-----\n", ["Returns"]),
+        (", in the unit asked for", "", ["a unit of what is returned"]),
+        ("InputTypeError\n", "InputError\n", ["error InputTypeError"]),
+        ("\nInputError\n", "\nInputErorr\n", ["error InputError", "no error InputErorr"]),
+        ("Examples\n--------\n", "Notes\n-----\n", ["Examples"]),
+    ],
+)
+def test_what_a_docstring_lacks_is_found(
+    removed: str, instead: str, lacking: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    number = membrane_rs.units.number
+    assert lacks(number) == []
+    assert removed in NUMBER
+    monkeypatch.setattr(number, "__doc__", NUMBER.replace(removed, instead))
+    assert lacks(number) == lacking
+
+
+def test_a_unit_that_is_not_that_of_the_field_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert lacks(membrane_rs.Material) == []
+    monkeypatch.setattr(membrane_rs.Material, "__doc__", MATERIAL.replace("[kg/m3]", "[g/m3]").replace("nu [-]", "nu"))
+    assert lacks(membrane_rs.Material) == ["a unit of poisson_ratio", "the unit [kg/m3] of density"]
+
+
+def test_a_property_says_its_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    time = inspect.getattr_static(membrane_rs.Simulation, "time")
+    assert lacks(time, membrane_rs.Simulation) == []
+    monkeypatch.setattr(time.fget, "__doc__", "Simulated time.")
+    assert lacks(time, membrane_rs.Simulation) == ["a unit"]
+
+
+def test_an_example_of_the_class_counts_for_its_methods() -> None:
+    step = inspect.getattr_static(membrane_rs.Simulation, "step")
+    assert (lacks(step, membrane_rs.Simulation), lacks(step)) == ([], ["Examples"])
+
+
+def test_errors_are_found_in_a_body_and_in_what_it_calls_but_for_those_that_it_catches() -> None:
+    assert raised(membrane_rs.Simulation.step, membrane_rs.Simulation) == {InputError, InputTypeError}
+    assert raised(number_of) == {InputError, InputTypeError}
+    assert raised(membrane_rs.units.of) == {InputError}
+    assert raised(read_experiment) >= {InputError, MissingFileError}
+    assert raised(Place._occupied, Place) == raised(_keep) == set()

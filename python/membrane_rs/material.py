@@ -18,7 +18,7 @@ class Material:
     youngs_modulus : float
         E [Pa], above 0.
     poisson_ratio : float
-        nu, between -1 and 0.5, both excluded.
+        nu [-], between -1 and 0.5, both excluded.
     density : float
         rho [kg/m3], above 0.
     thickness : float

@@ -39,7 +39,7 @@ def number(value: str | float, unit: str, name: str = "value") -> float:
     Parameters
     ----------
     value : str or float
-        Such as "7.5 um"; a number is taken as it is.
+        Such as "7.5 um"; a number is taken as it is, in the unit of the result.
     unit : str
         In which the result is, such as "m", "Pa", "kg/m3", "Hz", "rad"; empty for a plain number.
     name : str
@@ -48,7 +48,7 @@ def number(value: str | float, unit: str, name: str = "value") -> float:
     Returns
     -------
     float
-        The number that was written, to the last bit: "7.5 um" is 7.5e-6.
+        The number that was written, in the unit asked for, to the last bit: "7.5 um" is 7.5e-6.
 
     Raises
     ------
@@ -77,14 +77,14 @@ def convert(values: ArrayLike, unit: str, wanted: str) -> Floats:
     Parameters
     ----------
     values : (...) array_like of float
-        Numbers.
+        Numbers, in their unit.
     unit, wanted : str
         The unit that they are in, and the one that is wanted.
 
     Returns
     -------
     (...) array of float
-        A new array.
+        A new array, in the unit that is wanted.
 
     Raises
     ------
@@ -141,9 +141,9 @@ def text(value: float, unit: str, digits: int = 4) -> str:
     Parameters
     ----------
     value : float
-        The number.
+        The number, in its unit.
     unit : str
-        Its unit.
+        Of the number, in SI.
     digits : int
         Significant digits, from 1 to 17.
 

@@ -41,6 +41,8 @@ class Disc(Pattern):
     A ring has the same number of nodes on each circle, and triangles in proportion to their distance from the
     middle. That number is rounded, so its triangles are too narrow or too wide by up to 0.5 in that number.
 
+    Node sets, counter-clockwise: "centre" (the node in the middle, or the circle around the hole) and "rim".
+
     Parameters
     ----------
     radius : float
@@ -50,12 +52,12 @@ class Disc(Pattern):
     hub_radius : float
         Radius of a round hole in the middle [m]; 0: none.
 
-    Node sets, counter-clockwise: "centre" (the node in the middle, or the circle around the hole) and "rim".
-
     Raises
     ------
     MeshError
         A hole that leaves no disc, too few rings for so small a hole, or more nodes than fit.
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

@@ -20,6 +20,8 @@ from membrane_rs.mesh import Mesh
 class EquilateralLattice(Pattern):
     """Rows of equilateral triangles at z = 0, every other row half a side further along y.
 
+    Node sets: "start" and "end" (first and last row), "inside" (nodes with six neighbours).
+
     Parameters
     ----------
     side : float
@@ -29,12 +31,12 @@ class EquilateralLattice(Pattern):
     rows : int
         Rows of triangles along x, each side * sqrt(3)/2 wide.
 
-    Node sets: "start" and "end" (first and last row), "inside" (nodes with six neighbours).
-
     Raises
     ------
     MeshError
         More nodes than fit.
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

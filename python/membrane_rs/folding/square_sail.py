@@ -74,6 +74,8 @@ class SquareSail(StowedPattern):
     ------
     MeshError
         Dimensions that do not go together.
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------
@@ -173,7 +175,7 @@ class SquareSail(StowedPattern):
 
     @property
     def turns(self) -> float | None:
-        """Turns of each arm round the hub, from the hairpin to the outer corner; None in the cross."""
+        """Turns of each arm round the hub, from the hairpin to the outer corner [-]; None in the cross."""
         return self._wound_path().turns if self.stowage == "wound" else None
 
     @property
@@ -296,7 +298,7 @@ class SquareSail(StowedPattern):
         return replace(self, rows=rows, columns=columns)
 
     def with_rows(self, rows: int) -> SquareSail:
-        """The sail with so many rows of cells in each petal. Raises MeshError for no multiple of the strips.
+        """The sail with so many rows of cells in each petal.
 
         Parameters
         ----------
@@ -307,6 +309,11 @@ class SquareSail(StowedPattern):
         -------
         SquareSail
             With the same dimensions.
+
+        Raises
+        ------
+        MeshError
+            No multiple of the number of strips.
         """
         return replace(self, rows=rows)
 

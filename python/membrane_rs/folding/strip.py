@@ -25,6 +25,8 @@ Inside = Annotated[Finite, Gt(0), Lt(1)]
 class Strip(Pattern):
     """A strip along x from the origin, its width along y from -width/2 to width/2, flat at z = 0.
 
+    Node sets: "start" (x = 0), "end" (x = length), and "crease-0", "crease-1" ...
+
     Parameters
     ----------
     length, width : float
@@ -32,17 +34,17 @@ class Strip(Pattern):
     columns, rows : int
         Cells along the length and across the width; two triangles each, diagonals alternating.
     creases : sequence of float
-        Where creases lie, as fractions of the length; each must fall on a line between columns.
+        Where creases lie, as fractions of the length [-]; each must fall on a line between columns.
     fold_angle : float
         Fold angle of the first crease in the folded strip [rad], between -pi and pi, valley positive; the
         next ones have it in turn with the opposite sign. Faces stay flat.
-
-    Node sets: "start" (x = 0), "end" (x = length), and "crease-0", "crease-1" ...
 
     Raises
     ------
     MeshError
         A crease that falls inside a column, or twice in one place; more nodes than fit.
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

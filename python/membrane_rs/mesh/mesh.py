@@ -27,7 +27,7 @@ from membrane_rs.mesh.triangulation import Triangulation, frozen
 
 
 class Mesh(HasCard, Triangulation):
-    """A triangulated membrane in its strain-free and in its stowed shape.
+    """A triangulated membrane in its strain-free and in its stowed shape; it is read only, its arrays as well.
 
     Parameters
     ----------
@@ -62,8 +62,6 @@ class Mesh(HasCard, Triangulation):
         `positions`, a shut crease whose fold angle is left out.
     InputTypeError
         Something that is no number, or no whole number where an index is asked for.
-
-    A mesh is read only, its arrays as well.
 
     Examples
     --------
@@ -163,7 +161,7 @@ class Mesh(HasCard, Triangulation):
             Default: the polyimide film of the deployment experiments. The signs depend on Poisson's ratio
             only.
         positions : (n, 3) float64, optional
-            Where the strain is measured and crossings are counted. Default: the stowed positions.
+            Of the nodes where the strain is measured and crossings are counted [m]. Default: the stowed positions.
         springs : bool
             Whether edges are to be springs; False for a film of `Triangles`, which may have obtuse angles.
         growth : bool
@@ -292,6 +290,8 @@ class Mesh(HasCard, Triangulation):
             No such file.
         MeshError
             A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
+        InputError, InputTypeError
+            No path.
 
         Examples
         --------

@@ -48,13 +48,13 @@ class NetModuli:
     Attributes
     ----------
     stiffness : (3, 3) float64
-        C, over E_Y h of the film.
+        C, over E_Y h of the film [-].
     film_poisson_ratio : float
-        nu of the film.
+        nu of the film [-].
     is_balanced : bool
         Whether the uniform strain leaves no net force on any inner node, so that relaxation changes nothing.
     local_extremes : tuple of float
-        Least and greatest E/E_Y over all directions, each as a mean over the surroundings of the inner nodes. On a
+        Least and greatest E/E_Y over all directions [-], each as a mean over the surroundings of the inner nodes. On a
         mesh whose cells turn from place to place, as on a disc, the whole hides how these differ.
 
     Examples
@@ -129,7 +129,7 @@ class NetModuli:
 
     @property
     def extremes(self) -> tuple[float, float]:
-        """Least and greatest E/E_Y over all directions."""
+        """Least and greatest E/E_Y over all directions [-]."""
         every = _modulus(np.linalg.inv(self.stiffness), _GRID)
         return float(every.min()), float(every.max())
 
@@ -174,6 +174,8 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     MeshError
         A reference that is not flat, a triangle without area, or a net that has no stiffness against some strain,
         because springs are negative or clipped.
+    InputTypeError
+        Neither a mesh nor a material.
 
     Examples
     --------

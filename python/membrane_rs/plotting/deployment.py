@@ -145,6 +145,8 @@ def compare_runs(
     ------
     InputError
         Another number of labels than of folders.
+    InputTypeError
+        What is no list of paths.
     MissingFileError
         A folder without history.
     OutputError

@@ -44,6 +44,8 @@ def save_figure(figure: Figure, path: Path | str, dpi: float | None = None) -> N
     ------
     InputError
         Another ending, `dpi` that is not from 10 to 2400, or a style that matplotlib cannot draw.
+    InputTypeError
+        No figure, no path, or no number.
     OutputError
         `path` cannot be written.
 

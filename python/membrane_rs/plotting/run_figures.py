@@ -52,9 +52,9 @@ def save_run_figures(
     style : Style, str, path or mapping
         "paper" (the default), "screen", a `Style`, a style sheet of matplotlib, or its parameters.
     width : float or str, optional
-        In place of the style's: mm, "85 mm", "single" or "double".
+        In place of the style's: a number [mm], "85 mm", "single" or "double".
     times : int or sequence of float
-        Snapshots, as for `plot_snapshots`.
+        Number of snapshots, or their times [s], as for `plot_snapshots`.
     columns : sequence of str
         Of the history, for a figure "history", as for `plot_history`. Default: none.
     progress : callable, optional
@@ -70,6 +70,8 @@ def save_run_figures(
     ------
     InputError
         A format, style, width, column or time that does not exist; a run with neither frames nor two samples.
+    InputTypeError
+        No run, no path, no list of formats.
     OutputError
         A file cannot be written.
 

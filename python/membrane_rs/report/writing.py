@@ -61,6 +61,8 @@ def write_report(
     ------
     InputError
         No run, an ensemble of one, data without a column of the runs.
+    InputTypeError
+        What is neither a run nor a path, or no measured curves.
     MissingFileError
         No run in a folder, no file of data.
     OutputError

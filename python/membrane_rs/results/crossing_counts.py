@@ -145,7 +145,7 @@ class CrossingsFile(Writer):
 def read_crossings(path: Path | str) -> dict[str, Floats]:
     """Read a crossings.csv, or that of a run's folder: one (frames,) array per column.
 
-    A last line that a killed process left unfinished is dropped. Raises MissingFileError and OutputError.
+    A last line that a killed process left unfinished is dropped.
 
     Parameters
     ----------
@@ -157,11 +157,19 @@ def read_crossings(path: Path | str) -> dict[str, Floats]:
     dict of str to (frames,) float64
         "time" [s], and numbers of pairs.
 
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    OutputError
+        What is no crossings.csv.
+    InputError, InputTypeError
+        No path.
+
     Examples
     --------
     >>> import tempfile
     >>> from membrane_rs import Simulation, scenes
-
     >>> from membrane_rs.results import read_crossings
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     run = Simulation(scenes.load("hanging-strip")).run(0.01, 2, folder, pictures=False, crossings=True)

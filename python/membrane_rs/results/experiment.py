@@ -46,7 +46,7 @@ class Experiment:
     time : (n,) float
         Ascending times [s].
     columns : mapping of str to (n,) float
-        Measured values by the name of their column, NaN where there is none; the time is not among them.
+        Measured values by the name of their column, in its unit, NaN where there is none; the time is not among them.
     units : mapping of str to str
         The unit of each column, as text; empty where neither the file gives one nor one was wanted.
 
@@ -116,6 +116,8 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
         No file there.
     InputError
         What is no such table, by its line and column; a unit that is unknown, or no unit of what is wanted.
+    InputTypeError
+        No path.
 
     Examples
     --------

@@ -90,7 +90,7 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     """Read a history.csv, or that of a run's folder: one (samples,) array per column.
 
     A last line that a killed process left unfinished is dropped; columns of version 0.1 get their new names. The old
-    name of a column is still a key, with a DeprecationWarning. Raises MissingFileError and OutputError.
+    name of a column is still a key, with a DeprecationWarning.
 
     Parameters
     ----------
@@ -100,13 +100,21 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     Returns
     -------
     dict of str to (samples,) float64
-        By the names of history.csv.
+        By the names of history.csv, each in its unit.
+
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    OutputError
+        What is no history.csv.
+    InputError, InputTypeError
+        No path.
 
     Examples
     --------
     >>> import tempfile
     >>> from membrane_rs import Simulation, scenes
-
     >>> from membrane_rs.results import read_history
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     run = Simulation(scenes.load("spinning-tether")).run(0.01, 2, folder, samples=3, pictures=False)

@@ -28,6 +28,11 @@ def deployment_rate(sim: Motion) -> float:
     float
         [-], 1 for the flat sail.
 
+    Raises
+    ------
+    InputTypeError
+        No motion.
+
     Examples
     --------
     >>> from membrane_rs import Simulation, scenes
@@ -56,6 +61,11 @@ def peak_stress(sim: Motion) -> float:
     -------
     float
         [Pa]
+
+    Raises
+    ------
+    InputTypeError
+        No motion.
 
     Examples
     --------

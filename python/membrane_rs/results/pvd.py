@@ -67,7 +67,7 @@ class PvdWriter:
 
 
 def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
-    """List frames as (time [s], file relative to `path`), whole or not at all. Raises OutputError.
+    """List frames as (time [s], file relative to `path`), whole or not at all.
 
     Parameters
     ----------
@@ -75,6 +75,13 @@ def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
         Of the .pvd file.
     frames : sequence of (float, str)
         Times [s] and files, relative to that folder.
+
+    Raises
+    ------
+    OutputError
+        It cannot be written.
+    InputError, InputTypeError
+        No path.
 
     Examples
     --------
@@ -90,7 +97,7 @@ def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
 
 
 def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
-    """Times [s] and paths of the frames that a PVD file lists. Raises MissingFileError and OutputError.
+    """Times [s] and paths of the frames that a PVD file lists.
 
     Where a killed process left the end unfinished, the lines that are whole.
 
@@ -103,6 +110,15 @@ def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
     -------
     list of (float, path)
         Times [s] and files.
+
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    OutputError
+        What is no PVD file.
+    InputError, InputTypeError
+        No path.
 
     Examples
     --------

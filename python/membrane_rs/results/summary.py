@@ -121,7 +121,7 @@ def read_summary(path: Path | str) -> dict[str, Any]:
 
     Parameters
     ----------
-    path :
+    path : path
         The folder, or its summary.json.
 
     Returns
@@ -135,14 +135,13 @@ def read_summary(path: Path | str) -> dict[str, Any]:
         No summary there.
     OutputError
         The file is no summary of a run.
-    InputTypeError
+    InputError, InputTypeError
         No path.
 
     Examples
     --------
     >>> import tempfile
     >>> from membrane_rs import Simulation, scenes
-
     >>> from membrane_rs.results import read_summary
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     run = Simulation(scenes.load("spinning-tether")).run(0.01, 2, folder, samples=3, pictures=False)

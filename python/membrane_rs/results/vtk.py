@@ -72,7 +72,7 @@ def _is_in(shown: FrameData, name: str) -> bool:
 
 
 def write_frame(path: str | Path, sim: Motion) -> None:
-    """Write the state of `sim` as a VTU file, whole or not at all. Raises OutputError.
+    """Write the state of `sim` as a VTU file, whole or not at all.
 
     Parameters
     ----------
@@ -81,12 +81,18 @@ def write_frame(path: str | Path, sim: Motion) -> None:
     sim : Simulation
         Or another motion.
 
+    Raises
+    ------
+    OutputError
+        It cannot be written.
+    InputError, InputTypeError
+        No path, no motion.
+
     Examples
     --------
     >>> import tempfile
     >>> from pathlib import Path
     >>> from membrane_rs import Simulation, scenes
-
     >>> from membrane_rs.results import read_frame, write_frame
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_frame(Path(folder) / "start.vtu", Simulation(scenes.load("spinning-tether")))
@@ -98,7 +104,7 @@ def write_frame(path: str | Path, sim: Motion) -> None:
 
 
 def read_frame(path: str | Path) -> Floats:
-    """Positions (N, 3) [m] of a frame. Raises MissingFileError, and OutputError for what is no VTU file.
+    """Positions (N, 3) [m] of a frame.
 
     Parameters
     ----------
@@ -109,6 +115,15 @@ def read_frame(path: str | Path) -> Floats:
     -------
     (N, 3) float64
         [m]
+
+    Raises
+    ------
+    MissingFileError
+        No such file.
+    OutputError
+        What is no VTU file.
+    InputError, InputTypeError
+        No path.
 
     Examples
     --------

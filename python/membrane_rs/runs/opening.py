@@ -43,6 +43,8 @@ def open_run(path: str | Path) -> Run:
         No run in the folder.
     OutputError
         Its files are damaged.
+    InputError, InputTypeError
+        No path; a history of no run.
 
     Examples
     --------

@@ -73,6 +73,8 @@ def resume(
     InputError
         The run became unstable, its checkpoint is damaged, or `until` is before it; functions that the run was given
         are missing, or others are given.
+    InputTypeError
+        No path, no time, or no function.
 
     Examples
     --------

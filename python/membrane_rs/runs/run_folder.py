@@ -108,6 +108,8 @@ class RunFolder(KnownAttributes, Recorder):
     OutputError
         The folder is not empty and `overwrite` is false, or it holds files of a run's names that no run wrote, or
         another run goes on there, or it cannot be written.
+    InputError, InputTypeError
+        No path.
 
     Examples
     --------

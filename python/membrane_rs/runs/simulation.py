@@ -44,9 +44,8 @@ class Simulation(Stepper):
         Step [s]. Default: the scene's own; without one, "dopri5" chooses each step so that its error stays below
         the scene's tolerance; "generalized_alpha", which has no limit, takes 50 times 2/omega of the highest frequency;
         other methods take 0.4 of the stability limit; less where the spin, the loads or the response to them would be
-        wrong (docs/model.md). All take a little less so that a whole number of steps makes a
-        power of ten of a second. The step depends neither on the end of a run nor on its outputs.
-
+        wrong (docs/model.md). All take a little less so that a whole number of steps makes a power of ten of a second.
+        The step depends neither on the end of a run nor on its outputs.
     start : Simulation or path, optional
         Go on from the motion of another simulation, or of a saved state, in a file or in the folder of a run: its
         positions, velocities, time and the angle of its hub, which turns on from there at this scene's rate. The scene
@@ -60,6 +59,10 @@ class Simulation(Stepper):
     InputError
         dt not above zero or far beyond the limit, an integrator that does not exist, a node without mass, a start with
         other nodes.
+    InputTypeError
+        No scene, no number, no start.
+    MissingFileError
+        No saved state to start from.
 
     Warns
     -----
@@ -176,6 +179,8 @@ class Simulation(Stepper):
         ------
         InputError
             After the first step, or with a duration or rate that is not above zero.
+        InputTypeError
+            A duration or rate that is no number.
         UnstableError
             The motion with friction became unstable.
         KeyboardInterrupt
@@ -235,8 +240,8 @@ class Simulation(Stepper):
             For the folder: count the triangles that pass through each other at each frame, into crossings.csv. Without
             a folder, `membrane_rs.results.CrossingCounts` is an observer that does so.
         checkpoint : float, optional
-            For the folder: seconds of wall time between two checkpoints (state.npz), from which
-            `membrane_rs.runs.resume` goes on should the process be killed. Default: 10.
+            For the folder: wall time between two checkpoints (state.npz) [s], from which `membrane_rs.runs.resume` goes
+            on should the process be killed. Default: 10.
         record, every, stop_when
             As for `membrane_rs.run`; `record` needs something that keeps a history. What has ended
             a run before its time is `stopped_by`.
@@ -255,6 +260,8 @@ class Simulation(Stepper):
             written stays, the state among it; the simulation can go on.
         OutputError
             Results cannot be written.
+        InputError, InputTypeError
+            An end before now or after the last stage, times or a measure that are none, an option without effect.
         """
         settings = self.scene.run
         end = number_of("until", self.planned_end if until is None else until)

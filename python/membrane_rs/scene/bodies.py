@@ -59,7 +59,7 @@ class Body:
     centre : tuple of float
         A point of the axis, the middle of a cylinder with ends, or a point of the plane (x, y, z) [m].
     direction : tuple of float
-        Of a cylinder's axis, or of a plane's normal (x, y, z), of any length above 0.
+        Of a cylinder's axis, or of a plane's normal (x, y, z) [-], of any length above 0.
     copies : int
         Equal bodies, turned evenly about the hub's axis, 1 to 1000.
     turn : Schedule or None
@@ -75,14 +75,19 @@ class Body:
     stiffness : float
         Of the penalty, for each element that touches it [N/m], above 0. A force F causes a depth of F/stiffness.
     damping : float
-        Ratio of the damping of an approach to critical damping, 0 or above. It begins with the depth. A contact never
-        pulls.
+        Ratio of the damping of an approach to critical damping [-], 0 or above. It begins with the depth. A contact
+        never pulls.
     friction : float
-        Coulomb's coefficient, 0 or above.
+        Coulomb's coefficient [-], 0 or above.
     friction_speed : float
         Speed of sliding below which friction is viscous [m/s], above 0: what is held creeps more slowly than this.
     membrane, cords : bool
         Whether the membrane and the cords feel it.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------
@@ -234,6 +239,11 @@ class Cylinder(Body):
         pass between them what is thinner than an edge is long. "triangles": edges, and triangles beside them, which
         feel the ends of a cylinder. A triangle that the axis pierces is an error at the start, and stops a run.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Cylinder, Schedule
@@ -273,6 +283,11 @@ class Plane(Body):
     """The half-space below a plane, whose normal is `direction`: a floor by default.
 
     Nodes feel it, which is exact for the edges and triangles between them. Its parameters are those of `Body`.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

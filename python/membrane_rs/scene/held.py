@@ -27,6 +27,11 @@ class Fixed(Part):
     nodes : str or sequence of int
         A node set, or node indices.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Fixed
@@ -61,6 +66,11 @@ class Moved(Part):
         Displacement [m]; None: none.
     turn : Schedule or None
         Turn about the axis of the hub [rad], counter-clockwise seen from +z; None: none.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

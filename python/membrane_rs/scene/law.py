@@ -48,6 +48,11 @@ class Surroundings(Protocol):
 class Law:
     """A law of force as checked values. A law overrides the defaults that do not hold for it.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs.scene.laws import LAWS
@@ -102,7 +107,7 @@ class Law:
 
     @property
     def edge_strain_limit(self) -> float | None:
-        """Strain beyond which no edge of the membrane is stretched while a run goes on; None: no limit."""
+        """Strain beyond which no edge of the membrane is stretched while a run goes on [-]; None: no limit."""
         return None
 
     @property

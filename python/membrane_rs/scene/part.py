@@ -22,6 +22,11 @@ class Part:
     name : str, optional
         By which a stage names it; unlike those of other parts, and no kind of a law. By keyword alone.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs.scene.parts import PARTS

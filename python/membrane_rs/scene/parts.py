@@ -51,6 +51,11 @@ class TipMasses(Part):
     nodes : str or sequence of int
         A node set, or node indices.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import TipMasses
@@ -103,6 +108,11 @@ class Tethers(Part):
         Mass per length [kg/m], above 0.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------
@@ -231,6 +241,11 @@ class Tether(Part):
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Tether
@@ -292,6 +307,11 @@ class Bridges(Part):
     ----------
     stiffness : float
         Of each link [N/m], above 0.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

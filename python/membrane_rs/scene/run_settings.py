@@ -20,6 +20,8 @@ MOST_INSTANTS = 10**7
 class RunSettings:
     """How long a scene runs, by which method, and what is written when.
 
+    `short_steps`, `settle` and `settle_rate` are the old names of `substeps`, `relax` and `relax_rate`.
+
     Parameters
     ----------
     until : float
@@ -30,7 +32,7 @@ class RunSettings:
         Step [s]. None: from the stability limit, with a margin, and from the slow motion (docs/model.md); "dopri5" then
         chooses each step by its error. The end and all outputs are met, also where they lie between two steps.
     tolerance : float
-        Error that a step may make on any node where it is chosen by the error: this share of
+        Error that a step may make on any node where it is chosen by the error [-]: this share of
         sqrt(tolerance_length^2 + x^2) in position and of sqrt(tolerance_speed^2 + v^2) in velocity, with x and v of
         a piece that nothing holds about its centre of mass.
     tolerance_length : float
@@ -38,7 +40,7 @@ class RunSettings:
     tolerance_speed : float
         Speed below which the tolerance is absolute [m/s].
     spectral_radius : float
-        By what factor an implicit method shrinks, per step, the vibrations that it cannot resolve; from 0 to 1.
+        By what factor an implicit method shrinks, per step, the vibrations that it cannot resolve [-]; from 0 to 1.
     substeps : int
         Substeps in a step of "leapfrog", from 1 to 1000: laws whose own limit is ten times the step's and more are
         evaluated once a step, the others at each substep. `dt` is the whole step. 4 suit most films.
@@ -60,7 +62,10 @@ class RunSettings:
         energy [-]; above 0. Near the stability limit a method damps the fastest vibrations by itself. A spurious gain
         stops a run from 1 % on; with "generalized_alpha", from the larger of 1 % and this fraction on.
 
-    `short_steps`, `settle` and `settle_rate` are the old names of `substeps`, `relax` and `relax_rate`.
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
 
     Examples
     --------

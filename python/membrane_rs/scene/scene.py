@@ -203,6 +203,8 @@ class Scene(Valued, HasCard):
             No such file.
         SceneError
             Anything in it that is wrong, with file, key, value and allowed range.
+        InputError, InputTypeError
+            No path.
 
         Examples
         --------
@@ -244,6 +246,8 @@ class Scene(Valued, HasCard):
         ------
         OutputError
             The folder cannot be written.
+        InputError, InputTypeError
+            No path.
 
         Examples
         --------

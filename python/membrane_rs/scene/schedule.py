@@ -42,13 +42,15 @@ class Schedule:
     values : sequence of float
         One for each time, in the unit of the field that the schedule stands in.
     ease : float
-        Share e of the time between two knots over which the rate rises, and again falls; 0 to 0.5.
+        Share e of the time between two knots over which the rate rises, and again falls [-]; 0 to 0.5.
 
     Raises
     ------
     InputError
         Lists of different lengths or none, times that do not ascend, or lie too near for the difference of values,
         three knots at one time.
+    InputTypeError
+        What is no list of numbers.
 
     Examples
     --------
@@ -91,7 +93,7 @@ class Schedule:
 
     @property
     def last(self) -> float:
-        """The value from the last knot on."""
+        """The value from the last knot on, in the unit of the values."""
         return self.values[-1]
 
     def delayed(self, by: float) -> Schedule:

@@ -104,18 +104,17 @@ class Stage:
         The stage ends when this passes a value: a name in `MEASURES`; in Python also a function that takes the
         simulation, gives a number, and only reads. No file holds a function.
     below, above : float, optional
-        The value: the stage ends as the measure falls to `below`, or rises to `above`. One of them, with `measure`. A
-        measure that is beyond it at the start must come back first.
+        The value, in the unit of the measure: the stage ends as this falls to `below`, or rises to `above`. One of
+        them, with `measure`. A measure that is beyond it at the start must come back first.
     without : sequence of str
         Laws by their kind, parts and bodies by their name, that are not at work in this stage.
     scale : dict of str to float, read-only
-        Factors above 0 on numbers of the scene, by dotted keys: "material.youngs_modulus", "laws.<kind>.<key>",
+        Factors [-] above 0 on numbers of the scene, by dotted keys: "material.youngs_modulus", "laws.<kind>.<key>",
         "parts.<name or index>.<key>", "bodies.<name>.<key>".
     set : dict, read-only
         Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
-        a schedule count from the start of this stage. None, in files {}, takes a value away. What stands
-        in place of a schedule holds in later stages too,
-        until one sets another; all else holds in this stage alone.
+        a schedule count from the start of this stage. None, in files {}, takes a value away. What stands in
+        place of a schedule holds in later stages too, until one sets another; all else holds in this stage alone.
     frames, samples : int, optional
         Shapes written, and rows of the history, evenly spaced over `duration`, both ends among them, in place of those
         of the run in this stage; from 2 to 10^7. What lies after an earlier end falls away.
@@ -187,7 +186,7 @@ class Stage:
 
     @property
     def level(self) -> float | None:
-        """The value that its measure passes; None where it ends by time alone."""
+        """The value that its measure passes, in its unit; None where it ends by time alone."""
         return self.above if self.below is None else self.below
 
     def is_past(self, value: float) -> bool:

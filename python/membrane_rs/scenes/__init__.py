@@ -110,7 +110,7 @@ def scene_of(scene: Scene | str | Path) -> Scene:
         No scene of that name, or anything in the file that is wrong.
     MissingFileError
         No such file.
-    InputTypeError
+    InputError, InputTypeError
         Neither a scene nor a name or a path.
 
     Examples

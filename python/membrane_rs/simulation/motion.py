@@ -43,6 +43,11 @@ class Motion(KnownAttributes, Copies, Readings):
     scene, integrator, dt, start
         As those of `Simulation`.
 
+    Raises
+    ------
+    InputError, InputTypeError, MeshError
+        As `Simulation`.
+
     Examples
     --------
     >>> from membrane_rs import scenes
@@ -225,7 +230,7 @@ class Motion(KnownAttributes, Copies, Readings):
 
     @property
     def contiguous_shares(self) -> dict[str, float]:
-        """By law, the share of its elements whose nodes are contiguous in the core's numbering.
+        """By law, the share of its elements whose nodes are contiguous in the core's numbering [-].
 
         Kernels are quick with those, and gather the nodes of the others one by one. For laws that have elements.
         """

@@ -31,8 +31,8 @@ class FilmStress:
     principal : (m, 2) float
         Principal stresses, the larger first [Pa].
     directions : (m, 2, 3) float
-        Their directions in the present shape, unit vectors in the plane of the triangle; 0 where a triangle that has
-        collapsed to a line or a point leaves them undefined.
+        Their directions in the present shape [-], unit vectors in the plane of the triangle; 0 where a triangle that
+        has collapsed to a line or a point leaves them undefined.
 
     Examples
     --------

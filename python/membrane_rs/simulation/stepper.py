@@ -43,8 +43,13 @@ class Stepper(ShownMotion):
         Name of the method.
     dt : float, optional
         Step [s].
-    start : Motion, optional
+    start : Motion or path, optional
         Whose motion it goes on from.
+
+    Raises
+    ------
+    InputError, InputTypeError, MeshError
+        As `Simulation`.
 
     Examples
     --------
@@ -80,7 +85,9 @@ class Stepper(ShownMotion):
         Raises
         ------
         InputError
-            The last stage ended before.
+            The last stage ended before; a number below 0.
+        InputTypeError
+            No whole number.
         UnstableError
             The run became unstable; the state is then that of the last check without a fault.
         KeyboardInterrupt
@@ -230,8 +237,8 @@ class Stepper(ShownMotion):
 
         Raises
         ------
-        InputError
-            A time before now, or more than `MOST_STEPS` steps ahead.
+        InputError, InputTypeError
+            No number, a time before now, or more than `MOST_STEPS` steps ahead.
         UnstableError, KeyboardInterrupt
             As `step`.
         """
@@ -293,6 +300,8 @@ class Stepper(ShownMotion):
 
         Raises
         ------
+        InputError, InputTypeError
+            No path of a file that ends in .npz.
         OutputError
             It cannot be written.
         """

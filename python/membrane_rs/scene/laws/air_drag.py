@@ -32,6 +32,11 @@ class AirDrag(Law):
     air : str
         "still": at rest in the chamber. "turning": turning with the hub.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import AirDrag

@@ -37,6 +37,11 @@ class Creases(Law):
     collapse : float
         The fraction of a facet's area below which its moment fades [-], from 0 (never) to 1.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Creases

@@ -25,6 +25,11 @@ class Gravity(Law):
     acceleration : tuple of float
         g (x, y, z) [m/s2].
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Gravity

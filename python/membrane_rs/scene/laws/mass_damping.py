@@ -23,6 +23,11 @@ class MassDamping(Law):
     rate : float
         [1/s], 0 or above.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import MassDamping

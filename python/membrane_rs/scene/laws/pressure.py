@@ -26,6 +26,11 @@ class Pressure(Law):
     pressure : float
         p [Pa], the difference of the two sides' pressures; below zero it acts against the normal.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Pressure

@@ -43,7 +43,9 @@ class Spin(Law):
     Raises
     ------
     InputError
-        A schedule beside a frequency or an acceleration.
+        A schedule beside a frequency or an acceleration, a number that is not finite.
+    InputTypeError
+        What is no number or no schedule.
 
     Examples
     --------

@@ -40,6 +40,11 @@ class SpoolContact(Law):
     membrane : bool
         True: the nodes of the membrane are kept outside too.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import SpoolContact

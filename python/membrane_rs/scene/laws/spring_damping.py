@@ -38,6 +38,11 @@ class SpringDamping(Law):
         "none", the paper's form everywhere; "cords", so that a slack cord has no force and no cord pushes; or "all",
         those of the film's springs too, so that no spring bears more compression than its buckling force.
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import SpringDamping

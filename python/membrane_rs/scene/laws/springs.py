@@ -39,6 +39,11 @@ class Springs(Law):
         What to do with negative spring constants, which obtuse triangles make: "refuse" (an error),
         "clip" (to zero) or "keep".
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Springs

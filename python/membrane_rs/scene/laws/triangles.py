@@ -38,6 +38,11 @@ class Triangles(Law):
     strain_limit : float
         A run stops when a triangle is stretched beyond this strain in any direction [-].
 
+    Raises
+    ------
+    InputError, InputTypeError
+        A value outside its range, or of a wrong type.
+
     Examples
     --------
     >>> from membrane_rs import Triangles
