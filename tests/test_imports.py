@@ -42,3 +42,10 @@ def test_packages_are_imported_when_they_are_named() -> None:
     words = [sys.executable, "-c", "import membrane_rs; membrane_rs.sweep"]
     failed = subprocess.run(words, check=False, capture_output=True, text=True, timeout=60)
     assert "has no attribute 'sweep'" in failed.stderr
+
+
+def test_packages_that_are_not_imported_yet_are_listed() -> None:
+    words = [sys.executable, "-c", "import membrane_rs; print(*dir(membrane_rs))"]
+    listed = subprocess.run(words, check=True, capture_output=True, text=True, timeout=60).stdout.split()
+    assert {"study", "report", "units", "run", "Scene", "__version__"} <= set(listed)
+    assert "import_module" not in listed

@@ -128,3 +128,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
         if name in _PACKAGES:
             return import_module(f"{__name__}.{name}")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__() -> list[str]:
+        """All public names, the packages that are not imported yet among them."""
+        return sorted({*__all__, *_PACKAGES, *(name for name in globals() if name.startswith("__"))})
