@@ -113,3 +113,12 @@ def test_features_of_nothing() -> None:
     table = {"time": nothing, "deployment_rate": nothing, "phase_difference_deg": nothing}
     assert set(curve_features(table).values()) == {None}
     assert set(energy_balance({"energy_error": nothing, "reference_energy": nothing}).values()) == {None}
+
+
+@pytest.mark.parametrize(("size", "is_seen"), [(1e-9, False), (1e-3, True)])
+def test_a_phase_of_rounding_has_neither_trough_nor_zero_crossing(size: float, is_seen: bool) -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    table = {"time": time, "deployment_rate": time, "phase_difference_deg": -size * np.sin(1.9 * np.pi * time)}
+    found = curve_features(table)
+    for name in ("phase_trough_deg", "phase_trough_time", "zero_crossing_time", "zero_crossing_rate"):
+        assert (found[name] is not None) == is_seen, name
