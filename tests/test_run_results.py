@@ -64,6 +64,11 @@ def test_frames_show_the_instants_of_the_simulation() -> None:
         assert frame.hub_angle == sim.hub_angle
 
 
+def test_a_frame_at_a_boundary_is_of_the_stage_that_begins() -> None:
+    frames = run(staged(), 4e-3, frames=5, samples=5).frames
+    assert [(frame.time, frame.stage) for frame in frames] == [(0.0, 0), (1e-3, 0), (2e-3, 1), (3e-3, 1), (4e-3, 1)]
+
+
 @pytest.mark.parametrize("dt", [1.4e-5, 1.6e-5])
 def test_an_unstable_run_keeps_what_it_had_recorded(dt: float, tmp_path: Path) -> None:
     """Each shape once, also where the last good one is that of the start."""
