@@ -127,7 +127,7 @@ def test_columns_that_are_compared() -> None:
         ([WAVE, WAVE], {"columns": "force"}, "must be a list of names"),
         ([WAVE, measured("x", [0, 1], torque=[1, 2])], {}, "shares no values of force, torque with another"),
         ([WAVE, measured("x", [5, 6], force=[1, 2])], {}, "wave: shares no time with another curve in force"),
-        ([WAVE, measured("x", [0, 1], "mN", force=[1, 2])], {}, "x: its column 'force' is in 'mN'.* 'N'"),
+        ([WAVE, measured("x", [0, 1], "m", force=[1, 2])], {}, "x, column 'force': 'm' is a length; .* a force"),
     ],
 )
 def test_what_cannot_be_compared(given: Any, options: dict[str, Any], why: str) -> None:

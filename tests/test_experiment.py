@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from membrane_rs import InputError, MissingFileError
-from membrane_rs.results import experiment
-from membrane_rs.results.experiment import read_experiment
+from membrane_rs.results import experiment_file
+from membrane_rs.results.experiment_file import read_experiment
 
 
 def table(folder: Path, content: str | bytes) -> Path:
@@ -88,10 +88,10 @@ def test_what_is_no_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(InputError, match="it is a pipe"):
         read_experiment(tmp_path / "pipe")
-    monkeypatch.setattr(experiment, "MOST_BYTES", 10)
+    monkeypatch.setattr(experiment_file, "MOST_BYTES", 10)
     with pytest.raises(InputError, match="at most 10 are read"):
         read_experiment(table(tmp_path, "time,a\n1,2\n"))
-    monkeypatch.setattr(experiment, "MOST_BYTES", 1000)
-    monkeypatch.setattr(experiment, "MOST_COLUMNS", 2)
+    monkeypatch.setattr(experiment_file, "MOST_BYTES", 1000)
+    monkeypatch.setattr(experiment_file, "MOST_COLUMNS", 2)
     with pytest.raises(InputError, match="names 3 columns, and at most 2"):
         read_experiment(table(tmp_path, "time,a,b\n1,2,3\n"))

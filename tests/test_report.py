@@ -22,7 +22,8 @@ from membrane_rs.report.curves import curve_section, shown_columns
 from membrane_rs.report.energy import energy_section
 from membrane_rs.report.facts import audit_section, headline, outcome_banner, readings, scene_section, timing_section
 from membrane_rs.report.sources import Sources, labelled
-from membrane_rs.results.experiment import Experiment, read_experiment
+from membrane_rs.results.experiment import Experiment
+from membrane_rs.results.experiment_file import read_experiment
 from report_pages import made, sail, staged_sail
 from staged_scenes import oscillator, started
 from test_cli import call

@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
+from typing_extensions import Unpack
 
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
-from membrane_rs.cli.many_runs import Overwrite, Samples, Shift
-from membrane_rs.cli.options import (
-    Jobs,
-    Out,
-    RecordNames,
-    SceneArgument,
-    Set,
-    Until,
-    count_option,
-    load,
-    numeric_option,
-    report_audit,
-    words,
-)
-from membrane_rs.cli.progress import run_counter
+from membrane_rs.cli.many_runs import RunOptions, make_runs, takes_run_options
+from membrane_rs.cli.options import SceneArgument, Set, count_option, load, numeric_option, words
 
 Data = Annotated[
     Path,
@@ -52,6 +41,7 @@ Uncertainty = Annotated[
     example="""run spinning-tether --set laws.spin.frequency=2.5 --until 0.05 --no-pictures --out runs/other
 calibrate spinning-tether --data runs/other/history.csv --columns hub_force --vary laws.spin.frequency=1:4""",
 )
+@takes_run_options
 def calibrate(
     scene: SceneArgument,
     *,
@@ -69,15 +59,9 @@ def calibrate(
     step: Annotated[
         float | None, numeric_option(help="Step of differences, as a share of the ranges. Default: 0.02; 0.05.")
     ] = None,
-    until: Until = None,
-    samples: Samples = None,
-    record: RecordNames = None,
-    shift: Shift = None,
     most_runs: Annotated[int, count_option(help="Runs at most; the best values so far are the result.")] = 500,
-    jobs: Jobs = None,
-    out: Out = None,
-    overwrite: Overwrite = False,
     json: Json = False,
+    **options: Unpack[RunOptions],
 ) -> None:
     """Fit values of a scene to measured curves: values, errors, and what the data do not determine.
 
@@ -91,17 +75,11 @@ def calibrate(
     if not varied:
         raise InputError("calibrate: nothing is varied; give --vary KEY=RANGE, such as laws.creases.stiffness=1:30:log")
     chosen = load(scene, set_)
-    report_audit(chosen)
-    folder = out or Path("runs") / f"{chosen.name}-calibration"
-    given: dict[str, Any] = {"until": until, "samples": samples, "record": record, "shift": shift, "jobs": jobs}
-    if columns is not None:
-        given["columns"] = words(columns, "--columns")
-    with run_counter() as progress:
-        found = study(
-            chosen, data, varied, starts=starts, method=method, uncertainty=_deviations(uncertainty or []), step=step,
-            most_runs=most_runs, executor="processes", out=folder, overwrite=overwrite, progress=progress,
-            **{name: value for name, value in given.items() if value is not None},
-        )  # fmt: skip
+    asked = partial(
+        study, data=data, vary=varied, starts=starts, method=method, step=step, most_runs=most_runs,
+        columns=None if columns is None else words(columns, "--columns"), uncertainty=_deviations(uncertainty or []),
+    )  # fmt: skip
+    found, folder = make_runs(asked, chosen, "calibration", options)
     say = tell if json else typer.echo
     say(f"{found.outcome} after {found.runs} runs: misfit {found.misfit:.4g}, at the start {found.first_misfit:.4g}\n")
     say(found.table())

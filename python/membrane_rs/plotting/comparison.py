@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputError
+from membrane_rs.plotting.columns import unit_of
 from membrane_rs.plotting.deployment import deployment_panels, draw_deployment
 from membrane_rs.plotting.ensemble import Ensemble, check_spread
 from membrane_rs.plotting.figure import finished
 from membrane_rs.plotting.history import panels_of
 from membrane_rs.plotting.panels import Content, draw_panels
-from membrane_rs.plotting.sources import sources_of
+from membrane_rs.plotting.sources import Measured, Source, sources_of
 from membrane_rs.plotting.style import Style, style_of
+from membrane_rs.results.given_experiment import ExperimentLike, experiment_of
+from membrane_rs.results.history_table import FIRST_COLUMNS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +27,7 @@ def plot_comparison(
     runs: Any = (),
     columns: Sequence[str | Sequence[str]] | None = None,
     *,
-    experiments: Mapping[str, Any] | None = None,
+    experiments: Mapping[str, ExperimentLike] | None = None,
     ensembles: Mapping[str, Sequence[Any]] | None = None,
     spread: str = "std",
     members: bool = False,
@@ -44,9 +47,10 @@ def plot_comparison(
     columns : sequence of str, optional
         A panel for each; several names in a list share one. Default: the deployment rate and, where a hub turns, the
         phase difference.
-    experiments : mapping of str to tables, optional
-        By label; each has "time" [s] and some of the columns. A column "<name>_std" holds standard deviations of
-        another one, drawn as bars.
+    experiments : mapping of str to path, Experiment, mapping or pandas.DataFrame, optional
+        Measured curves by label: a CSV file (`results.read_experiment`), an `Experiment`, or arrays by name, which may
+        be followed by a unit, "hub_torque [mN m]"; with "time" [s] and some of the columns. Values are converted to the
+        units of the runs. A column "<name>_std" holds standard deviations of another one, drawn as bars.
     ensembles : mapping of str to sequences of histories or runs, optional
         By label. A member counts as far as it came.
     spread : {"std", "range"}
@@ -96,14 +100,11 @@ def plot_comparison(
     given = [] if isinstance(runs, Sequence) and not runs else sources_of(runs, labels, (), "runs")
     others = _by_label(experiments, "experiments")
     together = _by_label(ensembles, "ensembles")
-    content = Content(
-        given,
-        [source for label, table in others.items() for source in sources_of({label: table}, None, (), "experiments")],
-        [
-            Ensemble(label, sources_of(some, None, (), f"ensembles[{label!r}]"), spread, shows_members=members)
-            for label, some in together.items()
-        ],
-    )
+    bands = [
+        Ensemble(label, sources_of(some, None, (), f"ensembles[{label!r}]"), spread, shows_members=members)
+        for label, some in together.items()
+    ]
+    content = Content(given, _measured(others, Content(given, (), bands)), bands)
     if not content.tables:
         raise InputError("plot_comparison: nothing to draw; give runs, experiments or ensembles")
     with look.context():
@@ -112,6 +113,19 @@ def plot_comparison(
         else:
             figure, _ = draw_panels(content, panels_of(columns, content), look, title)
     return finished(figure, path, dpi)
+
+
+def _measured(given: Mapping[str, Any], others: Content) -> list[Source]:
+    """Experiments in the units of the other curves. Raises InputError and InputTypeError."""
+    known = {name: unit_of(name, (table,)) for table in others.tables for name in table}
+    units = {name: unit for name, unit in known.items() if unit or name in FIRST_COLUMNS}
+    found = []
+    for label, one in given.items():
+        experiment = experiment_of(one, units, f"experiments[{label!r}]", str(label))
+        units |= {name: unit for name, unit in experiment.units.items() if unit and name not in units}
+        table = Measured({"time": experiment.time, **experiment.columns}, experiment.units)
+        found.append(Source(str(label), table))
+    return found
 
 
 def _by_label(given: Mapping[str, Any] | None, name: str) -> Mapping[str, Any]:

@@ -15,6 +15,7 @@ from membrane_rs.plotting.figure import add_letters, add_title, new_figure, plai
 from membrane_rs.plotting.sources import Source
 from membrane_rs.plotting.stage_marks import mark_stages, stage_starts
 from membrane_rs.plotting.style import DASHES, INCH, Style
+from membrane_rs.results.experiment import DEVIATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from membrane_rs.plotting.styled_figure import StyledFigure
 
 MARKS = "osD^vPX"
-UNCERTAINTY = "_std"
-"""What the name of a column of an experiment ends with that holds the standard deviation of another one."""
 _BAND = 0.22
 _THIN = 0.4
 """Width of the line of a member of an ensemble [pt]."""
@@ -198,7 +197,7 @@ def _draw_band(axes: Axes, band: Band, factor: float, index: int, entry: str) ->
 
 def _draw_marks(axes: Axes, source: Source, column: str, factor: float, look: dict[str, Any]) -> None:
     """Hollow marks, with bars where the standard deviation is known."""
-    uncertainty = source.table.get(column + UNCERTAINTY)
+    uncertainty = source.table.get(column + DEVIATION)
     axes.errorbar(
         source.time,
         source.column(column) / factor,

@@ -12,7 +12,7 @@ from membrane_rs._files import path_of, write_text
 from membrane_rs._validation import check_kind, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.report.sources import Sources, labelled
-from membrane_rs.results.experiment import Experiment, read_experiment
+from membrane_rs.results.given_experiment import ExperimentLike, experiment_of, is_experiment
 from membrane_rs.runs import Run, open_run
 
 REPORT = "report.html"
@@ -25,7 +25,7 @@ def write_report(
     runs: Run | str | Path | Sequence[Run | str | Path],
     path: str | Path = REPORT,
     *,
-    data: str | Path | Experiment | Sequence[str | Path | Experiment] = (),
+    data: ExperimentLike | Sequence[ExperimentLike] = (),
     ensemble: bool = False,
     title: str | None = None,
     overwrite: bool = False,
@@ -42,9 +42,9 @@ def write_report(
         What `membrane_rs.run` gave, or folders of runs.
     path : path
         The file, "report.html" where not given.
-    data : path, Experiment, or a list of them
+    data : path, Experiment, mapping, pandas.DataFrame, or a list of them
         Measured curves to be drawn over those of the runs: CSV files with a column "time" and others named as in
-        history.csv, see `membrane_rs.results.read_experiment`.
+        history.csv, see `membrane_rs.results.read_experiment`; the same in memory, or as arrays by name.
     ensemble : bool
         Draw the mean of the runs and one standard deviation to each side, for runs of one scene from several starts.
     title : str, optional
@@ -94,8 +94,8 @@ def write_report(
     if file.exists() and not overwrite:
         raise OutputError(f"{file} is there already; give another name, or replace it with overwrite (--overwrite)")
     units = {name: unit for run in reversed(chosen) for name, unit in run.history.units.items()}
-    given = _list_of(data, (Experiment, str, os.PathLike))
-    experiments = [one if isinstance(one, Experiment) else read_experiment(one, units) for one in given]
+    given = [data] if is_experiment(data) else _list_of(data, ())
+    experiments = [experiment_of(one, units, f"data[{k}]", f"measured {k + 1}") for k, one in enumerate(given)]
     for experiment in experiments:
         if not any(name in units for name in experiment.columns):
             recorded = ", ".join(name for name in units if name != "time")

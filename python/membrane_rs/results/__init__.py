@@ -6,7 +6,8 @@ meshio is imported where it is used, not here.
 from __future__ import annotations
 
 from membrane_rs.results.crossing_counts import CrossingCounts, read_crossings
-from membrane_rs.results.experiment import Experiment, read_experiment
+from membrane_rs.results.experiment import Experiment
+from membrane_rs.results.experiment_file import read_experiment
 from membrane_rs.results.history import read_history
 from membrane_rs.results.measures import deployment_rate, peak_stress
 from membrane_rs.results.pvd import read_pvd, write_pvd

@@ -1,54 +1,51 @@
-"""Measured curves: a CSV file with a column of times and others named as those of history.csv.
+"""Measured curves as data: times, columns named as those of a history, and their units.
 
-    time [ms], deployment_rate, hub_torque [mN m]
-    # a line that begins with a number sign is a remark
-    0,         0.231,           0.0
-    12.5,      0.240,
-
-Names may be followed by a unit in brackets; without one a column is in the unit that is wanted, and times are in
-seconds. Times ascend; an empty cell or "nan" is a value that was not measured.
+A column "<name>_std" holds the standard deviations of the column "<name>", in the same unit where it has none of its
+own.
 """
 
 from __future__ import annotations
 
-import csv
-import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import path_of, read_text
+from membrane_rs._given_arrays import numeric
 from membrane_rs._quantities import conversion
 from membrane_rs._read_only import ReadOnly
-from membrane_rs._validation import show
-from membrane_rs.errors import InputError, MissingFileError
+from membrane_rs._validation import nearest, show
+from membrane_rs.errors import InputError, InputTypeError
 
 TIME = "time"
-MOST_BYTES = 2**26
-"""A longer file is not read: it has a million lines of eight columns."""
+DEVIATION = "_std"
+"""Ending of the name of a column that holds the standard deviations of another one."""
 MOST_COLUMNS = 1000
-_HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\])?\s*")
-_MISSING = ("", "nan", "na", "n/a", "-")
+_HEADER = re.compile(r"\s*(?P<name>[^\[\]()]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]|\((?P<round>.*)\))?\s*")
 
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """Curves that were measured, of one file.
+    """Curves that were measured.
 
     Attributes
     ----------
     name : str
-        Of the file, without its ending.
+        What they are called; of a file its name without the ending.
     time : (n,) float
         Ascending times [s].
     columns : mapping of str to (n,) float
         Measured values by the name of their column, in its unit, NaN where there is none; the time is not among them.
-    units : mapping of str to str
-        The unit of each column, as text; empty where neither the file gives one nor one was wanted.
+    units : mapping of str to str, optional
+        The unit of each column, as text; empty or missing where it is that of the history.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        Times that do not ascend, columns that are no numbers, of another length or infinite, units that are no texts.
 
     Examples
     --------
@@ -63,7 +60,76 @@ class Experiment:
     name: str
     time: Floats
     columns: Mapping[str, Floats]
-    units: Mapping[str, str]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Take plain lists as arrays. Raises InputError and InputTypeError."""
+        if not isinstance(self.name, str):
+            raise InputTypeError(f"name = {show(self.name)}: must be a text")
+        time = _values(self.time, f"{self.name}: time", None)
+        if not np.isfinite(time).all():
+            raise InputError(f"{self.name}: a time is missing; give one for each value, or leave the value out")
+        late = np.flatnonzero(np.diff(time) <= 0.0)
+        if len(late):
+            k = int(late[0])
+            what = f"time {time[k + 1]:g} s comes after {time[k]:g} s"
+            raise InputError(f"{self.name}: {what}; order the values by time, each time once")
+        if not isinstance(self.columns, Mapping) or not all(isinstance(name, str) for name in self.columns):
+            raise InputTypeError(f"{self.name}: columns = {show(self.columns)}: must be a mapping of names to arrays")
+        if not 1 <= len(self.columns) <= MOST_COLUMNS:
+            raise InputError(f"{self.name}: has {len(self.columns)} columns beside the time; give 1 to {MOST_COLUMNS}")
+        if not isinstance(self.units, Mapping):
+            raise InputTypeError(f"{self.name}: units = {show(self.units)}: must be a mapping of columns to texts")
+        columns = {
+            name: _values(given, f"{self.name}, column {name!r}", len(time)) for name, given in self.columns.items()
+        }
+        units = {name: self._unit_of(name) for name in columns}
+        for name, value in (("time", time), ("columns", ReadOnly(columns)), ("units", ReadOnly(units))):
+            object.__setattr__(self, name, value)
+
+    def _unit_of(self, name: str) -> str:
+        """The unit of a column; of standard deviations that of their column, where they have none of their own."""
+        unit = self.units.get(name, "") or self.units.get(_column_of(name), "")
+        if not isinstance(unit, str):
+            raise InputTypeError(f"{self.name}, column {name!r}: unit {show(unit)}: must be a text, such as 'N m'")
+        return unit
+
+    def in_units(self, units: Mapping[str, str]) -> Experiment:
+        """The same curves in other units.
+
+        Parameters
+        ----------
+        units : mapping of str to str
+            The wanted unit by column, empty for a plain number; other columns stay as they are. Standard deviations
+            follow their column. A column whose unit is not known is taken to be in the wanted one.
+
+        Returns
+        -------
+        Experiment
+            The curves.
+
+        Raises
+        ------
+        InputError
+            A unit of another dimension, or an unknown one.
+
+        Examples
+        --------
+        >>> from membrane_rs.results import Experiment
+        >>> measured = Experiment("drop", [0.0, 1.0], {"hub_torque": [250.0, 500.0]}, {"hub_torque": "mN m"})
+        >>> measured.in_units({"hub_torque": "N m"}).columns["hub_torque"]
+        array([0.25, 0.5 ])
+        """
+        columns, found = dict(self.columns), dict(self.units)
+        for name, unit in self.units.items():
+            own = units.get(name, units.get(_column_of(name)))
+            if own is None:
+                continue
+            if unit and unit != own:
+                place = f"{self.name}, column {name!r}"
+                columns[name] = converted(columns[name], unit, own, place, is_difference=name.endswith(DEVIATION))
+            found[name] = own
+        return replace(self, columns=columns, units=found)
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
         """Times and values of a column, where there are any.
@@ -92,152 +158,43 @@ class Experiment:
         return self.time[known], values[known]
 
 
-def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) -> Experiment:
-    """Read measured curves from a CSV file.
-
-    Cells are separated by commas, or by semicolons or tabs where the first line has such, and no commas.
-
-    Parameters
-    ----------
-    path : str or path
-        The file: UTF-8, its first line the names of the columns, one of them "time".
-    units : mapping of str to str, optional
-        The unit in which each column is wanted, by its name, such as those of the history of a run: values in others
-        are converted. Default: as in the file.
-
-    Returns
-    -------
-    Experiment
-        The curves.
-
-    Raises
-    ------
-    MissingFileError
-        No file there.
-    InputError
-        What is no such table, by its line and column; a unit that is unknown, or no unit of what is wanted.
-    InputTypeError
-        No path.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "drop test.csv"
-    ...     _ = file.write_text("time,hub_torque [N m]\\n0,0.5\\n1,\\n2,0.7\\n")
-    ...     measured = read_experiment(file)
-    >>> measured.name, measured.units["hub_torque"]
-    ('drop test', 'N m')
-    >>> measured.curve("hub_torque")
-    (array([0., 2.]), array([0.5, 0.7]))
-    """
-    path = path_of(path)
-    if not path.exists():
-        raise MissingFileError(f"no measured curves at {path}; name a CSV file with a column 'time'")
-    lines = _cells(path)
-    place, header = next(lines, (0, []))
-    given = _columns(path, place, header)
-    names, wanted = list(given), {TIME: "s", **(units or {})}
-    numbers, rows = [], []
-    for number, cells in lines:
-        rows.append(_numbers(path, number, cells, names, place))
-        numbers.append(number)
-    if not rows:
-        raise InputError(f"{path} holds names of columns and no line of numbers; add the measured values")
-    table = np.array(rows)
-    for k, (name, unit) in enumerate(given.items()):
-        if unit and wanted.get(name, unit) != unit:
-            table[:, k] = _converted(table[:, k], unit, wanted[name], f"{path}, line {place}, column {name!r}")
-    time = table[:, names.index(TIME)]
-    _check_times(path, time, numbers)
-    columns = {name: table[:, k] for k, name in enumerate(names) if name != TIME}
-    return Experiment(
-        path.stem, time, ReadOnly(columns), ReadOnly({name: wanted.get(name) or given[name] for name in columns})
-    )
+def header(text: str) -> tuple[str, str] | None:
+    """Name and unit of a column from "hub_torque [mN m]" or "rate (1/s)"; None where there is no name."""
+    found = _HEADER.fullmatch(text)
+    return (found["name"], (found["unit"] or found["round"] or "").strip()) if found and found["name"] else None
 
 
-def _converted(values: Floats, unit: str, wanted: str, place: str) -> Floats:
-    """Values in one unit as values in another. Raises InputError, which names the place."""
+def converted(values: Floats, unit: str, wanted: str, place: str, *, is_difference: bool = False) -> Floats:
+    """Values in one unit as values in another; differences without the offset. Raises InputError with the place."""
     try:
         factor, offset = conversion(unit, wanted)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
-    return values * factor + offset
+    return values * factor + (0.0 if is_difference else offset)
 
 
-def _cells(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Number of each line that is neither empty nor a remark, and its cells. Raises InputError."""
-    try:
-        text = read_text(path, MOST_BYTES)
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start} is no UTF-8 text; save the table as CSV in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}; name a CSV file with a column 'time'") from None
-    if "\0" in text:
-        raise InputError(f"{path} holds a NUL, so it is no text; save the table as CSV in UTF-8")
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip() and line.strip()[0] != "#"]
-    first = lines[0][1] if lines else ""
-    separator = next((mark for mark in ",;\t" if mark in first), ",")
-    for number, line in lines:
-        try:
-            yield number, next(csv.reader([line], delimiter=separator, skipinitialspace=True))
-        except (csv.Error, StopIteration) as error:
-            raise InputError(f"{path}, line {number}: {error}; write numbers separated by commas") from None
+def check_has_time(names: Mapping[str, Any], place: str) -> None:
+    """Refuse columns without one of times, or without others. Raises InputError."""
+    if TIME not in names:
+        near = "" if len(names) > MOST_COLUMNS else f"; {nearest(TIME, names)}" if names else ""
+        raise InputError(f"{place}: no column is named 'time'; the columns are {show(', '.join(names))}{near}")
+    if len(names) == 1:
+        raise InputError(f"{place}: 'time' is the only column; add one that is named as in history.csv")
 
 
-def _columns(path: Path, place: int, header: list[str]) -> dict[str, str]:
-    """The unit of each column by its name, in their order; empty without one. Raises InputError."""
-    where = f"{path}, line {place}"
-    if not header:
-        raise InputError(f"{path} is empty; its first line must name the columns, one of them 'time'")
-    if len(header) > MOST_COLUMNS:
-        raise InputError(f"{where} names {len(header)} columns, and at most {MOST_COLUMNS} are read; leave some out")
-    units: dict[str, str] = {}
-    for k, cell in enumerate(header, start=1):
-        found = _HEADER.fullmatch(cell)
-        if found is None or not found["name"]:
-            raise InputError(f"{where}, column {k}: {show(cell)} is no name; write one such as hub_torque [N m]")
-        if found["name"] in units:
-            raise InputError(
-                f"{where}, column {k}: {show(found['name'])} is there already; give each a name of its own"
-            )
-        units[found["name"]] = found["unit"] or ""
-    if TIME not in units:
-        raise InputError(f"{where}: no column is named 'time'; the columns are {show(', '.join(units))}")
-    if len(units) == 1:
-        raise InputError(f"{where}: 'time' is the only column; add one that is named as in history.csv")
-    return units
+def _column_of(name: str) -> str:
+    """The column whose standard deviations one of this name holds."""
+    return name.removesuffix(DEVIATION) if name.endswith(DEVIATION) else ""
 
 
-def _numbers(path: Path, number: int, cells: list[str], names: list[str], header: int) -> list[float]:
-    """The numbers of a line, NaN where a value is missing. Raises InputError."""
-    where = f"{path}, line {number}"
-    if len(cells) != len(names):
-        raise InputError(
-            f"{where} has {len(cells)} cells, and line {header} names {len(names)} columns; give one for each"
-        )
-    values = []
-    for name, cell in zip(names, cells, strict=True):
-        try:
-            value = math.nan if cell.strip().lower() in _MISSING else float(cell)
-        except ValueError:
-            remedy = "write a point for the decimals" if re.fullmatch(r"\s*-?\d+,\d+\s*", cell) else "write a number"
-            raise InputError(
-                f"{where}, column {name!r}: {show(cell)} is no number; {remedy}, or leave it empty"
-            ) from None
-        if math.isinf(value):
-            raise InputError(f"{where}, column {name!r}: {value} is not finite; leave out what was not measured")
-        if name == TIME and math.isnan(value):
-            raise InputError(f"{where}: the time is missing; give one, or leave the line out")
-        values.append(value)
-    return values
-
-
-def _check_times(path: Path, time: Floats, numbers: list[int]) -> None:
-    """Refuse times that do not ascend. Raises InputError."""
-    steps = np.flatnonzero(np.diff(time) <= 0.0)
-    if len(steps):
-        k = int(steps[0])
-        what = f"time {time[k + 1]:g} s comes after {time[k]:g} s"
-        raise InputError(f"{path}, line {numbers[k + 1]}: {what}; order the lines by time, each time once")
+def _values(given: Any, place: str, count: int | None) -> Floats:
+    """(n,) finite numbers and NaN. Raises InputError and InputTypeError."""
+    found = np.array(numeric(given, place, "fiu", "real numbers, NaN where nothing was measured"), dtype=np.float64)
+    if found.ndim != 1 or (count is not None and len(found) != count):
+        wanted = "a list of one number or more" if count is None else f"a list of {count} numbers, as there are times"
+        raise InputTypeError(f"{place}: has shape {found.shape}; must be {wanted}")
+    if not len(found):
+        raise InputError(f"{place}: holds no values; add the measured ones")
+    if np.isinf(found).any():
+        raise InputError(f"{place}: holds a value that is not finite; give NaN for what was not measured")
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +14,15 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
-from membrane_rs.results.experiment import Experiment, read_experiment
+from membrane_rs.results.experiment import Experiment
+from membrane_rs.results.given_experiment import ExperimentLike, experiment_of, is_experiment
 from membrane_rs.results.history import HISTORY
 from membrane_rs.results.run_history import RunHistory
 from membrane_rs.results.summary import SUMMARY
 from membrane_rs.runs import Run, open_run
 
-Compared: TypeAlias = str | Path | Run | Experiment
-"""A run, measured curves, the folder of a run, or a CSV file of measured curves."""
+Compared: TypeAlias = Run | ExperimentLike
+"""A run, the folder of one, or measured curves: a CSV file, an `Experiment`, arrays by name, a table of pandas."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +85,9 @@ def read_curves(given: Sequence[Compared] | Mapping[str, Compared], labels: Sequ
         found[k] = Curves(names[k], run.history, False)
     for k, item in enumerate(given):
         if k not in runs:
-            experiment = item if isinstance(item, Experiment) else read_experiment(_path(item), units)
-            _check_units(names[k], experiment, units)
+            assert not isinstance(item, Run)
+            experiment = experiment_of(item, units, f"curves: {names[k]}", names[k])
+            units |= {name: unit for name, unit in experiment.units.items() if unit and name not in units}
             table = {"time": experiment.time, **experiment.columns}
             found[k] = Curves(names[k], RunHistory(table, experiment.units), True)
     for curves in found.values():
@@ -93,21 +96,11 @@ def read_curves(given: Sequence[Compared] | Mapping[str, Compared], labels: Sequ
     return [found[k] for k in range(len(given))]
 
 
-def _check_units(label: str, experiment: Experiment, units: dict[str, str]) -> None:
-    """Refuse an experiment that was read in units other than those of the others, and note its own."""
-    for name, unit in experiment.units.items():
-        if units.setdefault(name, unit) != unit and unit:
-            raise InputError(
-                f"{label}: its column {show(name)} is in {unit!r}, that of another in {units[name]!r}; "
-                "read it with read_experiment(path, units) in that unit"
-            )
-
-
 def _run(item: object) -> Run | None:
     """The run that something is or names; None for measured curves. Raises MissingFileError and InputTypeError."""
     if isinstance(item, Run):
         return item
-    if isinstance(item, Experiment):
+    if not isinstance(item, str | os.PathLike) and is_experiment(item):
         return None
     path = path_of(item, "curves")
     if not path.exists():
@@ -116,10 +109,6 @@ def _run(item: object) -> Run | None:
     if path.is_dir() or path.name == SUMMARY or is_history:
         return open_run(path.parent if is_history else path)
     return None
-
-
-def _path(item: object) -> Path:
-    return path_of(item, "curves")
 
 
 def _labels(given: Sequence[Compared], labels: Sequence[str] | None) -> list[str]:
@@ -143,6 +132,8 @@ def _names(item: Compared, index: int) -> tuple[str, str]:
     """A short and a long name."""
     if isinstance(item, Experiment):
         return item.name, f"{item.name} ({index + 1})"
+    if not isinstance(item, str | os.PathLike | Run):
+        return (f"measured {index + 1}",) * 2
     if isinstance(item, Run):
         name = item.scene.name if item.path is None else item.path.name
         return name, f"{name} ({index + 1})" if item.path is None else str(item.path)

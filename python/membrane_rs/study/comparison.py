@@ -26,8 +26,8 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.comparison import plot_comparison
 from membrane_rs.plotting.deployment import PANELS, turns
-from membrane_rs.plotting.panels import UNCERTAINTY
 from membrane_rs.plotting.style import Style
+from membrane_rs.results.experiment import DEVIATION
 from membrane_rs.study.compared_curves import Compared, Curves, read_curves
 
 ALL = "all"
@@ -189,8 +189,9 @@ def compare(
     Parameters
     ----------
     curves : sequence or mapping
-        Two or more: runs, `Experiment`, folders of runs, CSV files of measured curves as
-        `membrane_rs.results.read_experiment` reads them. A mapping gives each its label.
+        Two or more: runs, folders of runs, and measured curves: CSV files as `membrane_rs.results.read_experiment`
+        reads them, `Experiment`, arrays by name, tables of pandas. A mapping gives each its label. Measured values are
+        converted to the units of the runs.
     columns : sequence of str, or "all", optional
         Names of columns. Default: those of the experiments; without any, the deployment rate and, where a hub turns,
         the phase difference. "all": each that the reference shares with another.
@@ -277,7 +278,7 @@ def _columns(given: Sequence[Curves], reference: Curves, wanted: Sequence[str] |
 
 def _is_uncertainty(name: str, columns: Sequence[str]) -> bool:
     """Whether a column holds the standard deviations of another one."""
-    return name.endswith(UNCERTAINTY) and name.removesuffix(UNCERTAINTY) in columns
+    return name.endswith(DEVIATION) and name.removesuffix(DEVIATION) in columns
 
 
 def _is_known(given: Sequence[Curves], reference: Curves, name: str) -> bool:

@@ -16,18 +16,18 @@ import numpy as np
 
 from membrane_rs import scenes
 from membrane_rs._arrays import Floats
-from membrane_rs._files import path_of
 from membrane_rs._renamed import takes_name_of
 from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError
-from membrane_rs.results.experiment import Experiment, read_experiment
-from membrane_rs.results.history_table import column_units
+from membrane_rs.results.given_experiment import ExperimentLike, experiment_of
+from membrane_rs.results.history_table import HistoryTable, column_units
 from membrane_rs.results.recorded import Recorded, RecordTable, record_table
+from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.scene.staging import planned_starts
 from membrane_rs.study.calibration.analysis import analysed, jacobian
-from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, data_columns
+from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, check_recorded, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where
 from membrane_rs.study.common.one_run import RunSetup
@@ -47,7 +47,7 @@ NEAR_END = 0.02
 @takes_name_of(match_scene)
 def calibrate(
     scene: Scene | str | Path,
-    data: Experiment | str | Path,
+    data: ExperimentLike,
     vary: Mapping[str, Any],
     *,
     starts: int = 1,
@@ -59,11 +59,13 @@ def calibrate(
     samples: int | None = None,
     record: Recorded | None = None,
     shift: float = SHIFT,
+    time_limit: float | None = None,
     most_runs: int = 500,
     executor: Where = "threads",
     jobs: int | None = None,
     out: str | Path | None = None,
     overwrite: bool = False,
+    retry: bool = False,
     progress: Progress | None = None,
 ) -> Calibration:
     """Fit parameters of a scene to measured curves; `match_scene` fits one to the curves of another scene.
@@ -73,9 +75,10 @@ def calibrate(
     scene : Scene, str or path
         A scene, the name of a built-in one, or the path of a scene file. Its own values are the start, or the middle of
         the range where they lie outside.
-    data : Experiment, str or path
-        Measured curves, or their CSV file: "time" and columns of the history, see `results.read_experiment`. A column
-        "<name>_std" holds standard deviations of another one.
+    data : path, Experiment, mapping or pandas.DataFrame
+        Measured curves: "time" and columns of the history, in a CSV file (`results.read_experiment`), as an
+        `Experiment`, or as arrays by name, which may be followed by a unit, "hub_torque [mN m]". A column "<name>_std"
+        holds standard deviations of another one.
     vary : mapping
         By dotted key a range: "10:1000", or "10:1000:log" for one by its logarithms.
     starts : int
@@ -97,9 +100,11 @@ def calibrate(
         Measures that the data hold and a history does not, as in `sweep`.
     shift : float
         Standard deviation of the perturbation of each coordinate of a start [m].
+    time_limit : float, optional
+        Wall time after which a run is ended [s]; its values then count as ones that fail.
     most_runs : int
         Runs at most; the best values so far are the result.
-    executor, jobs, out, overwrite, progress
+    executor, jobs, out, overwrite, retry, progress
         As in `sweep`. Runs that are in the folder are not made again.
 
     Returns
@@ -139,16 +144,19 @@ def calibrate(
             raise InputError(f"{name} = {show(count)}: must be a whole number from {least} to {most}")
     parameters = _ranges(chosen, vary)
     wanted = dict(record_table(record))
-    measured = _measured(data, wanted)
+    units = _units(chosen, wanted)
+    measured = experiment_of(data, units)
     planned = planned_starts(chosen.stages)[-1] if chosen.stages else chosen.run.until
     end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
     curves_of_data = data_columns(measured, columns, uncertainty, end)
+    check_recorded(curves_of_data, units)
     wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
-    setup = RunSetup(end, samples, wanted, shift)
+    setup = RunSetup(end, samples, wanted, shift, time_limit)
     request = {"kind": "calibration", "vary": {one.key: one.as_table() for one in parameters}}
     with ManyRuns(
-        chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS, overwrite=overwrite
-    ) as runs:
+        chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS, overwrite=overwrite,
+        retry=retry,
+    ) as runs:  # fmt: skip
         model = FitModel(runs, parameters, curves_of_data, starts, most_runs, progress)
         first = np.array([_share_of(chosen, one) for one in parameters])
         (begun,) = _first_curves(model, first)
@@ -181,14 +189,11 @@ def _ranges(scene: Scene, vary: Mapping[str, Any]) -> list[Parameter]:
     return found
 
 
-def _measured(data: object, record: RecordTable) -> Experiment:
-    """The data, those of a file in the units of a history."""
-    if isinstance(data, Experiment):
-        return data
-    path = path_of(data, "data")
-    own = {name: given[1] for name, given in record.items() if isinstance(given, tuple)}
-    units = column_units(list(read_experiment(path).columns), {**MEASURE_UNITS, **own})
-    return read_experiment(path, {name: unit for name, unit in units.items() if unit})
+def _units(scene: Scene, record: RecordTable) -> dict[str, str]:
+    """The unit of each column that runs have, or can record."""
+    own = {name: given[1] if isinstance(given, tuple) else "" for name, given in record.items() if given is not None}
+    columns = HistoryTable(Simulation(scene)).columns
+    return {**MEASURE_UNITS, **column_units(columns, {}), **own}
 
 
 def _share_of(scene: Scene, parameter: Parameter) -> float:

@@ -7,22 +7,20 @@ A parameter is a share of its range, from 0 to 1; the range of a logarithmic one
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import show
+from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.results.experiment import Experiment
+from membrane_rs.results.experiment import DEVIATION, Experiment
 from membrane_rs.study.common.many_runs import ManyRuns, Progress
 from membrane_rs.study.common.one_run import RunPoint, RunResult
 from membrane_rs.study.common.vary import Parameter
 from membrane_rs.units import number
 
-DEVIATION = "_std"
-"""Ending of the name of a column that holds the standard deviations of another one."""
 FAILED_SCALE = 10.0
 """Residuals of parameters whose runs fail, in scales of their columns: larger than those of curves nearby."""
 
@@ -212,11 +210,19 @@ class FitModel:
         return Curves(np.concatenate(residuals), np.concatenate(noise), runs, text)
 
 
+def check_recorded(columns: Sequence[DataColumn], known: Iterable[str]) -> None:
+    """Refuse data of columns that no run has, before any is made. Raises InputError."""
+    for column in columns:
+        if column.name not in known:
+            names = [name for name in known if name != "time"]
+            raise InputError(
+                f"column {column.name!r} of the data: no run records it; {nearest(column.name, names)}; or name the "
+                "columns to compare (columns), or record it (record)"
+            )
+
+
 def at_times(run: RunResult, column: DataColumn) -> Floats:
     """(n,) values of a run at the times of measured ones, linear between its samples. Raises InputError."""
-    if column.name not in run.history:
-        known = ", ".join(name for name in run.history if name != "time")
-        raise InputError(f"column {column.name!r} of the data: no run records it; record it, or name one of {known}")
     found = np.interp(column.time, run.history["time"], run.history[column.name])
     if not np.isfinite(found).all():
         raise InputError(f"column {column.name!r} of the data: the runs have no finite value there; leave it out")
