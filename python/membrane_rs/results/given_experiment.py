@@ -18,9 +18,17 @@ from membrane_rs.results.experiment_file import read_experiment
 class DataFrame(Protocol):
     """What is needed of a table of pandas."""
 
-    columns: Any
-    index: Any
-    iloc: Any
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    @property
+    def index(self) -> Any:
+        """Names of the rows, which may be the times."""
+
+    @property
+    def iloc(self) -> Any:
+        """Columns by their place."""
 
 
 ExperimentLike: TypeAlias = str | Path | Experiment | Mapping[str, Any] | DataFrame
