@@ -100,5 +100,20 @@ def test_a_flat_mesh_is_seen_from_its_broad_side(axes: tuple[int, int, int]) -> 
     assert extent[1] == pytest.approx(2.0 * extent[0], abs=0.3)
 
 
+def test_a_strip_that_hangs_askew_is_seen_from_its_broad_side() -> None:
+    scene = scenes.load("hanging-strip")
+    points = np.array(numbers_in(parsed(scene))).reshape(-1, 2)
+    width, height = np.ptp(points, axis=0)
+    assert scene.mesh is not None
+    extent = np.ptp(scene.mesh.positions, axis=0)
+    assert width / height == pytest.approx(extent[1] / extent[2], rel=0.05)
+
+
+def test_a_line_is_seen_from_the_side() -> None:
+    lines = Lines(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), cords=np.array([[0, 1]]))
+    numbers = [float(word) for word in re.findall(r"-?[\d.]+", svg(lines).partition(' d="')[2].partition('"')[0])]
+    assert np.ptp(numbers) > 0.9 * SIZE
+
+
 def test_a_scene_is_no_longer_shown_by_all_its_values() -> None:
     assert len(repr(Scene(None, None, parts=scenes.load("spinning-tether").parts))) < 100

@@ -80,22 +80,29 @@ _AXES = ((0, 1), (0, 2), (1, 2))
 """To the right and upwards, seen along z, y and x."""
 _SHARE = 1.2
 """By how much more area another view than that along z must show."""
+_OF_LINES = 1e-3
+"""Weight of the squared length beside the area, by which lines without area are judged."""
 
 
 def _projected(nodes: Floats, used: Floats) -> Floats:
-    """(n, 2) places of nodes in the picture [px], in which those used fill the most of it."""
+    """(n, 2) places of nodes in the picture [px], as large as it takes those that are used."""
     if not len(used):
         return np.zeros((len(nodes), 2))
     low, high = used.min(axis=0), used.max(axis=0)
-    extent = high - low
-    areas = [extent[right] * extent[up] / (1.0 if k == 0 else _SHARE) for k, (right, up) in enumerate(_AXES)]
-    axes = list(_AXES[int(np.argmax(areas))])
-    largest = float(extent[axes].max())
+    sizes = [_size(used[:, axes]) / (1.0 if axes == _AXES[0] else _SHARE) for axes in _AXES]
+    axes = list(_AXES[int(np.argmax(sizes))])
+    largest = float((high - low)[axes].max())
     if largest == 0.0:
         return np.full((len(nodes), 2), 0.5 * SIZE)
     shares = (np.nan_to_num(nodes)[:, axes] - 0.5 * (low + high)[axes]) / largest
     places: Floats = np.nan_to_num(0.94 * SIZE * shares * (1.0, -1.0) + 0.5 * SIZE)
     return places
+
+
+def _size(points: Floats) -> float:
+    """How large points (n, 2) [m] look, whichever way they are turned in the plane: an area [m2]."""
+    spread = np.cov(points, rowvar=False, bias=True)
+    return float(np.sqrt(max(np.linalg.det(spread), 0.0)) + _OF_LINES * np.trace(spread))
 
 
 def _path(points: Floats, pairs: Ints) -> str:
