@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,20 @@ def examples(name: str) -> list[list[str]]:
     lines = (COMMANDS[name].epilog or "").removeprefix("Example: ").splitlines()
     assert all(line.startswith("membrane-rs ") for line in lines), lines
     return [shlex.split(line)[1:] for line in lines]
+
+
+def has_json(name: str) -> bool:
+    """Whether a command gives its result as JSON."""
+    return any("--json" in option.opts for option in COMMANDS[name].params)
+
+
+def document(text: str) -> Any:
+    """The one JSON document that a text is, without NaN and infinities, which JSON has not."""
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -64,9 +79,17 @@ def test_a_command_accepts_its_default_for_out(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if not COMMANDS[name].hidden and name not in WINDOWS])
 def test_the_example_of_a_command_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a command that has JSON, with it: one document, and nothing beside it."""
     monkeypatch.chdir(tmp_path)
-    for words in examples(name):
+    *before, last = examples(name)
+    for words in before:
         assert shown(*words)
+    if not has_json(name):
+        assert shown(*last)
+        return
+    result = CliRunner().invoke(app, [*last, "--json", "--quiet"])
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert document(result.stdout)
 
 
 def test_the_help_lists_all_commands_and_exit_codes() -> None:

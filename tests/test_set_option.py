@@ -88,12 +88,12 @@ def test_resume_refuses_values(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--until", "1 kg"], r"Invalid value for '--until': '1 kg': is a mass; must be a time \(s\), such as '20 ms'"),
-        (["--until", "soon"], r"'--until': 'soon': must be a number \(s\), or a text with its unit such as '20 ms'"),
+        (["--until", "1 kg"], r"Error: --until = '1 kg': is a mass; must be a time \(s\), such as '20 ms'"),
+        (["--until", "soon"], r"--until = 'soon': must be a number \(s\), or a text with its unit such as '20 ms'"),
         (["--until", "1 msc"], "unit 'msc' is not known"),
-        (["--dt", "2 rpm"], r"'--dt': '2 rpm': is a frequency of turning; must be a time \(s\)"),
+        (["--dt", "2 rpm"], r"--dt = '2 rpm': is a frequency of turning; must be a time \(s\)"),
         (["--checkpoint", "1 m"], "'1 m': is a length; must be a time"),
-        (["--tolerance", "1 m"], "'1 m' is no number; write one such as 0.5"),
+        (["--tolerance", "1 m"], "--tolerance = '1 m': must be a number, such as 0.5"),
         (["--set", "laws"], "--set 'laws': must be KEY=VALUE, such as laws.creases.stiffness=20"),
         (["--set", "=3"], "must be KEY=VALUE"),
         (["--set", "run.dt="], "must be KEY=VALUE"),
@@ -107,9 +107,8 @@ def test_resume_refuses_values(tmp_path: Path) -> None:
 )
 def test_wrong_values_are_refused(words: list[str], said: str, tmp_path: Path) -> None:
     code, shown = call("run", "spinning-tether", *words, "--out", tmp_path / "run")
-    plain = " ".join(re.sub("[│╭╮╰╯─]", " ", shown).split())
     assert code == 2, shown
-    assert re.search(said, plain), plain
+    assert re.search(said, " ".join(shown.split())), shown
     assert not (tmp_path / "run").exists()
 
 

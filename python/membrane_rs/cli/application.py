@@ -9,9 +9,10 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from copy import copy
-from difflib import get_close_matches
 from functools import wraps
 from typing import Annotated, Any, get_args, get_origin
 
@@ -25,6 +26,7 @@ from membrane_rs.cli.reporting import (
     USAGE,
     exit_code,
     nothing,
+    outcome,
     print_anything,
     report_output,
     reported_errors,
@@ -35,6 +37,7 @@ from membrane_rs.cli.reporting import (
     widen,
     wordiness,
 )
+from membrane_rs.cli.usage import UsageError, in_our_words, surplus, unknown_command
 
 __all__ = [
     "FAILED",
@@ -89,6 +92,16 @@ def _flags_without_type(params: list[Any]) -> list[Any]:
     return params
 
 
+@contextmanager
+def _of(ctx: Any) -> Iterator[None]:
+    """Give errors of usage the context, which some of click's lack."""
+    try:
+        yield
+    except UsageError as error:
+        error.ctx = error.ctx or ctx
+        raise
+
+
 class Command(TyperCommand):
     """One command."""
 
@@ -96,20 +109,45 @@ class Command(TyperCommand):
         """Its arguments and options."""
         return _flags_without_type(super().get_params(ctx))
 
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Take its words; an error knows the command, and a word too many is refused here."""
+        ctx.allow_extra_args = True
+        with _of(ctx):
+            rest = super().parse_args(ctx, args)
+        if ctx.args and not ctx.resilient_parsing:
+            raise UsageError(surplus(ctx.args[0], ctx), ctx)
+        return rest
+
 
 class Commands(TyperGroup):
-    """The commands in the order of their panels."""
+    """The commands in the order of their panels, and how the program ends."""
+
+    def main(self, args: Any = None, *, standalone_mode: bool = True, **options: Any) -> Any:  # type: ignore[override]
+        """Run a command, and end with its exit code; wrong usage is said in one line."""
+        if not standalone_mode:
+            return super().main(args, standalone_mode=False, **options)
+        words = list(sys.argv[1:] if args is None else args)
+        outcome.begin(is_json="--json" in words)
+        try:
+            code = super().main(args, standalone_mode=False, **options) or 0
+        except UsageError as error:
+            show_error(in_our_words(error))
+            code = USAGE
+        if code and outcome.is_json and not outcome.is_printed:
+            print_json({"error": outcome.error, "exit_code": code})
+        sys.exit(code)
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Take the words before a command; an error knows the program."""
+        with _of(ctx):
+            return super().parse_args(ctx, args)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that is called; where there is none of that name, the error names a near one, or all."""
-        try:
-            return super().resolve_command(ctx, args)
-        except Exception as error:
-            message = getattr(error, "message", "")
-            if message.startswith("No such command") and not get_close_matches(args[0], self.commands):
-                known = [name for name in self.list_commands(ctx) if not self.commands[name].hidden]
-                error.message = f"{message.rstrip('.')}; known are: {', '.join(known)}"  # type: ignore[attr-defined]
-            raise
+        if self.get_command(ctx, args[0]) is None and not ctx.resilient_parsing:
+            known = [name for name in self.list_commands(ctx) if not self.commands[name].hidden]
+            raise UsageError(unknown_command(args[0], known), ctx)
+        return super().resolve_command(ctx, args)
 
     def get_params(self, ctx: Any) -> list[Any]:
         """The options before a command."""
@@ -131,7 +169,7 @@ app = typer.Typer(
     cls=Commands,
     help="Simulate the folding, spinning and deployment of thin membranes.",
     epilog=f"membrane-rs COMMAND --help shows the options of a command, and an example.\n\n{EXIT_CODES}",
-    no_args_is_help=True,
+    invoke_without_command=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
@@ -153,6 +191,7 @@ def _show_versions(wanted: bool) -> None:
 
 @app.callback()
 def _root(
+    context: typer.Context,
     *,
     version: Annotated[
         bool,
@@ -162,6 +201,9 @@ def _root(
     quiet: _Quiet = False,
 ) -> None:
     wordiness.verbose, wordiness.quiet = verbose, quiet
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit(USAGE)
 
 
 def command(
@@ -239,4 +281,5 @@ def print_json(document: Any) -> None:
     """Print one JSON document on the standard output; NaN and infinities become null."""
     from membrane_rs.results.run_summary import plain
 
+    outcome.is_printed = True
     typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))

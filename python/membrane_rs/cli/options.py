@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from membrane_rs._messages import show
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli import completion
 from membrane_rs.cli.application import say_in
@@ -24,7 +24,7 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise typer.BadParameter(f"{text!r} is no number; write one such as 0.5") from None
+        raise typer.BadParameter(f"{show(text)}: must be a number, such as 0.5") from None
 
 
 def quantity(text: str, unit: str) -> float:
@@ -45,7 +45,7 @@ def count(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise typer.BadParameter(f"{text!r} is no whole number; write one such as 10") from None
+        raise typer.BadParameter(f"{show(text)}: must be a whole number, such as 10") from None
 
 
 def numeric_option(help: str) -> Any:  # noqa: A002 - typer's own word
@@ -55,13 +55,17 @@ def numeric_option(help: str) -> Any:  # noqa: A002 - typer's own word
 
 def quantity_option(unit: str, help: str) -> Any:  # noqa: A002 - typer's own word
     """An option that takes a number in a unit, which the help names, or a text with its unit."""
-    return typer.Option(help=help, parser=partial(quantity, unit=unit), metavar="QUANTITY")
+
+    def parser(text: str) -> float:  # click names a type by its function, which a partial one lacks
+        return quantity(text, unit)
+
+    return typer.Option(help=help, parser=parser, metavar="QUANTITY")
 
 
 def path(text: str | Path) -> Path:
     """A path of the command line, or a default. Raises BadParameter for an empty one, which would be this folder."""
     if not str(text).strip():
-        raise typer.BadParameter(f"{text!r} is no path; name a file or a folder")
+        raise typer.BadParameter(f"{show(text)}: must be a path; name a file or a folder")
     return Path(text)
 
 
@@ -110,7 +114,10 @@ Substeps = Annotated[
     int | None,
     count_option(help="Substeps of leapfrog in a step, for laws that are not slow. Default: the scene's."),
 ]
-ShortSteps = Annotated[int | None, typer.Option("--short-steps", hidden=True, help="The old name of --substeps.")]
+ShortSteps = Annotated[
+    int | None,
+    typer.Option("--short-steps", hidden=True, help="The old name of --substeps.", parser=count, metavar="INTEGER"),
+]
 Out = Annotated[Path | None, path_option(help="Folder of the results. Default: in runs/, named by the scene.")]
 Frames = Annotated[int | None, count_option(help="Number of shapes written, evenly spaced. Default: the scene's.")]
 Samples = Annotated[int | None, count_option(help="Rows of the history, evenly spaced. Default: the scene's.")]

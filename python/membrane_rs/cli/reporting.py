@@ -17,6 +17,8 @@ from typing import Any
 
 import typer
 
+from membrane_rs.cli.usage import UsageError
+
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 """Exit codes: the run failed; wrong usage or input; ended by Ctrl-C."""
 TRACEBACK = "MEMBRANE_RS_TRACEBACK"
@@ -37,6 +39,23 @@ class Wordiness:
 
 wordiness = Wordiness()
 """Of the command that runs: there is one in a process."""
+
+
+@dataclass
+class Outcome:
+    """What a script that asks for JSON is given of a command: its result, or the error that it ended with."""
+
+    is_json: bool = False
+    is_printed: bool = False
+    error: str = ""
+
+    def begin(self, *, is_json: bool) -> None:
+        """Forget an earlier command of this process."""
+        self.is_json, self.is_printed, self.error = is_json, False, ""
+
+
+outcome = Outcome()
+"""Of the command that runs."""
 
 
 def tell(words: str) -> None:
@@ -74,10 +93,13 @@ def reported_errors() -> Iterator[None]:
         raise typer.Exit(USAGE if isinstance(error, (InputError, MissingFileError)) else FAILED) from None
     except KeyboardInterrupt as stop:
         typer.echo("Stopped.", err=True)
+        outcome.error = str(stop) or "ended by SIGINT"
         raise typer.Exit(exit_code(stop)) from None
     except Exception as error:
-        if isinstance(error, typer.Exit | typer.Abort | typer.BadParameter | OSError):
-            raise
+        if isinstance(error, typer.Exit | typer.Abort | UsageError) or (
+            isinstance(error, OSError) and error.filename is None
+        ):
+            raise  # the last: of the standard output, which the program reports where it ends
         _show_traceback(error)
         known = explained(error) if isinstance(error, ImportError) else error
         if known is not error:
@@ -106,7 +128,8 @@ def warnings_of_run() -> Iterator[None]:
 
 def show_error(words: str) -> None:
     """An error in one red line."""
-    say_in("red", f"Error: {' '.join(words.split())}")
+    outcome.error = " ".join(words.split())
+    say_in("red", f"Error: {outcome.error}")
 
 
 def say_in(color: str, words: str) -> None:
