@@ -87,11 +87,13 @@ readme: demo
 	$(BIN)/python tools/docs/accuracy.py
 	$(BIN)/python tools/docs/readme_numbers.py --write
 
-# The site of the documentation, in out/docs: without a network, each warning an error; then a look at what its pages load.
+# The site of the documentation, in out/docs: without a network, each warning an error; then a look at what its pages load
+# and where their links lead.
 docs: $(VENV)/tools
 	rm -rf out/docs
 	$(BIN)/python -m sphinx -b html -W --keep-going -q -d out/doctrees docs out/docs
 	cd tools/docs && ../../$(BIN)/python -m website.offline ../../out/docs
+	cd tools/docs && ../../$(BIN)/python -m website.links ../../out/docs
 
 # A wheel for manylinux x86-64 and a source archive, in dist/, each installed and tried in a fresh environment.
 # LINKS=https://... makes the links and pictures of README.md absolute for the page of a package.
