@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -30,7 +31,7 @@ def links(page: Path) -> list[str]:
 def places(page: Path) -> set[str]:
     """The names of headings, as a browser of the repository and the site make them."""
     tokens = MarkdownIt("commonmark").parse(page.read_text(encoding="utf-8"))
-    titles = [after.content for token, after in zip(tokens, tokens[1:], strict=False) if token.type == "heading_open"]
+    titles = [after.content for token, after in itertools.pairwise(tokens) if token.type == "heading_open"]
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
 
 
@@ -49,7 +50,9 @@ def test_links_of_a_page_lead_to_what_is_there(page: Path) -> None:
 
 
 def test_a_site_whose_links_lead_somewhere_is_accepted(tmp_path: Path) -> None:
-    (tmp_path / "index.html").write_text('<a href="b.html#here">b</a><a href="#top" id="top"><a href="mailto:a@b.test">')
+    (tmp_path / "index.html").write_text(
+        '<a href="b.html#here">b</a><a href="#top" id="top"><a href="mailto:a@b.test">'
+    )
     (tmp_path / "b.html").write_text('<p id="here"><a href="index.html"><a href="https://a.test/gone.html">')
     (tmp_path / "search.html").write_text("")
     assert list(faults(tmp_path)) == []

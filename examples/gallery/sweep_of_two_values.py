@@ -10,7 +10,10 @@ from membrane_rs import study
 
 found = study.sweep(
     "single-crease",
-    {"laws.creases.stiffness": "1:20:log7", "material.thickness": "5um:10um:5"},
+    {
+        "laws.creases.stiffness": "1:20:log7",
+        "material.thickness": "5um:10um:5",
+    },
     until=0.02,
     samples=41,
     record=["largest_speed"],

@@ -39,9 +39,7 @@ def write(folder: Path) -> None:
     for package in PACKAGES:
         own = [name for name in names if name.package == package]
         pages[f"{package}.rst"] = package_page(package, own)
-    entries = "".join(f"   {package}\n" for package in PACKAGES)
-    index = "All that is public, package by package; a name is described where it is first imported from."
-    pages["index.rst"] = f"{titled('Reference')}{index}\n\n.. toctree::\n   :maxdepth: 1\n\n{entries}"
+    pages["index.rst"] = index_page()
     folder.mkdir(exist_ok=True)
     for path in folder.glob("*.rst"):
         if path.name not in pages:
@@ -55,6 +53,16 @@ def write(folder: Path) -> None:
 def titled(title: str, line: str = "=") -> str:
     """A heading."""
     return f"{title}\n{line * len(title)}\n\n"
+
+
+def index_page() -> str:
+    """The packages, each with the first line of its docstring."""
+    text = f"{titled('Reference')}All that is public; a name is described where it is first imported from.\n\n"
+    for package in PACKAGES:
+        about = (importlib.import_module(package).__doc__ or "").partition("\n")[0]
+        text += f":doc:`{package} <{package}>`\n    {about}\n\n"
+    entries = "".join(f"   {package}\n" for package in PACKAGES)
+    return f"{text}.. toctree::\n   :hidden:\n\n{entries}"
 
 
 def package_page(package: str, names: list[PublicName]) -> str:
