@@ -13,7 +13,7 @@ import pytest
 from fake_simulation import small_sail
 from membrane_rs import Fixed, Scene, Simulation, Triangles
 from membrane_rs.folding import Strip
-from membrane_rs.plotting.fields import FIELDS, fields_of, value_ranges
+from membrane_rs.plotting.fields import FIELDS, STEPS, Field, fields_of, value_ranges
 from membrane_rs.results.vtk import write_frame
 from numpy.typing import NDArray
 from small_scenes import RUBBER
@@ -108,3 +108,34 @@ def test_ranges_hold_all_frames_or_a_share_of_each() -> None:
         "state": (0.0, 2.0), "spring_strain": (-2.0, 1.0), "buckled": (0.0, 1.0)
     }  # fmt: skip
     assert value_ranges([first, second], share=0.9)["spring_strain"] == pytest.approx((-1.9, 0.95))
+
+
+def test_a_field_has_a_title_and_colours() -> None:
+    assert FIELDS["von_mises"].title == "Von Mises stress [Pa]"
+    state = FIELDS["state"]
+    assert state.title == "State of the film"
+    assert len(state.colors()) == len(state.categories) == 3
+    shades = FIELDS["speed"].colors(5)
+    assert shades.shape == (5, 3)
+    assert (np.diff(luminance(shades)) > 10.0).all()
+    assert len(FIELDS["speed"].colors()) == STEPS
+
+
+@pytest.mark.parametrize("field", FIELDS.values(), ids=list(FIELDS))
+def test_scales_are_told_apart_without_seeing_colours(field: Field) -> None:
+    """The luminance of a scale goes one way, so that it serves every kind of colour vision, and prints."""
+    steps = np.diff(luminance(field.colors(9)))
+    assert (steps > 5.0).all() or (steps < -5.0).all()
+
+
+def luminance(colors: np.ndarray) -> np.ndarray:
+    """Of sRGB colours (k, 3), 0 to 255: the luma of ITU-R BT.709."""
+    return np.asarray(colors @ np.array([0.2126, 0.7152, 0.0722]))
+
+
+def test_values_of_damaged_files_are_missing() -> None:
+    frame = Frame(**SQUARE, on_lines={"spring_strain": np.array([1e308, -np.inf, np.nan, 0.5, 0.1])})
+    values = FIELDS["spring_strain"].values(frame)
+    assert values is not None
+    assert np.isnan(values).tolist() == [True, True, True, False, False]
+    assert FIELDS["crease_angle"].values(Frame(**SQUARE, on_lines={"crease_angle": np.full(5, 1e308)})) is None

@@ -13,13 +13,13 @@ import pytest
 from membrane_rs import Creases, Cylinder, InputError, MissingFileError, OutputError, Schedule
 from membrane_rs.plotting import painter
 from membrane_rs.plotting.actors import film_colors
-from membrane_rs.plotting.fields import FIELDS
+from membrane_rs.plotting.fields import BARE, FIELDS, MISSING
 from membrane_rs.plotting.viewer import viewer as module
-from membrane_rs.plotting.viewer.coloring import NOTHING, Scale
+from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.plotting.viewer.frames import KeptFrames
 from membrane_rs.plotting.viewer.keys import KEYS, key_table
 from membrane_rs.plotting.viewer.pictures import save_new
-from membrane_rs.plotting.viewer.viewer import FOR_CAMERA, FOR_RANGE, PLAIN, Viewer
+from membrane_rs.plotting.viewer.viewer import FOR_CAMERA, FOR_RANGE, Viewer
 from membrane_rs.plotting.viewer.window import Window
 from PIL import Image
 from small_scenes import hanging_strip, refused
@@ -109,7 +109,7 @@ def test_fields_lie_on_triangles_nodes_or_lines(strip: Any) -> None:
         assert values is not None
         if field.place == "lines":
             has = np.isfinite(values)
-            assert (shown.upper == PLAIN).all()
+            assert (shown.upper == BARE).all()
             assert (shown.lines == strip.frames[8].lines[has]).all()
             assert (shown.line_colors == shown.scale.color(values[has])).all()
         elif field.place == "nodes":
@@ -155,7 +155,7 @@ def test_values_beyond_the_range_have_the_colour_of_its_end_and_none_is_grey() -
     assert (colors[[0, 1]] == scale.colors[0]).all()
     assert (colors[[3, 4]] == scale.colors[-1]).all()
     assert not (colors[2] == scale.colors[[0, -1]]).all(axis=1).any()
-    assert tuple(colors[5]) == NOTHING
+    assert tuple(colors[5]) == MISSING
     assert len(np.unique(Scale(FIELDS["speed"], 2.0, 2.0).color(np.array([2.0, 2.0])), axis=0)) == 1
     states = Scale(FIELDS["state"], 0.0, 2.0)
     assert (states.color(np.array([0.0, 1.0, 2.0])) == states.colors).all()

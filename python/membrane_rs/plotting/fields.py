@@ -29,6 +29,14 @@ from membrane_rs.mesh.queries import find_pairs
 
 Place = Literal["nodes", "triangles", "lines"]
 TAUT, WRINKLED, SLACK = 0, 1, 2
+STEPS = 256
+"""Colours of a scale of measured values."""
+MISSING = (170, 176, 186)
+"""Colour where a field has no value."""
+BARE = (205, 210, 218)
+"""Colour of the film where lines are coloured."""
+LARGEST = 1e30
+"""Larger values are damaged, and counted as missing: pictures are drawn in single precision."""
 SHARE = 0.99
 """Share of the values of a frame that a scale of colours holds: a few corners of a fold have ten times the others'."""
 
@@ -90,12 +98,23 @@ class Field:
         """Label and unit, such as "Von Mises stress [Pa]"."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
+    def colors(self, steps: int = STEPS) -> NDArray[np.uint8]:
+        """(k, 3) colours from the lowest to the highest value: one for each category, else so many steps."""
+        from matplotlib import colormaps
+
+        shares = np.linspace(0.0, 1.0, len(self.categories) or steps)
+        return np.round(255.0 * np.asarray(colormaps[self.colormap](shares))[:, :3]).astype(np.uint8)
+
     def values(self, frame: FieldFrame) -> Floats | None:
         """(n,) values on the nodes, triangles or lines of a frame, NaN where there is none; None where the frame has
         none at all.
         """
-        found = self._read(frame)
-        return None if found is None or not np.isfinite(found).any() else np.asarray(found, dtype=np.float64)
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = self._read(frame)
+            if found is None:
+                return None
+            known = np.where(np.abs(found) < LARGEST, found, np.nan)
+        return known if np.isfinite(known).any() else None
 
 
 def fields_of(frame: FieldFrame) -> list[Field]:
@@ -124,20 +143,26 @@ def value_ranges(
         (lowest, highest) by name, of the fields that any of the frames has; (0, number of categories - 1) of a field
         with categories. Both are equal where the field is uniform.
     """
-    outside, wanted = 0.5 * (1.0 - share), list(FIELDS.values() if fields is None else fields)
+    wanted = list(FIELDS.values() if fields is None else fields)
     found: dict[str, tuple[float, float]] = {}
     for frame in frames:
         for field in wanted:
             values = field.values(frame)
-            if values is None:
-                continue
-            if field.categories:
-                found[field.name] = 0.0, len(field.categories) - 1.0
-                continue
-            low, high = np.quantile(values[np.isfinite(values)], (outside, 1.0 - outside))
-            lowest, highest = found.get(field.name, (np.inf, -np.inf))
-            found[field.name] = min(float(low), lowest), max(float(high), highest)
+            if values is not None:
+                found[field.name] = range_with(field, values, share, found.get(field.name))
     return {name: found[name] for name in FIELDS if name in found}
+
+
+def range_with(
+    field: Field, values: NDArray[np.floating[Any]], share: float, before: tuple[float, float] | None = None
+) -> tuple[float, float]:
+    """The range that holds a share of the values of a frame, some of them finite, and the range of frames before."""
+    if field.categories:
+        return 0.0, len(field.categories) - 1.0
+    outside = 0.5 * (1.0 - share)
+    low, high = np.quantile(values[np.isfinite(values)], (outside, 1.0 - outside))
+    lowest, highest = before or (np.inf, -np.inf)
+    return min(float(low), lowest), max(float(high), highest)
 
 
 def _column(array: NDArray[Any] | None, index: int = 0) -> Floats | None:

@@ -38,6 +38,9 @@ MOST_EDGED = 30_000
 MARK = ((0.15, -0.08), (0.9, -0.08), (0.9, 0.08), (0.15, 0.08))
 """Corners of the mark on the spool's top that shows how far it has turned, over the spool's radius."""
 
+FARTHEST = 1e15
+"""Distance of a node from the origin that a picture can show [m]: drawn in single precision, which holds its square."""
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -95,6 +98,11 @@ class Subject:
         number = np.where(self.petals < 0, len(PETALS), self.petals % len(PETALS))
         colors: Floats = palette[number]
         return (1.0 - BACK_SHARE) * colors + BACK_SHARE * np.array(BACK) if back else colors
+
+
+def is_drawable(positions: Floats) -> bool:
+    """Whether a shape (n, 3) [m] can be drawn; not that of a run which diverged, or of a damaged file."""
+    return bool((np.abs(positions) < FARTHEST).all())
 
 
 def turned(points: Floats, angle: float) -> Floats:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from membrane_rs._files import check_regular
 from membrane_rs.plotting.fields import Field
@@ -50,11 +49,13 @@ def web_picture_of(path: Path) -> WebPicture | None:
 
 def scale_colors(field: Field) -> list[str]:
     """The scale of a field as #rrggbb: one for each category, or `STEPS` from the lowest to the highest value."""
-    from matplotlib import colormaps
-    from matplotlib.colors import to_hex
+    return [hex_of(color) for color in field.colors(STEPS).tolist()]
 
-    shares = np.linspace(0.0, 1.0, len(field.categories) or STEPS)
-    return [to_hex(color) for color in colormaps[field.colormap](shares)]
+
+def hex_of(color: Sequence[int]) -> str:
+    """A colour of three bytes as #rrggbb."""
+    red, green, blue = color
+    return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def _compressed(image: Any) -> WebPicture:

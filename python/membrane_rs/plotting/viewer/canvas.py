@@ -10,8 +10,9 @@ import numpy as np
 
 from membrane_rs.plotting.actors import FIELD_LIGHT, FILM_LIGHT, LIGHTS, MembraneActors, aim, silence_vtk
 from membrane_rs.plotting.camera import BAR_SHARE, Camera, bar_length
+from membrane_rs.plotting.fields import MISSING
 from membrane_rs.plotting.picture import Image
-from membrane_rs.plotting.viewer.coloring import NOTHING, Scale
+from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.plotting.viewer.flat import INK, MUTED, Polygons, Text, rectangle
 from membrane_rs.plotting.viewer.viewer import Viewer
 
@@ -194,7 +195,7 @@ def _lookup_table(scale: Scale) -> Any:
 
     colors = scale.colors / 255.0
     table: Any = vtkLookupTable()
-    table.SetNanColor(*(share / 255.0 for share in NOTHING), 1.0)
+    table.SetNanColor(*(share / 255.0 for share in MISSING), 1.0)
     table.SetNumberOfTableValues(len(colors))
     for row, color in enumerate(colors):
         table.SetTableValue(row, *color, 1.0)

@@ -9,11 +9,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.actors import Colors
-from membrane_rs.plotting.fields import Field
-
-NOTHING = (208, 208, 212)
-"""Where a field has no value."""
-STEPS = 256
+from membrane_rs.plotting.fields import MISSING, Field
 
 
 @dataclass(frozen=True)
@@ -26,16 +22,12 @@ class Scale:
 
     @property
     def colors(self) -> Colors:
-        """(k, 3) from the lowest to the highest value: one for each category, else `STEPS`."""
-        from matplotlib import colormaps
-
-        shares = np.linspace(0.0, 1.0, len(self.field.categories) or STEPS)
-        colors: Colors = np.round(255.0 * np.asarray(colormaps[self.field.colormap](shares))[:, :3]).astype(np.uint8)
-        return colors
+        """(k, 3) from the lowest to the highest value: one for each category, else many steps."""
+        return self.field.colors()
 
     def color(self, values: Floats) -> Colors:
-        """(n, 3) of n values; `NOTHING` for NaN."""
-        colors = np.vstack([self.colors, np.array([NOTHING], np.uint8)])
+        """(n, 3) of n values; `MISSING` for NaN."""
+        colors = np.vstack([self.colors, np.array([MISSING], np.uint8)])
         last = len(colors) - 2
         span = self.high - self.low
         shares = (values - self.low) / span if span > 0.0 and isfinite(span) else np.full(len(values), 0.5)

@@ -14,7 +14,7 @@ from membrane_rs.errors import InputError
 from membrane_rs.plotting.actors import Colors, film_colors
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import decimals
-from membrane_rs.plotting.fields import SHARE, Field, fields_of, value_ranges
+from membrane_rs.plotting.fields import BARE, SHARE, Field, fields_of, value_ranges
 from membrane_rs.plotting.picture import Subject, turned
 from membrane_rs.plotting.scenery import BodiesInTime, reach_of, stage_at
 from membrane_rs.plotting.viewer.coloring import Scale
@@ -33,8 +33,6 @@ BETWEEN = 1.05
 PLAY_SECONDS, FRAMES_A_SECOND = (4.0, 20.0), 20.0
 """A run is played in this time at the speed of 1: by so many frames a second, within these bounds."""
 SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-PLAIN = np.array((232, 230, 224), np.uint8)
-"""The film, where lines are coloured."""
 
 
 @dataclass(frozen=True)
@@ -261,7 +259,7 @@ class Viewer:
         node_values: Floats | None = None
         values = None if scale is None else scale.field.values(frame)
         if scale is not None:
-            upper = lower = np.tile(PLAIN, (len(upper), 1))
+            upper = lower = np.tile(np.array(BARE, np.uint8), (len(upper), 1))
         if scale is not None and values is not None:
             match scale.field.place:
                 case "triangles":
