@@ -11,7 +11,8 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 DRIVER = "chromedriver"
 SECONDS = 120.0
 """A page that takes longer for what is waited for fails its test; software draws slowly on a busy machine."""
+GRAPHICS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""WebGL by software."""
 Pixels = NDArray[np.uint8]
 
 
@@ -36,15 +39,15 @@ def missing() -> str | None:
 class Browser:
     """One window of Chromium."""
 
-    def __init__(self, width: int = 1280, height: int = 900) -> None:
+    def __init__(self, width: int = 1280, height: int = 900, flags: Sequence[str] = GRAPHICS) -> None:
         from selenium import webdriver
         from selenium.webdriver.chrome.service import Service
 
         options = webdriver.ChromeOptions()
         options.binary_location = str(next(filter(None, map(shutil.which, PROGRAMS))))
         for flag in (
-            "--headless=new", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-            "--force-device-scale-factor=1", f"--window-size={width},{height}", "--disable-dev-shm-usage",
+            "--headless=new", "--hide-scrollbars", "--force-device-scale-factor=1", f"--window-size={width},{height}",
+            "--disable-dev-shm-usage", *flags,
         ):  # fmt: skip
             options.add_argument(flag)
         if hasattr(os, "geteuid") and os.geteuid() == 0:
@@ -66,11 +69,11 @@ class Browser:
         on = {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
         self.driver.execute_cdp_cmd("Network.emulateNetworkConditions", on)
 
-    def open(self, path: Path) -> None:
-        """Open a file, with logs that hold nothing of before."""
+    def open(self, page: Path | str) -> None:
+        """Open a file or an address, with logs that hold nothing of before."""
         self.console()
         self.requests()
-        self.driver.get(path.resolve().as_uri())
+        self.driver.get(page if isinstance(page, str) else page.resolve().as_uri())
 
     def run(self, script: str, *values: object) -> Any:
         """What a script in the page returns."""
@@ -80,6 +83,10 @@ class Browser:
         """The first element of a CSS selector."""
         return self.driver.find_element("css selector", selector)
 
+    def find_all(self, selector: str) -> list[Any]:
+        """All elements of a CSS selector."""
+        return list(self.driver.find_elements("css selector", selector))
+
     def wait(self, holds: Callable[[], object], what: str) -> None:
         """Wait until something holds; fail by its name."""
         end = time.monotonic() + SECONDS
@@ -87,11 +94,12 @@ class Browser:
             assert time.monotonic() < end, f"waited {SECONDS:g} s until {what}; the console says {self.console()}"
             time.sleep(0.02)
 
-    def pixels(self, selector: str) -> Pixels:
-        """What an element shows, (height, width, 3)."""
+    def pixels(self, selector: str = "") -> Pixels:
+        """What an element shows, or the window, (height, width, 3)."""
         from PIL import Image
 
-        with Image.open(io.BytesIO(self.find(selector).screenshot_as_png)) as image:
+        seen = self.find(selector).screenshot_as_png if selector else self.driver.get_screenshot_as_png()
+        with Image.open(io.BytesIO(seen)) as image:
             return np.asarray(image.convert("RGB"))
 
     def console(self) -> list[str]:
@@ -116,13 +124,22 @@ class Browser:
         self.driver.quit()
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """A Chromium, or a skipped test."""
+@contextmanager
+def opened(*flags: str, width: int = 1280, height: int = 900) -> Iterator[Browser]:
+    """A Chromium with other flags than those of `GRAPHICS`, or a skipped test."""
     reason = missing()
     if reason is not None:
         pytest.skip(reason)
     pytest.importorskip("selenium")
-    made = Browser()
-    yield made
-    made.close()
+    made = Browser(width, height, flags or GRAPHICS)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """A Chromium, or a skipped test."""
+    with opened() as made:
+        yield made

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
 
 import membrane_rs
-import numpy as np
 import pytest
 from membrane_rs import InputError, InputTypeError, MissingFileError, OutputError, Run, Scene, UnstableError, open_run
 from membrane_rs.plotting.energy import RESIDUAL, term_changes
@@ -87,6 +86,7 @@ def test_numbers_of_a_finished_run(staged: Run) -> None:
     assert f"membrane_rs {membrane_rs.__version__}" in text_of(scene)
     values = {row[0]: row[1] for row in cells(_whole(readings(one)))}
     assert values["Deployment rate"] == f"{staged.history['deployment_rate'][-1]:.4g}"
+    assert values["Torque on the hub [µN m]"] == f"{1e6 * staged.history['hub_torque'][-1]:.4g}"
 
 
 def _saved(scene: Element) -> Path:
@@ -247,7 +247,10 @@ REFUSED: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"data": "none.csv"}, MissingFileError, r"no measured curves at none\.csv"),
     ({"data": 3}, InputTypeError, "must be one, or a list"),
     ({"path": "there.html"}, OutputError, r"there\.html is there already; .*--overwrite"),
-    ({"path": "none/page.html"}, OutputError, r"cannot write none"),
+    ({"path": "none/page.html"}, OutputError, r"cannot write none/page\.html: there is no folder none; make it"),
+    ({"path": "page.pdf"}, InputError, r"page\.pdf: a page is HTML, and this name says application/pdf; .* \.html"),
+    ({"path": "."}, OutputError, r"cannot write \.: it is a folder; name a file in it, such as report\.html"),
+    ({"path": os.devnull, "overwrite": True}, OutputError, "no regular file"),
 ]
 
 
@@ -260,6 +263,12 @@ def test_what_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, staged
         write_report(**{"runs": staged, "path": "page.html", **changes})
     assert Path("there.html").read_text() == "mine"
     assert not Path("page.html").exists()
+
+
+def test_an_ensemble_is_of_one_scene(tmp_path: Path, staged: Run) -> None:
+    other = made(sail(name="other"), tmp_path / "other", frames=())
+    with pytest.raises(InputError, match=r"runs\[1\] is of the scene 'other', runs\[0\] of 'small-sail'; give"):
+        write_report([staged, other], tmp_path / "page.html", ensemble=True)
 
 
 def test_data_of_other_measures_are_refused(tmp_path: Path, staged: Run) -> None:
@@ -299,70 +308,3 @@ def test_the_command_makes_a_page(tmp_path: Path, staged: Run) -> None:
     assert call("report", staged.path, "--out", page, "--overwrite")[0] == 0
     assert call("report", tmp_path / "none", "--out", tmp_path / "other.html")[0] == 2
     assert call("report")[0] == 2
-
-
-def test_a_run_of_equal_frames_is_shown(tmp_path: Path, staged: Run) -> None:
-    from membrane_rs.report.deployment import deployment
-
-    class Still:
-        """A run whose shape does not change, and is a point."""
-
-        def __init__(self) -> None:
-            self.scene, self.history, self.path = staged.scene, staged.history, None
-            frame = staged.frames[0]
-            self.frames = [replace(frame, positions=np.zeros_like(frame.positions)), frame]
-            self.frames = self.frames[:1]
-
-    shown = deployment(Still())  # type: ignore[arg-type]
-    assert shown.meta is not None
-    assert shown.meta["times"] == [0.0]
-    json.dumps(shown.meta, allow_nan=False)
-
-
-JUNK: tuple[Any, ...] = (
-    None,
-    3,
-    "x",
-    [],
-    [3],
-    {},
-    {"x": "y"},
-    True,
-    [{}],
-    [{"name": 3, "start": "x", "end": None}],
-    {"error": "x", "nodes": "y"},
-)
-FREE = (
-    "audit", "counts", "curves", "energy_balance", "stages", "versions", "evaluations", "integrator", "dt",
-    "limiting_part", "bodies", "stage_starts",
-)  # fmt: skip
-"""Entries that no reader of summaries checks."""
-
-
-@pytest.mark.parametrize("junk", JUNK, ids=[str(value)[:20] for value in JUNK])
-def test_a_summary_of_junk_is_shown(staged: Run, junk: object) -> None:
-    for names in (FREE, FREE[4:5], FREE[:4]):
-        summary = {**staged.summary, **dict.fromkeys(names, junk)}
-        (one,) = labelled([Run(staged.scene, staged.history, staged.frames, summary, staged.path)])
-        for section in (energy_section, headline, audit_section, timing_section, scene_section, readings):
-            section(one)
-
-
-def test_frames_that_no_picture_can_show_are_left_out(staged: Run) -> None:
-    from membrane_rs.report.deployment import deployment
-
-    class Frames(list[Any]):
-        """Frames in a list."""
-
-    def with_frames(frames: list[Any]) -> Any:
-        return Run(staged.scene, staged.history, Frames(frames), staged.summary)  # type: ignore[arg-type]
-
-    good, bad = staged.frames[0], replace(staged.frames[1], positions=np.full_like(staged.frames[1].positions, np.nan))
-    shown = deployment(with_frames([good, bad, staged.frames[2]]))
-    assert shown.meta is not None
-    assert shown.meta["times"] == [good.time, staged.frames[2].time]
-    assert shown.note.startswith("2 of the run's 3 frames.")
-    assert "No frame of this run has finite positions" in deployment(with_frames([bad])).note
-    other = replace(good, positions=good.positions[:-1])
-    with pytest.raises(OutputError, match=r"frame 1 at 0 s has other nodes or cells than the first one; run the scene"):
-        deployment(with_frames([good, other]))

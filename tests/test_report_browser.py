@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from browser import Browser, Pixels
+from browser import Browser, Pixels, opened
 from membrane_rs import Spin
 from membrane_rs.report import pictures as report_pictures
 from membrane_rs.report import write_report
@@ -79,6 +80,14 @@ def choose(browser: Browser, name: str, value: str) -> None:
         name, value,
     )  # fmt: skip
     wait_for(browser)
+
+
+def click_on(browser: Browser, element: Any, right: int) -> None:
+    """Click so many pixels to the right of the middle of an element."""
+    from selenium.webdriver import ActionChains
+
+    browser.run("arguments[0].scrollIntoView({block: 'center'})", element)
+    ActionChains(browser.driver).move_to_element_with_offset(element, right, 0).click().perform()
 
 
 def differ(one: Pixels, other: Pixels) -> int:
@@ -218,11 +227,8 @@ def test_curves_are_shown_hidden_and_lead_to_their_time(browser: Browser, severa
     box.click()
     assert browser.run(visible) == count
     svg = browser.find("#curves svg")
-    browser.run("arguments[0].scrollIntoView({block: 'center'})", svg)
-    from selenium.webdriver import ActionChains
-
     before = place(browser)
-    ActionChains(browser.driver).move_to_element_with_offset(svg, -100, 0).click().perform()
+    click_on(browser, svg, -100)
     browser.wait(lambda: place(browser) != before, "a click on a curve goes to its time")
     x, first, last = browser.run(
         "const s = arguments[0], l = s.querySelector('.now'), v = s.dataset.timeScale.split(' ').map(Number);"
@@ -270,13 +276,49 @@ def test_it_is_dark_where_that_is_wanted_and_prints(browser: Browser, one: Path)
         browser.media()
 
 
-def test_without_webgl_the_rest_remains(browser: Browser, one: Path) -> None:
-    script = {"source": "HTMLCanvasElement.prototype.getContext = () => null;"}
-    added = browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", script)
+def test_without_webgl_the_rest_remains(several: Path) -> None:
+    with opened("--disable-gpu", "--disable-3d-apis") as browser:
+        browser.open(several)
+        browser.wait(lambda: browser.find("#view-failed").is_displayed(), "it says that it cannot draw")
+        assert "needs WebGL" in browser.find("#view-failed").text
+        wait_for(browser)
+        browser.console()  # k3d's own complaints
+        for hidden in (STAGE, "#view-controls", "#view-help"):
+            assert not browser.find(hidden).is_displayed()
+        reading = browser.find("[data-of-run='run-0'] [data-samples]")
+        before = reading.text
+        click_on(browser, browser.find("#curves svg"), -100)
+        browser.wait(lambda: reading.text != before, "a click on a curve goes to its time")
+        choose(browser, "view-run", "run-1")
+        assert browser.find("[data-of-run='run-1'] [data-samples]").is_displayed()
+        assert browser.find("#view-failed").is_displayed()
+        choose(browser, "view-run", "run-2")
+        assert not browser.find("#view-failed").is_displayed()  # it has no frames, with or without WebGL
+        assert browser.console() == []
+
+
+def test_without_scripts_pictures_curves_and_tables_remain(browser: Browser, one: Path) -> None:
+    browser.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
     try:
         browser.open(one)
-        browser.wait(lambda: browser.find("#view-failed").is_displayed(), "it says that it cannot draw")
-        assert not browser.find(STAGE).is_displayed()
-        assert browser.find(".sheets img").is_displayed()
+        assert "JavaScript is off" in browser.find("noscript p").text
+        for shown in (".sheets img", "#curves svg", ".readings", "pre code"):
+            assert browser.find(shown).is_displayed(), shown
+        for hidden in (STAGE, "#view-controls", "#view-help", ".legend input"):
+            assert not browser.find(hidden).is_displayed(), hidden
     finally:
-        browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+        browser.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+
+
+def test_a_narrow_page_shows_the_whole_shape(browser: Browser, one: Path) -> None:
+    browser.driver.set_window_size(500, 900)  # Chromium's windows are not narrower
+    try:
+        ready(browser, one)
+        assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
+        seen = browser.pixels("#view-canvas").astype(int)
+        drawn = np.abs(seen - seen[-2, 2]).max(axis=2) > 24
+        assert drawn[80:].any()
+        assert not drawn[80:, :8].any()
+        assert not drawn[80:, -8:].any()
+    finally:
+        browser.driver.set_window_size(1280, 900)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import Browser, missing
+from browser import Browser, opened
 from notebook_kernel import Kernel, kernel
-from PIL import Image
 
 CELL = """
 import os
@@ -52,30 +50,18 @@ def test_a_cell_shows_a_picture_and_then_the_page(shown: list[dict[str, Any]]) -
 @pytest.fixture(scope="module")
 def page(shown: list[dict[str, Any]]) -> Iterator[Browser]:
     """The page, drawn."""
-    reason = missing()
-    if reason is not None:
-        pytest.skip(reason)
-    pytest.importorskip("selenium")
-    browser = Browser(1100, 760)
-    try:
+    address = re.search(r'src="([^"]+)"', html(shown[-1]))
+    assert address is not None
+    with opened(width=1100, height=760) as browser:
         browser.let_in()
-        address = re.search(r'src="([^"]+)"', html(shown[-1]))
-        assert address is not None
-        browser.driver.get(address[1])
-        browser.wait(lambda: drawn(browser) and found(browser, ".v-slider-thumb"), "the page is drawn")
+        browser.open(address[1])
+        browser.wait(lambda: drawn(browser) and browser.find_all(".v-slider-thumb"), "the page is drawn")
         yield browser
-    finally:
-        browser.close()
-
-
-def found(browser: Browser, selector: str) -> list[Any]:
-    return list(browser.driver.find_elements("css selector", selector))
 
 
 def pixels(browser: Browser) -> Any:
     """The picture within the page, without its bar."""
-    seen = np.asarray(Image.open(io.BytesIO(browser.driver.get_screenshot_as_png())).convert("RGB"), dtype=int)
-    return seen[100:-220, 200:-160]
+    return browser.pixels().astype(int)[100:-220, 200:-160]
 
 
 def drawn(browser: Browser) -> bool:
@@ -85,7 +71,7 @@ def drawn(browser: Browser) -> bool:
 
 def items(browser: Browser) -> dict[str, Any]:
     """Those of the menu that is open, by what they say."""
-    return {item.text: item for item in found(browser, ".v-list-item")}
+    return {item.text: item for item in browser.find_all(".v-list-item")}
 
 
 def moved(browser: Browser, before: Any) -> float:
@@ -114,7 +100,7 @@ def test_it_plays_from_the_start_to_the_end(page: Browser) -> None:
     words = page.find(".words")
     page.find(".play").click()
     page.wait(lambda: "0.040 s" not in words.text, "it plays")
-    page.wait(lambda: "0.040 s" in words.text and found(page, ".mdi-play"), "it has come to the end")
+    page.wait(lambda: "0.040 s" in words.text and page.find_all(".mdi-play"), "it has come to the end")
 
 
 def test_nothing_is_loaded_from_elsewhere(page: Browser) -> None:

@@ -28,6 +28,8 @@ LEAST = {"phase_difference_deg": LEAST_PHASE}
 ROUNDING = 1e-9
 SCALES = {"hub_torque": "hub_force"}
 """A column whose rounding is that of another one: a torque that is none, of forces at radii of some metres or less."""
+LARGEST = 1e150
+"""Larger values are damaged, and are gaps in a curve: their squares, and axes around them, would be infinite."""
 MANY_POINTS = 80
 """Of an experiment, which are then drawn as a line without marks."""
 _LINES, _MARKS = ("--", ":", "-."), "os^Dv"
@@ -69,10 +71,10 @@ def is_measure(name: str) -> bool:
 
 def changes(name: str, history: Mapping[str, Floats]) -> bool:
     """Whether a history has a column that changes by more than rounding."""
-    known = _finite(history[name]) if name in history else np.zeros(0)
+    known = finite(history[name]) if name in history else np.zeros(0)
     if len(known) < 2:
         return False
-    scale = _finite(history[SCALES[name]]) if SCALES.get(name) in history else known
+    scale = finite(history[SCALES[name]]) if SCALES.get(name) in history else known
     least = LEAST.get(name, ROUNDING * float(np.abs(scale).max(initial=0.0)))
     return float(np.ptp(known)) > least
 
@@ -88,13 +90,14 @@ def _panel(sources: Sources, name: str) -> str:
     curves = _of_runs(sources, name)
     for k, experiment in enumerate(sources.experiments):
         if name in experiment.columns:
-            times, values = experiment.curve(name)
+            times, measured = experiment.curve(name)
+            values = drawable(measured)
             mark = "" if len(times) > MANY_POINTS else _MARKS[k % len(_MARKS)]
             line = _LINES[k % len(_LINES)]
             curves.append(Curve(times, values, experiment.name, BLACK, sources.key_of(k), line, mark, width=1.2))
     factor, unit = prefixed(_unit(sources, name), [curve.values for curve in curves])
     scaled = [replace(curve, values=curve.values / factor, edges=curve.edges_over(factor)) for curve in curves]
-    spans = [time[[0, -1]] for one in sources.runs if len(time := _finite(one.run.history["time"]))]
+    spans = [time[[0, -1]] for one in sources.runs if len(time := finite(one.run.history["time"]))]
     ends = (float(np.min(spans)), float(np.max(spans))) if spans else None
     stages = [stage_names(one) for one in sources.runs]
     common = stages[0] if all(some == stages[0] for some in stages) else []
@@ -104,8 +107,10 @@ def _panel(sources: Sources, name: str) -> str:
 def _of_runs(sources: Sources, name: str) -> list[Curve]:
     """One curve for each run, or thin ones, and their mean with its spread."""
     runs = [one for one in sources.runs if name in one.run.history]
-    tables = [one.run.history for one in runs]
-    curves = [Curve(one.run.history["time"], one.run.history[name], one.label, one.color, one.key) for one in runs]
+    tables = [{"time": one.run.history["time"], name: drawable(one.run.history[name])} for one in runs]
+    curves = [
+        Curve(one.run.history["time"], drawable(one.run.history[name]), one.label, one.color, one.key) for one in runs
+    ]
     if not sources.ensemble:
         return curves
     thin = [replace(curve, key=_EACH, width=0.7, opacity=0.45) for curve in curves]
@@ -139,12 +144,18 @@ def _described(sources: Sources, name: str) -> str:
     """A panel in words, for those who do not see it."""
     words = [f"{axis_label(label_of(name), _unit(sources, name))} against time"]
     for one in sources.runs:
-        known = _finite(one.run.history[name]) if name in one.run.history else np.zeros(0)
+        known = finite(one.run.history[name]) if name in one.run.history else np.zeros(0)
         if len(known):
             ends = f"from {known[0]:.4g} to {known[-1]:.4g}"
             words.append(f"{one.label}: {ends}, between {known.min():.4g} and {known.max():.4g}")
     return "; ".join(words)
 
 
-def _finite(values: Floats) -> Floats:
-    return values[np.isfinite(values)]
+def drawable(values: Floats) -> Floats:
+    """Values (n,) with NaN in place of those beyond `LARGEST`."""
+    return np.where(np.abs(values) < LARGEST, values, np.nan)
+
+
+def finite(values: Floats) -> Floats:
+    """The values of (n,) that can be drawn."""
+    return values[np.abs(values) < LARGEST]

@@ -21,11 +21,11 @@ from membrane_rs.plotting import picture
 from membrane_rs.plotting.animation import smoothed
 from membrane_rs.plotting.columns import axis_label, prefixed
 from membrane_rs.plotting.drawing import decimals
-from membrane_rs.plotting.fields import FIELDS, SHARE, Field
-from membrane_rs.plotting.picture import Color, Subject
+from membrane_rs.plotting.fields import BARE, FIELDS, MISSING, SHARE, Field, range_with
+from membrane_rs.plotting.picture import FARTHEST, Color, Subject, is_drawable
 from membrane_rs.plotting.scenery import BodiesInTime, cylinder_ends, plane_corners, reach_of
 from membrane_rs.plotting.stage_marks import stage_starts
-from membrane_rs.plotting.web import scale_colors
+from membrane_rs.plotting.web import hex_of, scale_colors
 from membrane_rs.report.packing import category_levels, coordinates, levels, packed
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
@@ -39,12 +39,12 @@ MOST_BYTES = 24_000_000
 """Of the arrays of all runs in a page, before they are compressed to about a half."""
 FEWEST_FRAMES = 12
 """Rather than so few frames, less fields are kept."""
+MOST_FRAMES = 1000
+"""Two minutes at the speed of 1."""
 FEWEST = 3
 """A run of which so few frames would fit is not shown in 3D."""
 FOR_CAMERA = 24
 TICKS = 5
-MISSING, BARE = "#aab0ba", "#cdd2da"
-"""A field without a value; the film where lines are coloured."""
 LINE = "#3a3632"
 LINE_SHARE, CORD_SHARE, TIP_SHARE = 0.0016, 0.004, 0.011
 """Radii of lines, of those of a scene without a film, and of tip masses, over what the camera reaches."""
@@ -52,6 +52,7 @@ CLOSER = 0.9
 """Nearer than the camera of square pictures: the page is wider than high."""
 FOLLOWS = 1.5
 """The camera can follow the size of the shape where that grows by more."""
+_FAR = f"their positions are not finite, or beyond {FARTHEST:g} m"
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def deployment(run: Run, share: float = 1.0) -> Shown:
     budget = share * MOST_BYTES
     while fields and budget / _frame_bytes(first, fields) < min(FEWEST_FRAMES, len(run.frames)):
         fields = fields[:-1]
-    most = int(budget / _frame_bytes(first, fields))
+    most = min(MOST_FRAMES, int(budget / _frame_bytes(first, fields)))
     if most < min(FEWEST, len(run.frames)):
         size = f"{len(first.positions):,} nodes and {len(first.triangles):,} triangles"
         return Shown(None, "", f"The shape is too large for this page: {size}. Look at it with `membrane-rs view`.")
@@ -110,8 +111,10 @@ def deployment(run: Run, share: float = 1.0) -> Shown:
     frames = _Frames.read(run, picks.tolist(), fields)
     count = len(frames.times)
     if not count:
-        return Shown(None, "", "No frame of this run has finite positions, so there is no shape to show.")
+        return Shown(None, "", f"No frame of this run can be drawn: {_FAR}.")
     note = "" if count == len(run.frames) else f"{count} of the run's {len(run.frames)} frames. "
+    if count < len(picks):
+        note += f"{len(picks) - count} cannot be drawn: {_FAR}. "
     fields = [field for field in fields if np.isfinite(frames.values[field.name]).any()]
     return _shown(Staged.of(run), frames, fields, note)
 
@@ -149,8 +152,8 @@ class _Frames:
             if (len(frame.positions), len(frame.triangles), len(frame.lines)) != tuple(counts.values()):
                 where = f"frame {index} at {frame.time:g} s"
                 raise OutputError(f"{where} has other nodes or cells than the first one; run the scene again")
-            if not (np.isfinite(frame.positions).all() and math.isfinite(frame.time)):
-                continue  # of a run that was stopped too late; no picture can show it
+            if not (is_drawable(frame.positions) and math.isfinite(frame.time)):
+                continue  # of a run that was stopped too late, or of a damaged file
             k = len(times)
             times.append(float(frame.time))
             angles.append(float(frame.hub_angle) if math.isfinite(frame.hub_angle) else 0.0)
@@ -191,9 +194,9 @@ def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) 
     }
     described = []
     for field in fields:
-        low, high = _ends(field, frames.values[field.name])
-        described.append(_description(field, low, high, frames.values[field.name]))
         found = frames.values[field.name]
+        low, high = _ends(field, found)
+        described.append(_description(field, low, high, found))
         if field.place == "lines":
             rows = np.flatnonzero(np.isfinite(found).any(axis=0))
             arrays[f"{field.name}-lines"], found = rows.astype(np.uint32), found[:, rows]
@@ -228,8 +231,8 @@ def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) 
         "line_radius": (LINE_SHARE if len(frames.triangles) else CORD_SHARE) * reach,
         "tip_radius": TIP_SHARE * reach,
         "line_color": LINE,
-        "missing": MISSING,
-        "bare": BARE,
+        "missing": hex_of(MISSING),
+        "bare": hex_of(BARE),
         "front": [_hex(tone) for tone in tones],
         "back": [_hex(_mixed(tone)) for tone in tones],
         "fields": described,
@@ -239,12 +242,12 @@ def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) 
 
 
 def _ends(field: Field, values: NDArray[np.float32]) -> tuple[float, float]:
-    """Both ends of the scale: `SHARE` of all values lie between them."""
-    if field.categories:
-        return 0.0, len(field.categories) - 1.0
-    outside = 0.5 * (1.0 - SHARE)
-    low, high = np.quantile(values[np.isfinite(values)], (outside, 1.0 - outside))
-    return float(low), float(high)
+    """Both ends of the scale: `SHARE` of the values of each frame lie between them."""
+    ends = None
+    for row in values:
+        if np.isfinite(row).any():
+            ends = range_with(field, row, SHARE, ends)
+    return ends or (0.0, 0.0)
 
 
 def _description(field: Field, low: float, high: float, values: NDArray[np.float32]) -> dict[str, Any]:
@@ -255,7 +258,7 @@ def _description(field: Field, low: float, high: float, values: NDArray[np.float
         factor, unit = prefixed(unit, [ends])
         low, high, least, most = (ends / factor).tolist()
         ticks = [f"{value:.3g}" for value in np.linspace(low, high, TICKS)]
-        note = f"{100.0 * SHARE:g} % of the values lie on this scale, all from {least:.3g} to {most:.3g}"
+        note = f"{100.0 * SHARE:g} % of each frame's values lie on this scale, all from {least:.3g} to {most:.3g}"
     return {
         "name": field.name, "title": axis_label(field.label, unit), "place": field.place,
         "is_stepped": bool(field.categories), "colors": scale_colors(field), "ticks": ticks, "note": note,

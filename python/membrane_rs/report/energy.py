@@ -11,7 +11,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.energy import LEAST, MOTOR, RESIDUAL, label, line_of, since_start, term_changes
 from membrane_rs.plotting.panel import Curve, panel_svg
-from membrane_rs.report.curves import changes, stage_names
+from membrane_rs.report.curves import changes, drawable, stage_names
 from membrane_rs.report.markup import drawing, element, table
 from membrane_rs.report.sources import BLACK, RUN_COLORS, LabelledRun
 from membrane_rs.report.summaries import sound_stage_records
@@ -21,7 +21,7 @@ _GREY = "#888888"
 
 def energy_section(labelled: LabelledRun) -> Element:
     """Figure, error and table."""
-    history = labelled.run.history
+    history = {name: drawable(values) for name, values in labelled.run.history.items()}
     section = element("section", element("h2", "Energy balance"))
     if len(history["time"]) < 2 or not _has_balance(history):
         section.append(element("p", "This run has too few samples for a balance."))
@@ -37,7 +37,7 @@ def energy_section(labelled: LabelledRun) -> Element:
         [_curve(history["time"], terms[name] / unit, name, shown) for name in shown],
         f"Since the start [{symbol}]",
         stages=starts,
-        legend=True,
+        legend=bool(shown),
     )
     words = "; ".join(f"{label(name)} {terms[name][-1] / unit:.4g} {symbol}" for name in shown)
     figures.append(
@@ -64,7 +64,7 @@ def energy_section(labelled: LabelledRun) -> Element:
             )
         )
     section.append(figures)
-    section.append(_table(labelled, terms, unit, symbol))
+    section.append(_table(labelled, history, terms, unit, symbol))
     note = (
         "What moves and what is stored has changed by the works of the laws, up to the residual. The work of the motor "
         "that turns the hub is no term of this balance, which is that of the turning frame. Terms that stay below "
@@ -86,9 +86,11 @@ def _curve(time: Floats, values: Floats, name: str, shown: list[str]) -> Curve:
     return Curve(time, values, label(name), shade, "term", str(look["linestyle"]), width=1.4)
 
 
-def _table(labelled: LabelledRun, terms: Mapping[str, Floats], unit: float, symbol: str) -> Element:
+def _table(
+    labelled: LabelledRun, history: Mapping[str, Floats], terms: Mapping[str, Floats], unit: float, symbol: str
+) -> Element:
     """One row for each term, one column for each stage that the summary knows, and one for the run."""
-    history, records = labelled.run.history, sound_stage_records(labelled.run.summary)
+    records = sound_stage_records(labelled.run.summary)
     error = float(history["energy_error"][-1] * history["reference_energy"][-1])
     totals = {name: float(values[-1]) for name, values in terms.items()} | {RESIDUAL: error}
     spans = [term_changes(history, records, k) for k in range(len(records))] if len(records) > 1 else []

@@ -9,8 +9,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from membrane_rs.plotting.columns import axis_label, label_of
-from membrane_rs.report.curves import FIRST, changes, is_measure
+from membrane_rs.plotting.columns import axis_label, label_of, prefixed
+from membrane_rs.report.curves import FIRST, changes, drawable, is_measure
 from membrane_rs.report.markup import Content, add, element, table
 from membrane_rs.report.sources import LabelledRun
 from membrane_rs.report.summaries import is_number, table_of, tables_of
@@ -21,6 +21,11 @@ SAMPLES = 300
 """Times of the values beside the picture."""
 MOST_READINGS = 8
 _SEVERITY = {"error": "Error", "warning": "Warning", "info": "Fact"}
+_OUTCOMES = {
+    "unstable": "This run stopped itself",
+    "failed": "This run failed",
+    "running": "This run still goes on",
+}
 _REMEDIES = {
     "running": "A process goes on with it; make this page again when it has ended.",
     "killed": "Its process was killed; go on with `membrane-rs resume`.",
@@ -42,10 +47,11 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
     if outcome == FINISHED:
         return None
     head, _, cause = outcome.partition(": ")
-    words = {"unstable": "This run stopped itself", "failed": "This run failed"}.get(
-        head, f"This run is {head}" if head in ("running",) else f"This run was {head}"
-    )
+    words = _OUTCOMES.get(head, f"This run was {head}")
     at, end = labelled.run.summary.get("time"), labelled.run.summary.get("until")
+    times = labelled.run.history["time"]
+    if head in ("running", "killed") and len(times):
+        at = float(times[-1])  # its summary is of its start
     when = f" at {at:.6g} s" if is_number(at) else ""
     when += f" of {end:.6g} s" if when and is_number(end) else ""
     kind = "fault" if head in ("unstable", "failed") else "unfinished"
@@ -66,6 +72,8 @@ def headline(labelled: LabelledRun) -> Element:
     size = ", ".join(
         f"{counts[name]:,} {name}" for name in ("nodes", "triangles", "springs") if is_number(counts.get(name))
     )
+    if labelled.label != run.scene.name:
+        rows.append(("Run", labelled.label))
     rows.append(("Scene", run.scene.name))
     rows.append(("Size", size))
     time, wall = run.summary.get("time"), run.summary.get("wall_time")
@@ -98,11 +106,12 @@ def readings(labelled: LabelledRun) -> Element | None:
     picks = np.unique(np.linspace(0, len(time) - 1, min(len(time), SAMPLES)).round().astype(int))
     rows: list[Sequence[Content]] = []
     for name in names[:MOST_READINGS]:
-        values = [f"{value:.4g}" if np.isfinite(value) else None for value in history[name][picks]]
+        factor, unit = prefixed(history.units.get(name, ""), [drawable(history[name])])
+        values = [f"{value:.4g}" if np.isfinite(value) else None for value in history[name][picks] / factor]
         cell = element(
             "output", values[-1] or UNKNOWN, data_samples=_json({"times": time[picks].tolist(), "values": values})
         )
-        rows.append((axis_label(label_of(name), history.units.get(name, "")), cell))
+        rows.append((axis_label(label_of(name), unit), cell))
     return table(("", ""), rows, caption="At the time of the picture", class_="readings")
 
 

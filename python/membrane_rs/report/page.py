@@ -20,6 +20,10 @@ _NO_NETWORK = (
     "; worker-src blob:"
 )
 """What a browser is to allow the page: nothing from outside it."""
+_WITHOUT_SCRIPTS = (
+    "JavaScript is off in this browser, so there is no picture in 3D. Below are the contact sheets, curves and "
+    "tables of all runs; measures are those at the end."
+)
 SPEEDS = {"0.25": "1/4 x", "0.5": "1/2 x", "1": "1 x", "2": "2 x", "4": "4 x"}
 CAMERAS = {"turning": "turns with the hub", "fixed": "stands still"}
 
@@ -47,12 +51,15 @@ def _head(title: str) -> Element:
 
     style = element("style")
     style.text = _asset("page.css")
+    unscripted = element("style")
+    unscripted.text = "#view-view figcaption, #view-stage, #view-controls, .run, .legend input { display: none; }"
+    unscripted.text += " .deployment { display: block; } aside dl { margin-top: 1rem; }"
     return element(
         "head", element("meta", charset="utf-8"),
         Element("meta", {"http-equiv": "Content-Security-Policy", "content": _NO_NETWORK}),
         element("meta", name="viewport", content="width=device-width, initial-scale=1"),
         element("meta", name="generator", content=f"membrane_rs {versions()['membrane_rs']}"),
-        element("title", title), style,
+        element("title", title), style, element("noscript", unscripted),
     )  # fmt: skip
 
 
@@ -110,12 +117,14 @@ def _viewer(shown: list[Shown]) -> Element:
     stage.append(element("div", id="view-scale", class_="scale", hidden=True))
     words = "The deployment in 3D. Space plays, arrows go from frame to frame, Home and End to the ends."
     failed = (
-        "This browser shows no 3D pictures, which need WebGL and DecompressionStream; the contact sheet shows the run."
+        "This browser shows no 3D picture, which needs WebGL and DecompressionStream. The contact sheet shows the run, "
+        "and a click on a curve the measures at its time. The reason: "
     )
     viewer = element(
         "figure", stage, id="view-view", tabindex="0", role="group", aria_label=words, data_state="loading"
     )
-    viewer.append(element("p", failed, id="view-failed", class_="note", hidden=True))
+    viewer.append(element("p", failed, element("span", id="view-reason"), id="view-failed", hidden=True))
+    viewer.append(element("noscript", element("p", _WITHOUT_SCRIPTS)))
     viewer.append(_controls())
     keys = "Drag turns, the wheel zooms, the right button shifts; space plays. A click on a curve goes to its time."
     viewer.append(element("figcaption", element("span", keys, id="view-help"), " ", element("span", id="view-note")))

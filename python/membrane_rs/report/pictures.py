@@ -10,6 +10,7 @@ import numpy as np
 
 from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.painter import painter
+from membrane_rs.plotting.picture import is_drawable
 from membrane_rs.plotting.scenery import Scenery
 from membrane_rs.plotting.sheets import VIEWS, caption, contact_sheet, stage_prefix
 from membrane_rs.plotting.web import WebPicture, web_picture, web_picture_of
@@ -58,12 +59,12 @@ def _of_folder(run: Run) -> list[tuple[str, WebPicture]]:
 
 
 def _drawn(run: Run) -> list[tuple[str, WebPicture]]:
-    """One that is drawn from frames spread over the run."""
+    """One that is drawn from frames spread over the run; none without a frame that can be drawn."""
     count = len(run.frames)
-    if not count:
-        return []
     picks = np.unique(np.linspace(0, count - 1, min(count, SPREAD)).round().astype(int))
-    frames = [run.frames[int(k)] for k in picks]
+    frames = [frame for frame in (run.frames[int(k)] for k in picks) if is_drawable(frame.positions)]
+    if not frames:
+        return []
     staged, times = Staged.of(run), [frame.time for frame in frames]
     subject = staged.subject([frame.positions for frame in frames])
     bodies, digits = staged.bodies(frames[0].positions), decimals(times, 3)

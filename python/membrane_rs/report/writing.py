@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import mimetypes
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from membrane_rs._extras import need
-from membrane_rs._files import path_of, write_text
+from membrane_rs._files import check_writable, path_of, write_text
 from membrane_rs._validation import check_kind, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.report.sources import Sources, labelled
@@ -60,7 +61,7 @@ def write_report(
     Raises
     ------
     InputError
-        No run, an ensemble of one, data without a column of the runs.
+        No run, an ensemble of one or of several scenes, data without a column of the runs, a file that is no HTML.
     InputTypeError
         What is neither a run nor a path, or no measured curves.
     MissingFileError
@@ -82,7 +83,7 @@ def write_report(
     need("k3d", "matplotlib", "PIL", use="a page of runs")
     from membrane_rs.report.page import page
 
-    file = path_of(path)
+    file = _file(path, overwrite)
     check_kind(title, (str, type(None)), "title", "a text")
     chosen = [_run(one, f"runs[{k}]") for k, one in enumerate(_list_of(runs, (Run, str, os.PathLike)))]
     if not chosen:
@@ -91,8 +92,12 @@ def write_report(
         raise InputError(f"runs: {len(chosen)} are given, and a page holds at most {MOST_RUNS}; leave some out")
     if ensemble and len(chosen) < 2:
         raise InputError("ensemble: one run has no spread; give several runs of the scene, or leave it out")
-    if file.exists() and not overwrite:
-        raise OutputError(f"{file} is there already; give another name, or replace it with overwrite (--overwrite)")
+    for k, run in enumerate(chosen if ensemble else ()):
+        if run.scene.name != chosen[0].scene.name:
+            raise InputError(
+                f"ensemble: runs[{k}] is of the scene {show(run.scene.name)}, runs[0] of {show(chosen[0].scene.name)}; "
+                "give runs of one scene, or leave it out: their curves are then laid over one another"
+            )
     units = {name: unit for run in reversed(chosen) for name, unit in run.history.units.items()}
     given = [data] if is_experiment(data) else _list_of(data, ())
     experiments = [experiment_of(one, units, f"data[{k}]", f"measured {k + 1}") for k, one in enumerate(given)]
@@ -105,6 +110,22 @@ def write_report(
             )
     sources = Sources(labelled(chosen), experiments, ensemble)
     write_text(file, page(sources, title or _title(sources)))
+    return file
+
+
+def _file(path: object, overwrite: bool) -> Path:
+    """The file to be written, refused before anything is drawn."""
+    file = path_of(path)
+    kind = mimetypes.guess_type(file.name)[0]
+    if kind not in (None, "text/html"):
+        raise InputError(f"{file}: a page is HTML, and this name says {kind}; give a name that ends in .html")
+    if file.is_dir():
+        raise OutputError(f"cannot write {file}: it is a folder; name a file in it, such as {file / REPORT}")
+    if file.exists() and not overwrite:
+        raise OutputError(f"{file} is there already; give another name, or replace it with overwrite (--overwrite)")
+    if not file.parent.is_dir():
+        raise OutputError(f"cannot write {file}: there is no folder {file.parent}; make it, or choose another one")
+    check_writable(file)
     return file
 
 

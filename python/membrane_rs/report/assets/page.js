@@ -32,7 +32,7 @@ class Viewer {
     home.onclick = () => { this.shape.aim(); this.redraw(); };
     view.onkeydown = (event) => {
       const steps = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
-      if (event.target !== view || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (event.target !== view || event.ctrlKey || event.altKey || event.metaKey || !this.shape) return;
       if (event.key === " ") play.click();
       else if (event.key in steps) { this.pause(); this.seek(Math.round(this.place) + steps[event.key]); }
       else return;
@@ -50,7 +50,20 @@ class Viewer {
     byId("view-note").textContent = note;
     for (const id of ["view-stage", "view-controls", "view-help"]) byId(id).hidden = meta === null;
     document.dispatchEvent(new CustomEvent("membrane-run", { detail: { run } }));
-    if (meta === null) return this.done();
+    this.shape = null;
+    byId("view-failed").hidden = true;
+    try {
+      if (meta !== null) await this.load(index, turn);
+    } catch (error) {
+      this.fail(error);
+    }
+    this.done();
+  }
+
+  /** Unpack the data of a run and draw it. */
+  async load(index, turn) {
+    const { meta } = this;
+    if (this.failed && !this.K3D) throw this.failed;
     if (!this.K3D) {
       this.K3D = await startK3D(this.controls.view);
       this.templates = Object.values(this.K3D.getWorld().ObjectsListJson).map((json) => ({ ...json }));
@@ -71,7 +84,17 @@ class Viewer {
     await this.colour();
     this.shape.aim();
     await this.seek(this.place);
-    this.done();
+  }
+
+  /** Say why there is no picture in 3D; all else goes on. */
+  fail(error) {
+    this.failed = error;
+    this.shape = null;
+    byId("view-failed").hidden = false;
+    byId("view-reason").textContent = error.message;
+    byId("view-note").textContent = "";
+    for (const id of ["view-stage", "view-controls", "view-help"]) byId(id).hidden = true;
+    this.seek(this.meta.times.length - 1);
   }
 
   done() {
@@ -79,6 +102,7 @@ class Viewer {
   }
 
   background() {
+    if (!this.K3D) return;
     const colour = getComputedStyle(document.documentElement).getPropertyValue("--canvas").trim();
     this.K3D.setClearColor(parseInt(colour.slice(1), 16));
     this.K3D.render();
@@ -122,12 +146,13 @@ class Viewer {
     this.place = Math.min(Math.max(place, 0), last);
     const { time, label, view } = this.controls;
     time.value = Math.round(this.place);
-    await this.shape.show(this.place);
-    const text = timeText(this.meta, this.shape.time), stage = this.meta.stages[Math.round(this.place)];
+    if (this.shape) await this.shape.show(this.place);
+    const now = this.shape ? this.shape.time : this.meta.times[Math.round(this.place)];
+    const text = timeText(this.meta, now), stage = this.meta.stages[Math.round(this.place)];
     label.textContent = stage ? `${text} · ${stage}` : text;
     time.setAttribute("aria-valuetext", label.textContent);
     view.dataset.place = String(this.place);
-    document.dispatchEvent(new CustomEvent("membrane-time", { detail: { time: this.shape.time } }));
+    document.dispatchEvent(new CustomEvent("membrane-time", { detail: { time: now } }));
   }
 
   play() {
@@ -215,13 +240,7 @@ async function start() {
   followInCurves(viewer);
   for (const section of document.querySelectorAll("[data-of-run]"))
     document.addEventListener("membrane-run", ({ detail: { run } }) => { section.hidden = section.dataset.ofRun !== run; });
-  try {
-    await viewer.open(0);
-  } catch (error) {
-    byId("view-failed").hidden = false;
-    byId("view-failed").append(` (${error.message})`);
-    byId("view-stage").hidden = true;
-  }
+  await viewer.open(0);
 }
 
 start();

@@ -298,9 +298,10 @@ class Deployment {
     this.K3D.setCamera(c);
   }
 
-  /** The camera of the pictures, for the size now. */
+  /** The camera of the pictures, for the size now; farther where the picture is higher than wide. */
   aim() {
-    const { meta } = this, distance = (meta.distance * (this.follows ? this.reach : meta.reach)) / meta.reach;
+    const { meta } = this, taller = Math.max(1, 1 / this.K3D.getWorld().camera.aspect);
+    const distance = (taller * meta.distance * (this.follows ? this.reach : meta.reach)) / meta.reach;
     this.K3D.setCamera([...meta.centre_of_view.map((c, k) => c + distance * meta.view[k]), ...meta.centre_of_view, ...meta.up]);
   }
 }
