@@ -57,9 +57,9 @@ def test_frames_are_read_one_at_a_time(folder: Path, monkeypatch: pytest.MonkeyP
     read: list[str] = []
     reader = read_frame_data
 
-    def noted(path: Path) -> Any:
+    def noted(path: Path, most: int) -> Any:
         read.append(path.name)
-        return reader(path)
+        return reader(path, most)
 
     monkeypatch.setattr("membrane_rs.runs.frames.read_frame_data", noted)
     opened = open_run(folder / "summary.json")
@@ -77,6 +77,10 @@ def test_a_killed_run_is_read_as_far_as_it_came(folder: Path) -> None:
     assert (opened.outcome, opened.history.sample_count, len(opened.frames)) == ("killed", 2, 3)
     for name in ("history.csv", "frames.pvd"):
         (folder / name).unlink()
+    (folder / "summary.json").write_text(json.dumps({"outcome": "running", "request": summary["request"], "time": 1.0}))
+    with pytest.raises(MissingFileError, match=r"history\.csv, though summary.json says: the run came to 1 s"):
+        open_run(folder)
+    (folder / "summary.json").write_text(json.dumps({"outcome": "running", "request": summary["request"]}))
     opened = open_run(folder)
     assert (opened.history.sample_count, len(opened.frames)) == (0, 0)
     assert "Run of single-crease" in opened._repr_html_()

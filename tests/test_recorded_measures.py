@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,37 @@ def test_samples_at_an_interval() -> None:
         run(TETHER, 1e-3, every=1e-3, samples=3)
 
 
+def test_an_interval_alone_says_when_samples_are() -> None:
+    result = run(TETHER, 0.011, every=3e-3)  # the scene has frames at every half of a millisecond
+    assert result.history["time"].tolist() == [0.0, 3e-3, 6e-3, 9e-3, 0.011]
+    assert result.frames.times.tolist() == [0.0, 3e-3, 6e-3, 9e-3, 0.011]
+    few = run(TETHER, 0.02, every=3e-3, frames=5)
+    assert few.history["time"].tolist() == [0.0, 3e-3, 6e-3, 9e-3, 0.012, 0.015, 0.018, 0.02]
+    assert few.frames.times.tolist() == [0.0, 6e-3, 9e-3, 0.015, 0.02]
+    snapshots = replace(scenes.load(TETHER), run=replace(scenes.load(TETHER).run, snapshots=(0.0, 5e-3)))
+    assert run(snapshots, 0.01, every=3e-3).history["time"].tolist() == [0.0, 3e-3, 6e-3, 9e-3, 0.01]
+    named = run(TETHER, 0.01, every=3e-3, frames=[4e-3])
+    assert named.history["time"].tolist() == [0.0, 3e-3, 4e-3, 6e-3, 9e-3, 0.01]
+
+
+def test_frames_that_an_interval_leaves_out_are_told() -> None:
+    with pytest.warns(UserWarning, match=r"frames = 50: a frame is a sample, of which every = 0.003 s gives fewer; 5"):
+        result = run(TETHER, 0.01, every=3e-3, frames=50)
+    assert result.frames.times.tolist() == result.history["time"].tolist()
+
+
+@pytest.mark.parametrize("frames", [5, None])
+def test_an_interval_goes_on_beyond_the_end(frames: Any, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    run(TETHER, 0.02, every=3e-3, frames=frames, out=folder, pictures=False)
+    resume(folder, 0.035)
+    result = open_run(folder)
+    before = [0.0, 3e-3, 6e-3, 9e-3, 0.012, 0.015, 0.018, 0.02]
+    assert result.history["time"].tolist() == [*before, 0.021, 0.024, 0.027, 0.03, 0.033, 0.035]
+    assert set(result.frames.times) <= set(result.history["time"])
+    assert {0.02, 0.035} <= set(result.frames.times)
+
+
 def wordy(_: Any) -> float:
     raise ValueError("a\nb" * 1000)
 
@@ -99,7 +131,7 @@ def test_what_is_no_interval_is_refused(every: Any, words: str) -> None:
     [
         (lambda _: 1 / 0, r"record\['it'\] at t = 0 s: raised ZeroDivisionError: division by zero; mend"),
         (wordy, r"raised ValueError: a ba b.{1,300}\.\.\.; mend the function$"),
-        (lambda _: math.nan, r"record\['it'\] at t = 0 s = nan: must be finite"),
+        (lambda _: math.nan, r"record\['it'\] at t = 0 s = nan: must be finite$"),
         (lambda _: None, r"record\['it'\] at t = 0 s = None: must be a number"),
         (lambda sim: sim.positions, r"gave an array of shape \(11, 3\); must give one number, such as its .max\(\)"),
         (stepping, "a measure only reads"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from functools import wraps
+from inspect import currentframe
 from pathlib import Path
 from typing import Any
 
@@ -119,7 +121,7 @@ def test_resumed_to_the_same_bits(integrator: str, scene: Scene, tmp_path: Path)
     wanted, lefts = contents(whole), sorted(tmp_path.glob("left-*"))
     assert len(lefts) > 2
     for left in lefts:
-        with pytest.raises(InputError, match=r"'python:passed', a function.*resume\(folder, stop_when=...\)"):
+        with pytest.raises(InputError, match=r"by the function 'passed'.*resume\(folder, stop_when=...\)"):
             resume(left)
         again = resume(left, stop_when=passed)
         assert again.time == sim.time
@@ -227,3 +229,20 @@ def test_the_command_has_nothing_to_resume_where_an_event_ended_the_run(tmp_path
     assert shown.exit_code == 0
     assert "nothing is left to do" in shown.stderr
     assert (folder / "history.csv").read_bytes() == before
+
+
+def test_functions_are_named_as_a_reader_finds_them(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    line = currentframe().f_lineno + 1  # type: ignore[union-attr]
+    result = run(CREASE, 0.01, stop_when=lambda sim: sim.time - 2e-3, frames=2, samples=3, out=folder, pictures=False)
+    assert result.outcome == f"stopped: a lambda in line {line} of test_stop_when.py, at 0.002 s"
+    run(CREASE, 2e-3, stop_when=passed, frames=2, samples=3, out=folder, pictures=False, overwrite=True)
+    with pytest.raises(InputError, match=r"stop_when = a lambda: the run in .* has the function 'passed'; give that"):
+        resume(folder, 4e-3, stop_when=lambda sim: sim.time)
+    with pytest.raises(InputError, match=r"stop_when = passed at t = 0 s = inf: must be finite"):
+        run(CREASE, 2e-3, stop_when=partial_named(passed))
+
+
+def partial_named(function: Any) -> Any:
+    """A function of the same name whose value is infinite."""
+    return wraps(function)(lambda _: np.inf)

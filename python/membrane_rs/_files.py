@@ -97,7 +97,8 @@ def reading_errors(path: Path, what: str) -> Iterator[None]:
     except MembraneError:
         raise
     except Exception as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+        nameless = "it does not fit into memory" if isinstance(error, MemoryError) else "its content cannot be read"
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error) or nameless
         text = f"{path} is no {what}, or damaged: {' '.join(reason.split())}; run the scene again, or name another file"
         raise OutputError(text) from error
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
 
 from membrane_rs._other_names import OTHER_NAMES
 
@@ -31,6 +32,15 @@ def show(value: object) -> str:
     except ValueError:  # Python writes no integer of more than some thousand digits
         return "a number of thousands of digits"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def function_words(function: object) -> str:
+    """A user's function, as messages call it: by its name, of a lambda by where it stands."""
+    name = str(getattr(function, "__qualname__", type(function).__name__)).rpartition("<locals>.")[2]
+    code = getattr(function, "__code__", None)
+    if name != "<lambda>" or code is None:
+        return name
+    return f"a lambda in line {code.co_firstlineno} of {Path(code.co_filename).name}"
 
 
 def in_one_line(error: BaseException) -> str:

@@ -177,16 +177,17 @@ def computable(where: str, kind: type[InputError] = InputError) -> Iterator[None
 
 def number_of(name: str, value: object, unit: str = "s") -> float:
     """A finite number, or a numpy scalar as one. Raises InputTypeError and InputError, which name it and its unit."""
+    words = f" ({unit})" if unit else ""
     if isinstance(value, np.ndarray) and value.ndim == 0 and not isinstance(value, np.ma.MaskedArray):
         value = value[()]
     if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
-        raise InputTypeError(f"{name} = {show(value)}: must be a number ({unit})")
+        raise InputTypeError(f"{name} = {show(value)}: must be a number{words}")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise InputError(f"{name} = {number}: must be finite ({unit})")
+        raise InputError(f"{name} = {number}: must be finite{words}")
     return number
 
 

@@ -27,7 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import nearest, show
 from membrane_rs.analysis.strain import triangle_strains
+from membrane_rs.errors import InputError
 from membrane_rs.mesh.queries import find_pairs, petal_of_triangles
 from membrane_rs.simulation.motion import Motion
 
@@ -36,6 +38,36 @@ Fields = Mapping[str, NDArray[Any]]
 ON_NODES = ("velocity", "displacement")
 ON_TRIANGLES = ("triangle_strain", "petal", "stress_1", "stress_2", "stress_direction", "von_mises", "film_state")
 ON_LINES = ("spring_strain", "crease_angle", "buckled", "tension")
+
+
+class UnknownFieldError(InputError, KeyError):
+    """A name that no field of a frame has."""
+
+    __str__ = InputError.__str__
+
+
+class FieldTable(dict[str, NDArray[Any]]):
+    """The fields of a frame on its nodes, its triangles or its lines, which `place` names, such as "on_lines"."""
+
+    def __init__(self, place: str, fields: Fields) -> None:
+        super().__init__(fields)
+        self.place = place
+
+    def __missing__(self, name: object) -> NDArray[Any]:
+        """Raises UnknownFieldError, which is a KeyError too, and names what there is."""
+        places = {"on_nodes": ON_NODES, "on_triangles": ON_TRIANGLES, "on_lines": ON_LINES}
+        where = next((place for place, known in places.items() if name in known), None)
+        if where is not None and where != self.place:
+            hint = f"it is a field {where.replace('_', ' ')}: frame.{where}[{show(name)}]"
+        elif where is not None:
+            hint = f"this run has none, but {', '.join(self) or 'no fields at all'}"
+        else:
+            hint = nearest(str(name), self) if self else "there are none"
+        raise UnknownFieldError(f"{self.place}[{show(name)}]: no such field; {hint}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle and copy by place and fields."""
+        return type(self), (self.place, dict(self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,9 +162,11 @@ class FrameFields:
             velocities=frame.velocities,
             triangles=self.triangles,
             lines=self.lines,
-            on_nodes={"velocity": frame.velocities, "displacement": frame.positions - self.reference},
-            on_triangles=self._on_triangles(frame) if len(self.triangles) else {},
-            on_lines=self._on_lines(frame) if len(self.lines) else {},
+            on_nodes=FieldTable(
+                "on_nodes", {"velocity": frame.velocities, "displacement": frame.positions - self.reference}
+            ),
+            on_triangles=FieldTable("on_triangles", self._on_triangles(frame) if len(self.triangles) else {}),
+            on_lines=FieldTable("on_lines", self._on_lines(frame) if len(self.lines) else {}),
         )
 
     def _on_triangles(self, frame: Frame) -> Fields:

@@ -13,8 +13,9 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._files import check_writable, output_errors, path_of, read_text, reading_errors, sync, write_text
 from membrane_rs._renamed import RenamedKeys
+from membrane_rs._validation import show
 from membrane_rs.errors import OutputError
-from membrane_rs.results.csv_lines import csv_lines
+from membrane_rs.results.csv_lines import csv_file, csv_numbers
 from membrane_rs.results.history_table import FIRST_COLUMNS, MOTOR, RENAMED, HistoryTable
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
@@ -123,14 +124,19 @@ def read_history(path: Path | str) -> dict[str, Floats]:
     """
     path = path_of(path)
     with reading_errors(path, "history of a run"):
-        path, lines = csv_lines(path, HISTORY, "history", "name a run's folder or its history.csv")
-        columns = [RENAMED.get(name, name) for name in lines[0]] if lines else []
-        if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
-            raise OutputError(
-                f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?"
-            )
-        try:
-            values = np.array(lines[1:], dtype=np.float64).reshape(-1, len(columns))
-        except ValueError as error:
-            raise OutputError(f"{path} holds a line that is no sample: {error}; run the scene again") from error
+        path = csv_file(path, HISTORY, "history", "name a run's folder or its history.csv")
+        columns, values = csv_numbers(path, lambda names: _columns(names, path))
     return RenamedKeys("read_history()", {name: values[:, k] for k, name in enumerate(columns)}, RENAMED)
+
+
+def _columns(names: list[str], path: Path) -> list[str]:
+    """The columns of a file with their present names. Raises OutputError where they are not those of a history."""
+    columns = [RENAMED.get(name, name) for name in names]
+    if columns[: len(FIRST_COLUMNS)] != list(FIRST_COLUMNS):
+        raise OutputError(f"{path} does not begin with the columns {', '.join(FIRST_COLUMNS)}; is it a history.csv?")
+    seen: set[str] = set()
+    for name in columns:
+        if name in seen:
+            raise OutputError(f"{path}: has the column {show(name)} twice; run the scene again")
+        seen.add(name)
+    return columns

@@ -77,7 +77,7 @@ SUMMARY = "summary.json"
 MOST_SUMMARY = 2**28
 """Bytes of a longer summary, which is not read: lists of 10^7 times have fewer."""
 _KINDS: dict[Any, tuple[str, ...]] = {
-    int | float: ("time", "start_time", "until", "steps", "wall_time", "resumed"),
+    int | float: ("time", "start_time", "until", "steps", "wall_time", "resumed", "frames", "samples"),
     dict: ("process", "request"),
 }
 """What some entries are, where they are there."""

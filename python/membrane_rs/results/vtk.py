@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import check_regular, path_of, reading_errors, replacing
+from membrane_rs._files import MOST_BYTES, check_regular, path_of, reading_errors, replacing
 from membrane_rs.errors import MissingFileError, OutputError
-from membrane_rs.results.frame_fields import ON_LINES, ON_NODES, ON_TRIANGLES, Frame, FrameData, FrameFields
+from membrane_rs.results.frame_fields import ON_LINES, ON_NODES, ON_TRIANGLES, FieldTable, Frame, FrameData, FrameFields
 from membrane_rs.results.measures import check_simulation
 from membrane_rs.simulation.motion import Motion
 
@@ -139,12 +139,12 @@ def read_frame(path: str | Path) -> Floats:
         return _points(path, _read(path))
 
 
-def read_frame_data(path: Path) -> FrameData:
+def read_frame_data(path: Path, most: int = MOST_BYTES) -> FrameData:
     """A frame with its fields, as `FrameFields` made them. Raises MissingFileError, and OutputError for what is no VTU
-    file of a run.
+    file of a run, or has more than `most` bytes.
     """
     with reading_errors(path, "VTU file of a run"):
-        mesh = _read(path)
+        mesh = _read(path, most)
         points = _points(path, mesh)
         cells: dict[str, NDArray[Any]] = {"triangle": np.zeros((0, 3), np.int64), "line": np.zeros((0, 2), np.int64)}
         on_cells: dict[str, dict[str, NDArray[Any]]] = {"triangle": {}, "line": {}}
@@ -164,19 +164,19 @@ def read_frame_data(path: Path) -> FrameData:
             velocities=np.asarray(mesh.point_data["velocity"], np.float64),
             triangles=cells["triangle"],
             lines=cells["line"],
-            on_nodes={name: mesh.point_data[name] for name in ON_NODES},
-            on_triangles=on_cells["triangle"],
-            on_lines=on_cells["line"],
+            on_nodes=FieldTable("on_nodes", {name: mesh.point_data[name] for name in ON_NODES}),
+            on_triangles=FieldTable("on_triangles", on_cells["triangle"]),
+            on_lines=FieldTable("on_lines", on_cells["line"]),
         )
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path, most: int = MOST_BYTES) -> Any:
     """A VTU file by meshio. Raises MissingFileError, and errors of any kind for what is none."""
     import meshio
 
     if not path.is_file():
         raise MissingFileError(f"no frame at {path}; name a .vtu file of a run's folder")
-    check_regular(path)
+    check_regular(path, most)
     # Not meshio.read: that prints, and ends the process, where a file cannot be read.
     return meshio.vtu.read(path)
 

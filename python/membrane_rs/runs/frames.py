@@ -19,6 +19,9 @@ from membrane_rs.results.frame_fields import Frame, FrameData, FrameFields
 from membrane_rs.results.run_history import RunHistory
 from membrane_rs.results.vtk import read_frame_data
 
+LEAST_FRAME, BYTES_OF_NODE = 2**20, 2**13
+"""Bytes of a file of a frame, and for each node of the scene, beyond which it is not read; a run writes a tenth."""
+
 
 @dataclass(frozen=True, eq=False)
 class RunFrame(FrameData):
@@ -182,10 +185,11 @@ class FilesOfFrames(RunFrames):
     def __init__(self, files: Sequence[tuple[float, Path]], history: RunHistory, node_count: int) -> None:
         super().__init__([time for time, _ in files], history)
         self._files, self._node_count = [path for _, path in files], node_count
+        self._most = LEAST_FRAME + BYTES_OF_NODE * node_count
 
     def _data(self, index: int) -> FrameData:
         path = self._files[index]
-        data = read_frame_data(path)
+        data = read_frame_data(path, self._most)
         if len(data.positions) != self._node_count:
             raise OutputError(
                 f"{path}: has {len(data.positions)} nodes, but the scene of the run {self._node_count}; it belongs to "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,8 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
-from membrane_rs.errors import MembraneError, OutputError
+from membrane_rs._validation import show
+from membrane_rs.errors import MembraneError, MissingFileError, OutputError
 from membrane_rs.results.history import HISTORY, read_history
 from membrane_rs.results.pvd import PVD, read_pvd
 from membrane_rs.results.run_history import RunHistory
@@ -40,11 +43,16 @@ def open_run(path: str | Path) -> Run:
     Raises
     ------
     MissingFileError
-        No run in the folder.
+        No run in the folder, or no history of it.
     OutputError
         Its files are damaged.
     InputError, InputTypeError
         No path; a history of no run.
+
+    Warns
+    -----
+    UserWarning
+        Frames or samples that its summary counts are missing.
 
     Examples
     --------
@@ -57,16 +65,39 @@ def open_run(path: str | Path) -> Run:
     """
     folder = folder_of_run(path_of(path))
     summary = read_summary(folder)
-    history_file = folder / HISTORY
-    table = dict(read_history(history_file)) if history_file.is_file() else {"time": _EMPTY, "hub_angle": _EMPTY}
-    _check_times(table["time"], history_file)
-    history = RunHistory(table, _recorded(summary, folder / SUMMARY))
+    table = _table(folder, summary)
+    history = RunHistory(table, _recorded(summary, folder / SUMMARY, table))
     scene = _scene(folder / SCENE_FILE)
-    frames = FilesOfFrames(_frames(folder), history, scene.assemble().node_count)
+    frames = FilesOfFrames(_frames(folder, summary), history, scene.assemble().node_count)
     return Run(scene, history, frames, summary, folder)
 
 
 _EMPTY: Any = ()
+
+
+def _table(folder: Path, summary: Mapping[str, Any]) -> Mapping[str, Sequence[float] | Floats]:
+    """The columns of the history; empty for a run that has not come to its first sample. Raises OutputError.
+
+    Warns where it has another number of samples than the summary says.
+    """
+    path, count = folder / HISTORY, summary.get("samples")
+    if os.path.lexists(path):
+        table = dict(read_history(path))
+    elif count or (count is None and "time" in summary):
+        found = f"{count} samples" if count else f"the run came to {summary['time']:.6g} s"
+        what = f"no history at {path}, though {SUMMARY} says: {found}"
+        raise MissingFileError(f"{what}; put it back, or run the scene again")
+    else:
+        table = {"time": _EMPTY, "hub_angle": _EMPTY}
+    _check_times(table["time"], path, "line", 2)
+    if count is not None and len(table["time"]) != count:
+        _warn(f"{path}: has {len(table['time'])} samples, and {SUMMARY} says {count}; the run is not whole")
+    return table
+
+
+def _warn(text: str) -> None:
+    """Warn at the call of `open_run`."""
+    warnings.warn(text, stacklevel=4)
 
 
 def _scene(path: Path) -> Scene:
@@ -77,12 +108,16 @@ def _scene(path: Path) -> Scene:
         raise type(error)(f"{path}: is no scene of a run: {error}") from None
 
 
-def _frames(folder: Path) -> list[tuple[float, Path]]:
-    """Times [s] and files of the frames, all of them inside the folder. Raises OutputError."""
-    path = folder / PVD
-    frames = read_pvd(path) if path.is_file() else []
-    _check_times([time for time, _ in frames], path)
+def _frames(folder: Path, summary: Mapping[str, Any]) -> list[tuple[float, Path]]:
+    """Times [s] and files of the frames, all of them inside the folder. Raises OutputError.
+
+    Warns of frames that the summary counts and the folder lacks.
+    """
+    path, count = folder / PVD, summary.get("frames")
+    frames = read_pvd(path) if os.path.lexists(path) else []
+    _check_times([time for time, _ in frames], path, "frame", 0)
     inside = folder.resolve()
+    lacking: list[Path] = []
     for _, file in frames:
         try:
             is_inside = inside in file.resolve().parents
@@ -92,18 +127,41 @@ def _frames(folder: Path) -> list[tuple[float, Path]]:
             raise OutputError(
                 f"{path}: names {str(file)!r}, which is not in the folder of the run; run the scene again"
             )
+        if not file.exists():
+            lacking.append(file)
+    if lacking:
+        what = f"{len(lacking)} of its {len(frames)} frames are not there, the first {lacking[0]}"
+        _warn(f"{path}: {what}; put them back")
+    if count is not None and len(frames) != count:
+        what = f"lists {len(frames)} frames" if frames else "is not there, or lists no frame"
+        _warn(f"{path}: {what}, and {SUMMARY} says {count}; the run is not whole")
     return frames
 
 
-def _check_times(times: Sequence[float] | Floats, path: Path) -> None:
-    """Refuse times that do not go on, by which no sample and no frame is found. Raises OutputError."""
-    if not np.isfinite(times).all() or (np.diff(times) < 0.0).any():
-        raise OutputError(f"{path}: its times are not finite, or go back; run the scene again")
+def _check_times(times: Sequence[float] | Floats, path: Path, what: str, first: int) -> None:
+    """Refuse times that do not go on, by which no sample and no frame is found. Raises OutputError, which names the
+    place: what it is, counted from `first` on.
+    """
+    is_wrong = ~np.isfinite(times)
+    is_wrong[1:] |= np.diff(times) <= 0.0
+    if is_wrong.any():
+        k = int(is_wrong.argmax())
+        time, before = float(times[k]), f" after {float(times[k - 1])!r}" if k else ""
+        raise OutputError(
+            f"{path}: {what} {first + k} has the time {time!r} s{before}; times must be finite and go on; run the "
+            "scene again"
+        )
 
 
-def _recorded(summary: Mapping[str, Any], path: Path) -> dict[str, str]:
+def _recorded(summary: Mapping[str, Any], path: Path, table: Mapping[str, Any]) -> dict[str, str]:
     """Units of the measures that a run recorded. Raises OutputError."""
     found = (summary.get("request") or {}).get("record") or {}
     if not isinstance(found, dict) or not all(isinstance(unit, str) for unit in found.values()):
         raise OutputError(f"{path}: its request.record is no table of measures and their units; run the scene again")
+    lacking = next((name for name in found if name not in table), None)
+    if lacking is not None and len(table["time"]):
+        raise OutputError(
+            f"{path.parent / HISTORY}: lacks the column {show(lacking)}, which {SUMMARY} says was recorded; run the "
+            "scene again"
+        )
     return found

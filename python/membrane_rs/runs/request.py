@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.scene import Scene
@@ -72,6 +73,29 @@ class Request:
         count = math.floor(self.until / self.every * (1.0 + SAME_TIME))
         return [float(f"{k * self.every:.12g}") for k in range(count + 1)]
 
+    @property
+    def frame_times(self) -> Instants:
+        """The frames, as a run takes them. Each is a sample too, so that with an interval between samples those that
+        are evenly spaced stand at the nearest sample.
+        """
+        if self.every is None or not isinstance(self.frames, int) or not 2 <= self.frames <= MOST_INSTANTS:
+            return self.frames
+        return [*self._at_samples(np.linspace(0.0, self.until, self.frames)[:-1], self.until), self.until]
+
+    def instants(self, scene: Scene) -> dict[str, Any]:
+        """Frames, samples and snapshots, as a run takes them. With an interval between samples the pictures are of
+        samples.
+        """
+        snapshots = scene.run.snapshots if self.every is None else ()
+        return {"frames": self.frame_times, "samples": self.sample_times, "snapshots": snapshots}
+
+    def _at_samples(self, times: Sequence[float] | Floats, until: float) -> list[float]:
+        """Times before `until` [s] moved to the nearest multiple of the interval between samples, each once."""
+        every = self.every or 1.0
+        counts = np.unique(np.rint(np.asarray(times) / every)).tolist()
+        moved = [float(f"{count * every:.12g}") for count in counts]
+        return [time for time in moved if time < until * (1.0 - SAME_TIME)]
+
     @classmethod
     def of(cls, summary: Mapping[str, Any], where: str) -> Request:
         """What a summary says. Raises OutputError, which names `where`."""
@@ -94,8 +118,7 @@ class Request:
 
         Raises InputError and InputTypeError for instants that are none.
         """
-        settings = (self.frames, self.sample_times, scene.run.snapshots)
-        times = output_times(start, self.until, *settings, stages=scene.stages, starts=starts)
+        times = output_times(start, self.until, **self.instants(scene), stages=scene.stages, starts=starts)
         return with_boundaries(times, [bound for bound in starts[1:] if bound >= start])
 
     def warn_of_unshown(self, now: float, stacklevel: int) -> None:
@@ -111,14 +134,28 @@ class Request:
                     what = f"{name}: {len(left_out)} of the times lie {place}, and are left out: {left_out[0]} s"
                     warnings.warn(what, stacklevel=stacklevel + 1)
 
+    def warn_of_fewer(self, asked: object, stacklevel: int) -> None:
+        """Warn of frames, if a caller has asked for them, that are more than the samples at an interval, and so are not
+        all shown.
+        """
+        if asked is None:
+            return
+        shown = self.frame_times
+        if isinstance(self.frames, int) and not isinstance(shown, int) and len(shown) < self.frames:
+            what = f"a frame is a sample, of which every = {self.every} s gives fewer; {len(shown)} are kept"
+            warnings.warn(f"frames = {self.frames}: {what}", stacklevel=stacklevel + 1)
+
     def until_later(self, until: float) -> Request:
         """The same to another end: instants after the old one continue with the spacing before it.
 
         A list of times is not continued; an end is an instant always.
         """
-        return replace(
-            self, until=until, frames=self._extended(self.frames, until), samples=self._extended(self.samples, until)
-        )
+        frames = self._extended(self.frames, until)
+        if self.every is not None and isinstance(self.frames, int):
+            later = self._at_samples([time for time in frames if time > self.until], until)
+            known = [time for time, _ in output_times(0.0, self.until, self.frame_times, [], [])]
+            frames = [*known, *(time for time in later if time > self.until), until]
+        return replace(self, until=until, frames=frames, samples=self._extended(self.samples, until))
 
     def _extended(self, instants: Instants, until: float) -> Instants:
         known = [time for time, _ in output_times(0.0, self.until, instants, [], [])]
@@ -148,9 +185,9 @@ def _listed(instants: Any) -> list[float]:
 
 
 def _plain(instants: Any, name: str) -> Any:
-    """Times as a list of floats; anything else as it is, for `march` to check."""
+    """Times as a list of floats, a number as Python's; anything else as it is, for `march` to check."""
     if isinstance(instants, Sequence | np.ndarray) and not isinstance(instants, str | bytes):
         if len(instants) > MOST_INSTANTS:
             raise InputError(f"{name} = {show(instants)}: must be at most {MOST_INSTANTS} times")
         return [number_of(name, time) for time in instants]
-    return instants
+    return int(instants) if isinstance(instants, np.integer) else instants

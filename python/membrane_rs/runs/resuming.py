@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
@@ -17,6 +18,7 @@ from membrane_rs.runs import signals
 from membrane_rs.runs.request import Request
 from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.simulation import Simulation
+from membrane_rs.scene.stage import Stage
 from membrane_rs.simulation.checkpoint import STATE
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.stopping import Stop, StopWhen
@@ -159,14 +161,23 @@ def _stop(path: Path, request: Request, stop_when: StopWhen | None, *, is_stoppe
     if stop_when is not None:
         stop = Stop(stop_when)
         if stop.table != request.stop:
-            what = f"the run in {path} has {show(request.stop)}" if request.stop else f"the run in {path} has none"
-            raise InputError(f"stop_when = {show(stop.table)}: {what}; give that, or run the scene again")
+            what = f"has {_stop_words(request.stop)}" if request.stop else "has none"
+            given = f"stop_when = {_stop_words(stop.table)}: the run in {path} {what}"
+            raise InputError(f"{given}; give that, or run the scene again")
         return stop
     if request.stop is None or is_stopped:
         return None
     if isinstance(request.stop, str):
         raise InputError(
-            f"{path}: the run ends by {show(request.stop)}, a function, which no file holds; resume it from Python: "
+            f"{path}: the run ends by {_stop_words(request.stop)}, which no file holds; resume it from Python: "
             "membrane_rs.resume(folder, stop_when=...)"
         )
     return Stop(request.stop)
+
+
+def _stop_words(stop: str | Mapping[str, Any]) -> str:
+    """What may end a run, of what a file says of it."""
+    if not isinstance(stop, str):
+        return Stop(stop).described
+    name = stop.removeprefix(Stage.ONLY_IN_PYTHON).rpartition("<locals>.")[2]
+    return "a lambda" if name == "<lambda>" else f"the function {show(name)}"

@@ -303,6 +303,7 @@ class Simulation(Stepper):
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, Recorder)):
             request.warn_of_unshown(self.time, stacklevel=2)
+            request.warn_of_fewer(frames, stacklevel=2)
         folder = None if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         recorders = [observer for observer in all_observers if isinstance(observer, Recorder)]
@@ -323,7 +324,8 @@ class Simulation(Stepper):
                 if settings.relax > 0 and not self.is_relaxed and self.time == 0.0:
                     self.relax()
                 with signals.held():
-                    self.march(end, request.frames, request.sample_times, all_observers, progress, between=between)
+                    shown = request.instants(self.scene)
+                    self.march(end, observers=all_observers, progress=progress, between=between, **shown)
             except BaseException as error:
                 for each in recorders:
                     each.finish(self, error)

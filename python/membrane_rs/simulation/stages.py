@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from membrane_rs._arrays import Floats
+from membrane_rs._messages import function_words
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.measures import Follower, is_measured
@@ -310,7 +311,9 @@ class StagedMotion(Motion):
 
     def _follower(self) -> Follower:
         line = self._present()
-        return Follower(line.stage, f"stages[{line.index}].measure = {line.stage.measure_name!r}", self)
+        measure = line.stage.measure
+        words = function_words(measure) if callable(measure) else repr(measure)
+        return Follower(line.stage, f"stages[{line.index}].measure = {words}", self)
 
 
 @contextmanager

@@ -115,6 +115,7 @@ class Stepper(ShownMotion):
         progress: Callable[[Self], None] | None = None,
         *,
         between: Callable[[Self], None] | None = None,
+        snapshots: Sequence[float] | None = None,
     ) -> None:
         """Step to `end` [s]; call the observers at frames, samples and the scene's snapshots.
 
@@ -130,6 +131,8 @@ class Stepper(ShownMotion):
             Called with this stepper at each output, and about every 0.1 s of wall time.
         between : callable, optional
             Called as `progress` is, but for the end: what it reads or saves has no effect on the motion.
+        snapshots : sequence of float, optional
+            Further times [s] that are samples. Default: those of the scene.
 
         Raises
         ------
@@ -148,7 +151,8 @@ class Stepper(ShownMotion):
         [0.0, 0.01]
         """
         self._check_end(end)
-        self._outputs(end, frames, samples)  # refused before an observer has started
+        wanted = (end, frames, samples, self.scene.run.snapshots if snapshots is None else snapshots)
+        self._outputs(*wanted)  # refused before an observer has started
         self.until = end
         watchers = [watcher for watcher in (progress, between) if watcher is not None]
         started: list[Observer[Self]] = []
@@ -157,7 +161,7 @@ class Stepper(ShownMotion):
             for observer in observers:
                 observer.start(self)
                 started.append(observer)
-            for time, is_frame in self._outputs_by_stage(end, frames, samples):
+            for time, is_frame in self._outputs_by_stage(*wanted):
                 if self._leads(time, end, watchers, progress, observers, is_frame=is_frame):
                     break
         except BaseException as caught:
@@ -172,20 +176,20 @@ class Stepper(ShownMotion):
                     ending.callback(observer.finish, self, error)
 
     def _outputs(
-        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float]
+        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float], snapshots: Sequence[float]
     ) -> list[tuple[float, bool]]:
         """Times [s] from now to `end`, and whether each is that of a frame, as far as they are known now."""
         starts = [record.start for record in self.stages]
-        snapshots, stages = self.scene.run.snapshots, self.scene.stages
+        stages = self.scene.stages
         times = output_times(self.time, end, frames, samples, snapshots, stages=stages, starts=starts)
         # Of times that are one, that of the boundary is shown, and was.
         return [(time, flag) for time, flag in times if time == self.time or not is_same_time(time, self.time)]
 
     def _outputs_by_stage(
-        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float]
+        self, end: float, frames: int | Sequence[float], samples: int | Sequence[float], snapshots: Sequence[float]
     ) -> Iterator[tuple[float, bool]]:
         """The same one by one, with those of a stage once it has begun: when that is, a measure may say."""
-        times = self._outputs(end, frames, samples)
+        times = self._outputs(end, frames, samples, snapshots)
         while times:
             stage = self.stage
             for time in times:
@@ -194,7 +198,7 @@ class Stepper(ShownMotion):
                     break
             else:
                 return
-            times = [time for time in self._outputs(end, frames, samples) if time[0] > self.time]
+            times = [time for time in self._outputs(end, frames, samples, snapshots) if time[0] > self.time]
 
     def _leads(
         self,

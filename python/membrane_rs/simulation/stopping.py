@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._messages import in_one_line
+from membrane_rs._messages import function_words, in_one_line
 from membrane_rs._validation import build, nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST
@@ -70,12 +70,12 @@ class Stop:
         """It in words, such as "deployment_rate above 0.99"."""
         stage = self._stage
         if self._function is not None:
-            return stage.measure_name.removeprefix(Stage.ONLY_IN_PYTHON)
+            return self._function.words
         return f"{stage.measure_name} {'above' if stage.below is None else 'below'} {stage.level:.6g}"
 
     def watch(self, sim: Motion, follower: Follower | None = None) -> Watch:
         """It as it is now, evaluated once."""
-        where = f"stop_when = {self._stage.measure_name!r}"
+        where = f"stop_when = {self.described}"
         follower = follower or Follower(self._stage, where, sim, "it ends the run").at_check(sim)
         follower.excess(sim)
         if self._function is None:
@@ -117,9 +117,10 @@ class _Signed:
         self._function = function
         self.is_truth: bool | None = None
         self.__qualname__ = getattr(function, "__qualname__", type(function).__name__)
+        self.words = function_words(function)
 
     def __call__(self, sim: Motion) -> object:
-        where = f"stop_when = {self.__qualname__!r} at t = {sim.time:.6g} s"
+        where = f"stop_when = {self.words} at t = {sim.time:.6g} s"
         try:
             value = self._function(sim)
         except InputError:
