@@ -135,7 +135,7 @@ def test_a_measure_that_is_not_the_same_again_is_named() -> None:
         return float(count % 3 == 0)
 
     scene = oscillator(Stage("one", 0.1, measure, above=0.5))
-    words = r"stages\[0\]\.measure = 'python:.*measure': is not the same again at t = .* a measure must follow from"
+    words = r"stages\[0\]\.measure = .*measure: is not the same again at t = .* a measure must follow from"
     refused(lambda: of(scene, "rk4").run(frames=2, samples=2), InputError, words)
 
 

@@ -175,7 +175,7 @@ def moved(sim: Simulation) -> float:
 @pytest.mark.parametrize(
     ("measure", "words"),
     [
-        (lambda _: float("nan"), r"stages\[1\].measure = 'python:<lambda>' at t = 0.1 s = nan: must be finite"),
+        (lambda _: float("nan"), r"stages\[1\].measure = a lambda in line .* at t = 0.1 s = nan: must be finite"),
         (lambda _: np.zeros(3), "must be a number"),
         (lambda _: "1", "must be a number"),
         (lambda _: None, "must be a number"),

@@ -75,7 +75,7 @@ def open_run(path: str | Path) -> Run:
 _EMPTY: Any = ()
 
 
-def _table(folder: Path, summary: Mapping[str, Any]) -> Mapping[str, Sequence[float] | Floats]:
+def _table(folder: Path, summary: Mapping[str, Any]) -> Mapping[str, Floats]:
     """The columns of the history; empty for a run that has not come to its first sample. Raises OutputError.
 
     Warns where it has another number of samples than the summary says.

@@ -157,7 +157,7 @@ class Request:
             frames = [*known, *(time for time in later if time > self.until), until]
         return replace(self, until=until, frames=frames, samples=self._extended(self.samples, until))
 
-    def _extended(self, instants: Instants, until: float) -> Instants:
+    def _extended(self, instants: Instants, until: float) -> list[float]:
         known = [time for time, _ in output_times(0.0, self.until, instants, [], [])]
         after: list[float] = []
         if isinstance(instants, int):

@@ -54,19 +54,22 @@ def run(
         Step [s]. Default: as for `Simulation`.
     start : Simulation or path, optional
         Whose motion it goes on from: another simulation, or a saved state. Default: the scene's own start.
-    record : mapping of str to callable, or to (callable, str), optional
-        Measures: by the name of a column a function of the simulation that gives a number and only reads, or that and
-        the unit of the number, such as "N m".
+    record : sequence of str, or mapping of str to callable, (callable, str) or None, optional
+        Measures: names of those of `Stage`, such as "largest_speed"; or by the name of a column a function of the
+        simulation that gives a number and only reads, that and the unit of the number, such as "N m", or None for a
+        measure of `Stage`.
     every : float, optional
-        Time between two rows of the history [s], in place of `samples`.
+        Time between two rows of the history [s], in place of `samples`. Evenly spaced frames are then at the nearest
+        rows, and snapshots of the scene at the next.
     samples : int or sequence of float, optional
         Rows of the history, evenly spaced from time 0 to the end, or their times [s]; each frame is one too. Default:
         the scene's.
     frames : int or sequence of float, optional
         How many shapes to keep, evenly spaced, or their times [s]. Default: the scene's.
-    stop_when : callable or mapping, optional
+    stop_when : callable, str or mapping, optional
         What ends the run before its time: a function of the simulation that gives a truth value, or a number that
-        passes zero; or {"measure": name, "above": value}, or "below", with a measure of `Stage`. The time is found as
+        passes zero; or a measure of `Stage` and a value, as "kinetic_energy < 0.1 uJ" or as
+        {"measure": name, "above": value}, or "below". The time is found as
         the end of a stage is, whatever the step.
     out : path, optional
         Folder of the results; see `membrane_rs.runs.RunFolder`. Default: all stays in memory.
@@ -114,8 +117,9 @@ def run(
     ('finished', [0.0, 0.005, 0.01, 0.015, 0.02])
     >>> made.history["tension"].shape, made.history.units["tension"], made.frames[-1].positions.shape
     ((5,), 'N', (11, 3))
-    >>> membrane_rs.run("spinning-tether", until=0.02, stop_when=lambda sim: sim.time - 0.01).outcome
-    'stopped: <lambda>, at 0.01 s'
+    >>> made = membrane_rs.run("spinning-tether", until=0.02, record=["largest_speed"], stop_when="hub_angle > 9 deg")
+    >>> made.outcome[:31], made.history.units["largest_speed"]
+    ('stopped: hub_angle above 0.1570', 'm/s')
     """
     sim = Simulation(scenes.scene_of(scene), integrator, dt, start=start)
     memory = RunMemory() if out is None else None

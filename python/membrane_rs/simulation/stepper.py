@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -368,7 +368,8 @@ class Stepper(ShownMotion):
     def _of_file(cls, path: str | Path, *, motion_alone: bool = False, stop: Stop | None = None) -> Self:
         """The same; for its motion alone, without measures that were functions; with what may end its run."""
         path = path_of(path)
-        path = path / STATE if path.is_dir() else path
+        with suppress(OSError):  # a name that is too long is refused where it is read
+            path = path / STATE if path.is_dir() else path
         scene, state = read_state(path, motion_alone=motion_alone)
         try:
             sim = cls._with_method_of(scene, state)
