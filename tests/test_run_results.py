@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import InputError, Run, Simulation, Stage, UnstableError, open_run, run, scenes
+from membrane_rs import InputError, MembraneError, Run, Simulation, Stage, UnstableError, open_run, run, scenes
 from membrane_rs.runs import RunFrame
 from numpy.testing import assert_array_equal
 from small_scenes import hanging_strip
@@ -108,3 +108,14 @@ def test_a_run_that_was_refused_leaves_no_result(tmp_path: Path) -> None:
     assert caught.value.run is None
     with pytest.raises(FileNotFoundError):
         open_run(tmp_path)
+
+
+def test_a_run_that_was_refused_has_not_the_results_of_an_earlier_one(tmp_path: Path) -> None:
+    run("spinning-tether", 1e-3, frames=2, samples=2, out=tmp_path / "run", pictures=False)
+    for until in (2e-3, -1.0):  # the folder is not empty; the time is none
+        with pytest.raises(MembraneError) as caught:
+            run("spinning-tether", until, out=tmp_path / "run", pictures=False)
+        assert caught.value.run is None
+    with pytest.raises(UnstableError) as ended:
+        run("single-crease", 0.1, dt=1.6e-5, frames=2, out=tmp_path / "run", overwrite=True, pictures=False)
+    assert ended.value.run.scene.name == "single-crease"

@@ -7,8 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from membrane_rs import scenes
+from membrane_rs._files import path_of
 from membrane_rs.errors import Interrupted, MembraneError
 from membrane_rs.results.recorded import Recorded
+from membrane_rs.results.summary import SUMMARY
 from membrane_rs.runs.memory import RunMemory
 from membrane_rs.runs.opening import open_run
 from membrane_rs.runs.request import CHECKPOINT
@@ -123,6 +125,7 @@ def run(
     """
     sim = Simulation(scenes.scene_of(scene), integrator, dt, start=start)
     memory = RunMemory() if out is None else None
+    before = _written(out)
     try:
         sim.run(
             until,
@@ -140,11 +143,20 @@ def run(
             checkpoint=checkpoint,
         )
     except BaseException as error:
-        _keep(error, memory, out)
+        _keep(error, memory, None if _written(out) == before else out)
         raise
     result = memory.result() if memory is not None else open_run(str(out))
     assert result is not None, "a run that has ended without an error has a result"
     return result
+
+
+def _written(out: str | Path | None) -> tuple[int, int] | None:
+    """What tells the summary in a folder from any that is written later; None without one."""
+    try:
+        found = None if out is None else (path_of(out, "out") / SUMMARY).stat()
+    except OSError:
+        return None
+    return None if found is None else (found.st_ino, found.st_mtime_ns)
 
 
 def _keep(error: BaseException, memory: RunMemory | None, out: str | Path | None) -> None:
