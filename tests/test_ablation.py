@@ -14,7 +14,8 @@ from membrane_rs import AirDrag, InputError, Scene, Simulation, Spin, scenes
 from membrane_rs.folding import Strip
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.study import Ablation, ablate
-from membrane_rs.study.ablation import INSTANTS, Change
+from membrane_rs.study.ablation import INSTANTS
+from membrane_rs.study.ablation_result import Change
 from membrane_rs.study.variants import variants, without
 from small_scenes import hanging_strip, refused
 

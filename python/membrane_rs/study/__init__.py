@@ -6,17 +6,21 @@ import warnings
 
 from membrane_rs._moved import Moved
 from membrane_rs.errors import AuditWarning
-from membrane_rs.study.ablation import Ablation, ablate
-from membrane_rs.study.accuracy import WorkPrecision, work_precision
+from membrane_rs.study.ablation import ablate
+from membrane_rs.study.ablation_result import Ablation
+from membrane_rs.study.accuracy import work_precision
 from membrane_rs.study.calibration.fitting import calibrate
 from membrane_rs.study.calibration.result import Calibration
-from membrane_rs.study.comparison import Comparison, Difference, compare
+from membrane_rs.study.comparison import compare
+from membrane_rs.study.comparison_result import Comparison, Difference
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
 from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
 from membrane_rs.study.scene_match import SceneMatch, match_scene
-from membrane_rs.study.sweeping import Sweep, open_sweep, sweep
+from membrane_rs.study.sweep_result import Sweep
+from membrane_rs.study.sweeping import open_sweep, sweep
+from membrane_rs.study.work_precision_result import WorkPrecision
 
 __all__ = [
     "FORMS",

@@ -8,26 +8,20 @@ laws and parts of the largest change are restored one by one.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from pathlib import Path
 from threading import Event
-from typing import Any
 
 import numpy as np
 
-from membrane_rs._files import made_folder, replacing, write_text
-from membrane_rs._markdown import table
 from membrane_rs._validation import nearest
 from membrane_rs.errors import InputError
-from membrane_rs.results.run_summary import versions
-from membrane_rs.results.summary import write_summary
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
+from membrane_rs.study.ablation_result import SMALLEST, Ablation, Change, Item
 from membrane_rs.study.common.executor import Tell, run_parallel
 from membrane_rs.study.common.run import StudyCase, StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.common.step_cost import cost_against
@@ -35,146 +29,6 @@ from membrane_rs.study.variants import Variant, variants, without
 
 INSTANTS = 100
 """Number of samples of the curves."""
-SMALLEST = "smallest model"
-"""Folder of the recommended scene, and name of its row in the table."""
-
-
-@dataclass(frozen=True)
-class Change:
-    """Difference between a run and that of the complete scene.
-
-    Attributes
-    ----------
-    rate : float
-        Largest difference in the deployment rate.
-    phase : float
-        Largest difference in the phase [deg].
-    strain : float
-        Difference between the largest strains of any spring at any instant.
-    stress : float
-        Difference between the largest stresses in the film at any instant [Pa]; NaN without film.
-    """
-
-    rate: float
-    phase: float
-    strain: float
-    stress: float = math.nan
-
-    def within(self, allowed: Change) -> bool:
-        """Whether no component exceeds the allowed one; NaN (no corners, no film) is ignored."""
-        pairs = zip(vars(self).values(), vars(allowed).values(), strict=True)
-        return not any(abs(found) > most for found, most in pairs)
-
-    def largest_share(self, allowed: Change) -> float:
-        """The largest ratio of a component to the allowed one."""
-        pairs = list(zip(vars(self).values(), vars(allowed).values(), strict=True))
-        known = [(abs(a), b) for a, b in pairs if not math.isnan(a + b)]
-        return max((a / b if b else (math.inf if a else 0.0) for a, b in known), default=0.0)
-
-
-@dataclass(frozen=True)
-class Item:
-    """One row of the table: a scene with something left out.
-
-    Attributes
-    ----------
-    name : str
-        Name of the variant.
-    time_per_step, step_limit, cost : float
-        Ratios of this scene to the complete one; cost is the first over the second. NaN for a scene that did not run.
-    change : Change or None
-        None for a run that did not reach its end.
-    verdict : str
-        "can be omitted", "can be omitted: change within the spread", "needed", or the reason why it cannot be left
-        out. For a denser mesh: whether the scene's mesh is dense enough.
-    """
-
-    name: str
-    time_per_step: float
-    step_limit: float
-    cost: float
-    change: Change | None
-    verdict: str
-
-    @property
-    def may_go(self) -> bool:
-        """Whether the scene keeps the tolerance without it."""
-        return self.verdict.startswith("can be omitted")
-
-    @property
-    def share(self) -> float:
-        """Share of the time of a step that is saved; NaN for a scene that did not run."""
-        return 1.0 - self.time_per_step
-
-
-@dataclass(frozen=True)
-class Ablation:
-    """Result of an ablation, with the smallest model.
-
-    `spread` is that of the ensemble, `allowed` the larger of it and the tolerance, component by component. `smallest`
-    is None if nothing is dispensable; `items` then has no row for it. `peak_stress` [Pa] is NaN without film.
-    """
-
-    scene: str
-    until: float
-    tolerance: float
-    members: int
-    dt: float
-    peak_strain: float
-    peak_stress: float
-    spread: Change
-    allowed: Change
-    items: tuple[Item, ...]
-    left_out: tuple[str, ...]
-    smallest: Scene | None
-
-    def table(self) -> str:
-        """The rows as Markdown."""
-        head: tuple[str, ...] = ("left out", "time per step saved", "step limit", "cost of the run")
-        head += ("rate", "phase [deg]", "peak strain", "peak stress [Pa]", "verdict")
-        rows = [_row(item) for item in self.items]
-        for name, change in (("spread of perturbed starts", self.spread), ("allowed", self.allowed)):
-            rows.append((f"*{name}*", "", "", "", *(text.lstrip("+") for text in _changes(change)), ""))
-        return table(head, rows, words=(0, len(head) - 1))
-
-    def heading(self) -> str:
-        """The case, and the peaks with which the changes compare."""
-        stress = "" if math.isnan(self.peak_stress) else f", peak stress {self.peak_stress:.2e} Pa"
-        head = f"{self.scene}, {self.until:g} s by steps of {self.dt:.3g} s, {self.members} perturbed starts"
-        return f"{head}; tolerance {self.tolerance:g}, peak strain {self.peak_strain:.2e}{stress}"
-
-    def verdict(self) -> str:
-        """The laws and parts that the smallest model leaves out."""
-        if self.smallest is None:
-            return "Nothing can be omitted."
-        return f"The smallest model leaves out: {', '.join(self.left_out)}."
-
-    def summary(self) -> str:
-        """The result as text."""
-        return f"{self.heading()}\n\n{self.table()}\n{self.verdict()}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """All but the scene as plain numbers and texts, as ablation.json holds them."""
-        plain: dict[str, Any] = {key: value for key, value in vars(self).items() if key not in ("smallest", "items")}
-        plain |= {"spread": vars(self.spread), "allowed": vars(self.allowed)}
-        items = [{**vars(i), "change": vars(i.change) if i.change else None} for i in self.items]
-        return {**plain, "items": items, "versions": versions()}
-
-    def save(self, folder: Path | str) -> None:
-        """Write ablation.md, ablation.csv, ablation.json, and the smallest model's scene. Raises OutputError."""
-        folder = made_folder(folder)
-        write_text(folder / "ablation.md", self.table())
-        with replacing(folder / "ablation.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            names = ["left_out", "time_per_step", "step_limit", "cost", "rate", "phase_deg", "peak_strain"]
-            names += ["peak_stress", "verdict"]
-            writer.writerow(names)
-            for i in self.items:
-                changes = vars(i.change).values() if i.change else [None] * 4
-                writer.writerow([i.name, i.time_per_step, i.step_limit, i.cost, *changes, i.verdict])
-        write_summary(folder / "ablation.json", self.as_dict())
-        if self.smallest is not None:
-            self.smallest.save(folder / SMALLEST.replace(" ", "-"))
 
 
 def ablate(
@@ -198,7 +52,7 @@ def ablate(
     until : float, optional
         Time at the end [s]; the result holds up to then. Default: the scene's.
     tolerance : float
-        Allowed change: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
+        Allowed change [-]: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
         stress by this share of themselves; or of each by the spread of the ensemble, if that is larger.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
@@ -206,7 +60,7 @@ def ablate(
     integrator : str, optional
         The method of all runs. Default: the scene's.
     share : float, optional
-        The ratio of their steps to each scene's stability limit. Default: the scene's step, or 0.4.
+        The ratio of their steps to each scene's stability limit [-]. Default: the scene's step, or 0.4.
     dense_until : float, optional
         End of the run on the denser mesh, which costs about eight times the others [s]. Default: as for all.
     jobs : int, optional
@@ -225,6 +79,19 @@ def ablate(
         A number outside its range, an unknown method.
     UnstableError
         The run of the complete scene stopped.
+
+    Examples
+    --------
+    The cost of each variant is timed, which takes some seconds:
+
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import ablate
+    >>> found = ablate(scenes.load("okuizumi-model-1"), until=0.01, members=2)  # doctest: +SKIP
+    >>> found.save("ablation")  # doctest: +SKIP
+
+    >>> ablate(scenes.load("spinning-tether"), tolerance=0.0)
+    Traceback (most recent call last):
+    membrane_rs.errors.InputError: tolerance = 0.0: must be greater than 0 and finite
     """
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {tolerance}: must be greater than 0 and finite")
@@ -372,16 +239,3 @@ def _largest(changes: Sequence[Change]) -> Change:
         return Change(0.0, 0.0, 0.0, 0.0)
     rows = np.abs([list(vars(change).values()) for change in changes])
     return Change(*(float(value) for value in np.fmax.reduce(rows, axis=0)))
-
-
-def _changes(change: Change) -> tuple[str, ...]:
-    known = (f"{change.rate:.1e}", f"{change.phase:.1e}", f"{change.strain:+.1e}", f"{change.stress:+.1e}")
-    return tuple("-" if "nan" in text else text for text in known)
-
-
-def _row(item: Item) -> tuple[str, ...]:
-    def share(value: float) -> str:
-        return "-" if math.isnan(value) else f"{100 * value:.0f} %"
-
-    changes = _changes(item.change) if item.change else ("-",) * 4
-    return (item.name, share(item.share), share(item.step_limit), share(item.cost), *changes, item.verdict)

@@ -14,167 +14,21 @@ peak      the value of the largest magnitude of each, among its own samples in t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._markdown import table
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.plotting.comparison import plot_comparison
-from membrane_rs.plotting.deployment import PANELS, turns
-from membrane_rs.plotting.style import Style
+from membrane_rs.plotting.deployment import turns
 from membrane_rs.results.experiment import DEVIATION
 from membrane_rs.study.compared_curves import Compared, Curves, read_curves
+from membrane_rs.study.comparison_result import DEFAULTS, Comparison, Difference
 
 ALL = "all"
 """In place of names of columns: each that the reference shares with another one."""
-DEFAULTS = tuple(column for column, _, _ in PANELS)
 BOOKKEEPING = ("stage",)
 """Columns that are no measured or computed quantity."""
-
-
-@dataclass(frozen=True)
-class Difference:
-    """One column of one curve against the reference.
-
-    Attributes
-    ----------
-    label, column, unit : str
-        Of the curve; the unit is that of rms, mean, largest and peaks, empty for a plain number.
-    instants : int
-        How many instants are compared.
-    start, end : float
-        The time that both cover [s].
-    rms, mean, largest, largest_time : float
-        Of the difference; the time in seconds.
-    share : float
-        The rms over the range of the reference; NaN where that does not change.
-    peak, peak_time, reference_peak, reference_peak_time : float
-        Peaks and their times [s].
-    """
-
-    label: str
-    column: str
-    unit: str
-    instants: int
-    start: float
-    end: float
-    rms: float
-    share: float
-    mean: float
-    largest: float
-    largest_time: float
-    peak: float
-    peak_time: float
-    reference_peak: float
-    reference_peak_time: float
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Curves of runs and experiments, and their differences from a reference.
-
-    Attributes
-    ----------
-    reference : str
-        Label of the one with which the others are compared.
-    columns : tuple of str
-        Names of what is compared.
-    differences : tuple of Difference
-        By column, then in the order of the curves; nothing for a curve that lacks a column, or shares no time.
-    curves : tuple of Curves
-        All that was compared, the reference among them.
-    """
-
-    reference: str
-    columns: tuple[str, ...]
-    differences: tuple[Difference, ...]
-    curves: tuple[Curves, ...]
-
-    def difference(self, label: str, column: str) -> Difference:
-        """That of one curve. Raises InputError where there is none."""
-        for found in self.differences:
-            if (found.label, found.column) == (label, column):
-                return found
-        known = ", ".join(f"{found.label!r} in {found.column!r}" for found in self.differences)
-        raise InputError(f"no difference of {show(label)} in {show(column)}; there are those of {known}")
-
-    def table(self) -> str:
-        """The differences as Markdown."""
-        head = [
-            "column",
-            "curve",
-            "instants",
-            "RMS",
-            "of the range [%]",
-            "mean",
-            "largest",
-            "peak",
-            "peak of reference",
-        ]
-        rows = []
-        for d in self.differences:
-            largest = _at(d.largest, d.largest_time)
-            peaks = _at(d.peak, d.peak_time), _at(d.reference_peak, d.reference_peak_time)
-            numbers = map(_number, (d.rms, 100.0 * d.share, d.mean))
-            column = f"{d.column} [{d.unit}]" if d.unit else d.column
-            rows.append([column, d.label, str(d.instants), *numbers, largest, *peaks])
-        return table(head, rows, words=(0, 1))
-
-    def summary(self) -> str:
-        """The result as text."""
-        return f"Differences from {self.reference}\n\n{self.table()}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Reference, columns and differences as plain numbers and texts."""
-        found = {"reference": self.reference, "columns": list(self.columns)}
-        return {**found, "differences": [asdict(difference) for difference in self.differences]}
-
-    def figure(
-        self,
-        path: Path | str | None = None,
-        *,
-        title: str = "",
-        dpi: float | None = None,
-        style: Style | str | Path | Mapping[str, Any] | None = None,
-    ) -> Any:
-        """All curves laid over each other, a panel for each column: runs as lines, experiments as marks.
-
-        Parameters
-        ----------
-        path : path, optional
-            A PNG, PDF or SVG file, by its ending. Default: none is written.
-        title : str
-            Where the style has one.
-        dpi : float, optional
-            Resolution of a PNG file [1/inch]. Default: the style's.
-        style : Style, str, path or mapping, optional
-            As for `membrane_rs.plotting.plot_comparison`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Without pyplot: nothing has to be closed.
-        """
-        runs = {curves.label: curves.table for curves in self.curves if not curves.is_measured}
-        return plot_comparison(
-            runs or (),
-            None if self.columns == DEFAULTS else list(self.columns),
-            experiments={curves.label: curves.table for curves in self.curves if curves.is_measured},
-            path=path,
-            title=title,
-            dpi=dpi,
-            style=style,
-        )
-
-    def __repr__(self) -> str:
-        """Labels and columns."""
-        others = ", ".join(curves.label for curves in self.curves if curves.label != self.reference)
-        return f"Comparison({others} with {self.reference}: {', '.join(self.columns)})"
 
 
 def compare(
@@ -209,6 +63,8 @@ def compare(
     ------
     InputError
         Fewer than two; a column, label or unit that does not fit; curves that share no time.
+    InputTypeError
+        What has no curves.
     MissingFileError, OutputError
         A folder or file that is not there, or cannot be read.
 
@@ -337,12 +193,3 @@ def _peak(time: Floats, values: Floats) -> tuple[float, float]:
         return float("nan"), float("nan")
     k = int(np.argmax(np.abs(values)))
     return float(time[k]), float(values[k])
-
-
-def _at(value: float, time: float) -> str:
-    """A value and its time [s]."""
-    return f"{_number(value)} at {_number(time)} s" if np.isfinite(value) else "-"
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}" if np.isfinite(value) else "-"

@@ -28,7 +28,8 @@ from membrane_rs.study.common.one_run import FINISHED
 from membrane_rs.study.common.options import RunOptions, takes_run_options
 from membrane_rs.study.common.rows import write_table
 from membrane_rs.study.common.sampling import GRID
-from membrane_rs.study.sweeping import Sweep, open_sweep, swept
+from membrane_rs.study.sweep_result import Sweep
+from membrane_rs.study.sweeping import open_sweep, swept
 
 CURVES = "curves"
 """The file of means and spreads."""
@@ -52,13 +53,21 @@ class Ensemble:
     >>> mean, spread = found.statistics()["final_kinetic_energy"]
     >>> spread < 1e-6 * mean
     True
+    >>> band = found.band("kinetic_energy")
+    >>> band.time.tolist(), bool((band.low <= band.high).all())
+    ([0.0, 0.005, 0.01], True)
+    >>> print(found.summary().splitlines()[0])
+    3 of 3 runs: 3 finished
+    >>> figure = found.plot(["kinetic_energy"])
+    >>> [path.name for path in found.save("three", ["kinetic_energy"])]
+    ['curves.csv', 'ensemble.png']
     """
 
     runs: Sweep
 
     @cached_property
     def histories(self) -> list[Mapping[str, Floats]]:
-        """The histories of the runs that came to their end."""
+        """The histories of the runs that came to their end: (samples,) arrays by column, each in its unit."""
         return [self.runs.history(row["run"]) for row in self.runs.rows if row["outcome"] == FINISHED]
 
     @property
@@ -67,7 +76,7 @@ class Ensemble:
         return [name for name in (self.histories[0] if self.histories else ()) if name != "time"]
 
     def band(self, column: str, spread: str = "std") -> Band:
-        """Mean of a column over the starts, and its spread: `time` [s], `mean`, `low` and `high`, (samples,) each.
+        """Mean of a column over the starts, and its spread.
 
         Parameters
         ----------
@@ -75,6 +84,11 @@ class Ensemble:
             One of `columns`.
         spread : {"std", "range"}
             One standard deviation to both sides of the mean, or from the lowest to the highest start.
+
+        Returns
+        -------
+        Band
+            `time` [s], and `mean`, `low` and `high` in the unit of the column, (samples,) each.
 
         Raises
         ------
@@ -87,7 +101,13 @@ class Ensemble:
         return Members("", [Source("", history) for history in self.histories], spread).band(column)
 
     def statistics(self) -> dict[str, tuple[float, float]]:
-        """Mean and standard deviation over the starts of each number of a row; NaN for one start alone."""
+        """Mean and standard deviation over the starts of each number of a row.
+
+        Returns
+        -------
+        dict of str to (float, float)
+            By the name of the number, in its unit; a standard deviation of NaN for one start alone.
+        """
         found = {}
         rows = [row for row in self.runs.rows if row["outcome"] == FINISHED]
         for name in dict.fromkeys(name for row in rows for name in row):
@@ -99,7 +119,13 @@ class Ensemble:
         return found
 
     def summary(self) -> str:
-        """How the runs ended, and mean and spread of what their curves show, as a table in Markdown."""
+        """How the runs ended, and mean and spread of what their curves show.
+
+        Returns
+        -------
+        str
+            In Markdown.
+        """
         rows = [
             (name, f"{mean:.6g}", f"{spread:.2g}")
             for name, (mean, spread) in self.statistics().items()
@@ -124,6 +150,7 @@ class Ensemble:
         Returns
         -------
         matplotlib.figure.Figure
+            Without pyplot: nothing has to be closed.
 
         Raises
         ------
@@ -138,16 +165,26 @@ class Ensemble:
         return plot_comparison(ensembles={label: self.histories}, columns=columns, **{"members": True, **options})
 
     def save(self, folder: str | Path, columns: Sequence[str] | None = None, **options: Any) -> list[Path]:
-        """Write curves.csv (mean, standard deviation, lowest and highest of each column) and ensemble.png; the paths.
+        """Write curves.csv (mean, standard deviation, lowest and highest of each column) and ensemble.png.
 
-        The folder is made where there is none.
+        Parameters
+        ----------
+        folder : path
+            Made where it is missing.
+        columns : sequence of str, optional
+            Of the figure, as for `plot`.
+        **options
+            As for `plot`.
 
-        Columns and options are those of `plot`.
+        Returns
+        -------
+        list of Path
+            The two files.
 
         Raises
         ------
-        InputError
-            No run that came to its end.
+        InputError, InputTypeError
+            No run that came to its end; no path.
         OutputError
             A file cannot be written.
         """
@@ -211,12 +248,24 @@ def ensemble(
 def open_ensemble(path: str | Path) -> Ensemble:
     """Read the folder of an ensemble, also of one that goes on or was stopped.
 
+    Parameters
+    ----------
+    path : path
+        The folder.
+
+    Returns
+    -------
+    Ensemble
+        As far as its runs were made.
+
     Raises
     ------
     MissingFileError
         No ensemble there.
     InputError
         A sweep, which varies more than the start.
+    InputTypeError
+        No path.
     OutputError
         A damaged file.
 

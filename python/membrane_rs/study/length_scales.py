@@ -26,15 +26,20 @@ class LengthScales:
     Attributes
     ----------
     buckling : float or None
-        In the critical strain of the film: `Springs.buckling_length`.
+        In the critical strain of the film [m]: `Springs.buckling_length`.
     crease : float or None
-        In the force at which a crease buckles: `Springs.crease_length`.
+        In the force at which a crease buckles [m]: `Springs.crease_length`.
     facet : float or None
-        In the stiffness of a crease: `Creases.length_scale`.
+        In the stiffness of a crease [m]: `Creases.length_scale`.
     damping : float or None
-        Of the dashpots: `SpringDamping.length`.
+        Of the dashpots [m]: `SpringDamping.length`.
     tension_only : bool
         The film bears no compression, alpha = alpha_c = 0: a tension field.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        A length that is not above 0, or no number.
 
     Examples
     --------

@@ -43,26 +43,50 @@ COLUMNS = ("time", "deployment_rate", "phase_difference_deg")
 
 @dataclass(frozen=True)
 class MeshRun:
-    """One run of the study: its curves and its facts."""
+    """One run of the study: its curves and its facts.
+
+    Attributes
+    ----------
+    form : str
+        Name of its length scales.
+    rows : int
+        Rows of cells from the inner to the outer edge.
+    cell : float
+        Height of a cell [m].
+    member : int
+        0: from the unperturbed start; else from a perturbed one.
+    node_count : int
+        Nodes of the mesh.
+    dt : float
+        Step [s].
+    energy_error : float
+        Residual of the energy balance at the end over the reference energy [-]: below zero a loss, above zero a gain.
+    seconds : float
+        Processor time of the stepping [s].
+    stopped : str or None
+        When and in which law the run was stopped before its end; None: it was not.
+    table : mapping of str to (samples,) float
+        "time" [s], "deployment_rate" [-], "phase_difference_deg" [deg].
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import jobs_of, mesh_study
+    >>> run = mesh_study(scenes.load("okuizumi-model-1"), jobs_of([8], ["paper"], 1, 1e-4), "runs", workers=1)[0]
+    >>> run.form, run.rows, round(run.cell, 6), run.table["time"][-1].item()
+    ('paper', 8, 0.022, 0.0001)
+    """
 
     form: str
     rows: int
-    """Rows of cells from the inner to the outer edge."""
     cell: float
-    """Height of a cell [m]."""
     member: int
-    """0: from the unperturbed start; else from a perturbed one."""
     node_count: int
     dt: float
-    """Step [s]."""
     energy_error: float
-    """Residual of the energy balance at the end over the reference energy: below zero a loss, above zero a gain."""
     seconds: float
-    """Processor time of the stepping [s]."""
     stopped: str | None
-    """When and in which law the run was stopped before its end; None: it was not."""
     table: Mapping[str, Floats]
-    """(samples,) "time" [s], "deployment_rate", "phase_difference_deg"."""
 
 
 @dataclass(frozen=True)

@@ -130,6 +130,16 @@ def write_mesh_study(runs: Sequence[MeshRun], folder: str | Path) -> str:
     ------
     OutputError
         It cannot be written.
+    InputError, InputTypeError
+        No path.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import jobs_of, mesh_study, write_mesh_study
+    >>> runs = mesh_study(scenes.load("okuizumi-model-1"), jobs_of([8], ["paper"], 1, 1e-4), "runs", workers=1)
+    >>> write_mesh_study(runs, "study").splitlines()[2][:14]
+    '| paper | 22 |'
     """
     folder = made_folder(folder)
     tables = report(runs)

@@ -36,12 +36,33 @@ class Tried:
 
 @dataclass(frozen=True)
 class SceneMatch:
-    """All values tried, and the best of them."""
+    """All values tried, and the best of them.
+
+    Attributes
+    ----------
+    parameter : str
+        Key of the parameter.
+    target : Density
+        Runs of the scene whose curves are the target.
+    spread : dict of str to float
+        Standard deviation between the target's starts, by column, in its unit.
+    tried : tuple of Tried
+        In their order; each has its `value`, its `density` (the runs), its `distance` by column, and its `misfit`.
+
+    Examples
+    --------
+    >>> from membrane_rs.study.convergence import Density
+    >>> from membrane_rs.study.scene_match import SceneMatch, Tried
+    >>> runs, none = Density("paper", 16, 0.011, ()), {"deployment_rate": 0.01, "phase_difference_deg": 2.0}
+    >>> tried = (Tried(10.0, runs, none, 2.5), Tried(20.0, runs, none, 1.1))
+    >>> found = SceneMatch("laws.creases.stiffness", runs, none, tried)
+    >>> found.best.value, found.table().splitlines()[3]
+    (20.0, '| 20 | 0.0100 | 2.0 | 1.1 |')
+    """
 
     parameter: str
     target: Density
     spread: dict[str, float]
-    """Standard deviation between the target's starts, by column."""
     tried: tuple[Tried, ...]
 
     @property
@@ -50,7 +71,13 @@ class SceneMatch:
         return min(self.tried, key=lambda tried: tried.misfit)
 
     def table(self) -> str:
-        """The values tried, as a table in Markdown, sorted by value."""
+        """The values tried, sorted by value.
+
+        Returns
+        -------
+        str
+            A table in Markdown.
+        """
         head = (self.parameter, "distance of the rates", "of the phases [deg]", "misfit")
         by_value = sorted(self.tried, key=lambda tried: tried.value)
         rows = [(f"{tried.value:.3g}", *_sizes(tried.distance), f"{tried.misfit:.1f}") for tried in by_value]
@@ -82,13 +109,13 @@ def match_scene(
     parameter : str
         Name of the parameter, such as laws.triangles.buckling_on_creases; see `Scene.with_values`.
     between : (float, float)
-        Bounds, above 0.
+        Bounds, in the unit of the parameter, above 0.
     target : Scene
         The scene whose curves are the target.
     folder : path
         Folder of the runs, see `mesh_study`.
     first : sequence of float
-        Values tried in addition to those of the method.
+        Values tried in addition to those of the method, in its unit.
     tries : int
         Maximum number of values that the method tries.
     starts : int
@@ -98,10 +125,29 @@ def match_scene(
     workers, tell
         As in `mesh_study`.
 
+    Returns
+    -------
+    SceneMatch
+        The values tried, and the best of them.
+
     Raises
     ------
     InputError
         Invalid bounds, too few starts or tries, or input that `mesh_study` and `Scene.with_values` refuse.
+
+    Examples
+    --------
+    It makes `starts` runs for each value that it tries, which takes minutes for a sail:
+
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import match_scene
+    >>> springs, triangles = scenes.load("okuizumi-model-1"), scenes.load("okuizumi-model-1-triangles")
+    >>> key = "laws.triangles.buckling_on_creases"
+    >>> found = match_scene(triangles, key, (1.0, 1000.0), springs, "match")  # doctest: +SKIP
+
+    >>> match_scene(triangles, key, (1000.0, 1.0), springs, "match")
+    Traceback (most recent call last):
+    membrane_rs.errors.InputError: between = (1000.0, 1.0): must be two numbers above 0, the lower one first
     """
     from scipy.optimize import minimize_scalar  # slow to import
 

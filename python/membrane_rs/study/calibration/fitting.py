@@ -91,7 +91,7 @@ def calibrate(
         Standard deviation of each value of a column, by its name, in its unit or as text with one. Default: unknown,
         each column then counts by its own spread.
     step : float, optional
-        Of the differences, as a share of the ranges. Default: 0.02; with nelder-mead 0.05.
+        Of the differences, as a share of the ranges [-]. Default: 0.02; with nelder-mead 0.05.
     until : float, optional
         Time up to which curves are compared [s]. Default: of the last datum, or the scene's end if that is earlier.
     samples : int, optional

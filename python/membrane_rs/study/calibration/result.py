@@ -41,7 +41,7 @@ class Calibration:
     columns : sequence of DataColumn
         What was measured, as far as it was used.
     misfit, first_misfit : float
-        Root mean square of the residuals, in standard deviations of the data or, where none were given, in standard
+        Root mean square of the residuals [-], in standard deviations of the data or, where none were given, in standard
         deviations of each column; at the end and at the start.
     residuals : mapping of str to float
         By column, root mean square in its unit.
@@ -55,6 +55,25 @@ class Calibration:
         Number of runs, all starts counted.
     failures : sequence of str
         Sets whose runs failed, and why.
+    path : Path or None
+        Folder of the runs.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.results import Experiment
+    >>> from membrane_rs.study import calibrate
+    >>> time = np.linspace(0.0, 0.05, 6)
+    >>> force = {"hub_force": 0.009 * np.ones(6)}
+    >>> data = Experiment("measured", time, force, {"hub_force": "N"})
+    >>> found = calibrate("spinning-tether", data, {"laws.spin.frequency": "1:4"}, samples=6, most_runs=20)
+    >>> list(found.values), found.runs <= 20, found.table().splitlines()[0][:15]
+    (['laws.spin.frequency'], True, '| parameter | s')
+    >>> figure = found.plot()
+    >>> [path.name for path in found.save("calibrated")]
+    ['calibrated', 'calibration.md', 'calibration.json', 'calibration.png']
+    >>> found.as_dict()["method"]
+    'least-squares'
     """
 
     parameters: Sequence[FittedParameter]
@@ -80,7 +99,7 @@ class Calibration:
 
     @property
     def values(self) -> dict[str, float]:
-        """The fitted values by key."""
+        """The fitted values by key, each in its unit."""
         return {one.key: one.value for one in self.parameters}
 
     @cached_property
@@ -108,7 +127,13 @@ class Calibration:
         return found + [f"failed: {failure}" for failure in self.failures]
 
     def table(self) -> str:
-        """Parameters, columns, sensitivities and correlations, as tables in Markdown."""
+        """Parameters, columns, sensitivities and correlations.
+
+        Returns
+        -------
+        str
+            Tables in Markdown.
+        """
         parts = [
             table_of_parameters(self.parameters),
             table_of_columns(self.columns, self.residuals, self.parameters, self.analysis),
@@ -130,6 +155,7 @@ class Calibration:
         Returns
         -------
         matplotlib.figure.Figure
+            Without pyplot: nothing has to be closed.
         """
         return plot_calibration(self.columns, self._first.runs, self._best.runs, path=path, **options)
 
@@ -153,6 +179,8 @@ class Calibration:
         ------
         OutputError
             One cannot be written.
+        InputError, InputTypeError
+            No path.
         """
         place = path_of(folder)
         with output_errors(place):
@@ -169,7 +197,13 @@ class Calibration:
         return [scene, tables, numbers, figure]
 
     def as_dict(self) -> dict[str, Any]:
-        """The numbers, as plain values for JSON."""
+        """The numbers, as plain values for JSON.
+
+        Returns
+        -------
+        dict of str to object
+            Infinite and unknown ones are None.
+        """
         known = self.analysis
         return {
             "method": self.method,
