@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from membrane_rs.cli.application import USAGE, app
 from membrane_rs.results import Experiment
 from membrane_rs.study import Calibration, calibrate
 from membrane_rs.study.calibration.analysis import Analysis, analysed
-from membrane_rs.study.calibration.model import Curves, DataColumn
+from membrane_rs.study.calibration.model import Curves, DataColumn, FitModel
+from membrane_rs.study.common.one_run import RunPoint, RunResult
 from membrane_rs.study.common.vary import Parameter
 from typer.testing import CliRunner
 
@@ -263,3 +265,16 @@ def test_the_command(scene: Scene, begin: Scene, tmp_path: Path, monkeypatch: py
     wrong = CliRunner().invoke(app, [*words[:4], "--vary", "laws.spin.frequency=2:5", "--uncertainty", "tension"])
     assert wrong.exit_code == USAGE
     assert "COLUMN=VALUE" in wrong.stderr
+
+
+def test_the_noise_of_a_mean_is_its_standard_error() -> None:
+    """Three starts, 1, 2 and 4 N: a standard deviation of sqrt(7/3) N, in scales of 0.5 N."""
+    column = DataColumn("force", "N", np.zeros(1), np.ones(1), np.full(1, 0.5), True)
+    runs = [
+        RunResult(RunPoint({}, k), "finished", history={"time": np.zeros(1), "force": np.array([value])})
+        for k, value in enumerate((1.0, 2.0, 4.0))
+    ]
+    model: Any = SimpleNamespace(columns=[column])
+    found = FitModel._curves(model, runs)
+    assert found.noise == pytest.approx([math.sqrt(7 / 3) / math.sqrt(3) / 0.5])
+    assert found.residuals == pytest.approx([(7 / 3 - 1) / 0.5])

@@ -319,3 +319,15 @@ def test_an_interrupt_ends_runs_soon_and_keeps_those_that_are_done(where: str, t
     assert time.perf_counter() - began < 20.0
     (path,) = tmp_path.glob("runs/*.npz")
     assert read_run(path).is_finished
+
+
+def test_runs_are_not_written_into_a_folder_that_was_replaced(tmp_path: Path) -> None:
+    folder = tmp_path / "runs"
+
+    def replace_folder(*_: Any) -> None:
+        folder.rename(tmp_path / "before")
+        (folder / "runs").mkdir(parents=True)
+
+    with ManyRuns(falling(), SETUP, folder=folder) as runs:
+        refused(lambda: runs.all_results(POINTS, replace_folder), OutputError, "while this run went on")
+    assert list((folder / "runs").iterdir()) == []

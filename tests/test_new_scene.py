@@ -165,3 +165,11 @@ def test_a_folder_that_cannot_be_written(folder: Path) -> None:
         assert call("new", "mine", "--from", "spinning-tether")[0] == 1
     finally:
         folder.chmod(0o700)
+
+
+def test_a_table_whose_heading_is_not_found_is_left_out_all_the_same(folder: Path) -> None:
+    text = scenes.text("okuizumi-model-1").replace("[laws.air_drag]", "[ laws.air_drag ]")
+    (folder / "odd.toml").write_text(text)
+    code, shown = call("new", "mine", "--from", "odd.toml", "--set", "laws.air_drag=false")
+    assert (code, "The comments of odd.toml are left out" in " ".join(shown.split())) == (0, True)
+    assert "air_drag" not in (folder / "mine.toml").read_text()

@@ -167,3 +167,8 @@ def test_the_library_names_nothing_beside_the_page() -> None:
     assert len(library.source()) < 1_000_000
     assert "MIT" in library.licence() or "Permission is hereby granted" in library.licence()
     assert library.plot() == library.plot()
+
+
+def test_attributes_without_a_value_and_none() -> None:
+    made = element("input", hidden=True, checked=False, title=None, data_of="x", class_="y")
+    assert page_text(made).partition("\n")[2].strip() == '<input hidden="" data-of="x" class="y">'

@@ -123,3 +123,9 @@ def test_the_command_prints_it_and_new_writes_it(tmp_path: Path, monkeypatch: py
     assert call("new", "mine", "--from", "single-crease")[0] == 0
     first = (tmp_path / "mine.toml").read_text().splitlines()[0]
     assert json.loads((tmp_path / first.removeprefix("#:schema ")).read_text()) == SCHEMA
+
+
+def test_old_names_are_taken_and_marked() -> None:
+    old = SCHEMA["properties"]["run"]["properties"]["settle"]
+    assert (old["deprecated"], old["description"]) == (True, "The old name of relax.")
+    assert faults("[run]\nsettle = 0.1\n") == []

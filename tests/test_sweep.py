@@ -281,3 +281,10 @@ def test_an_interrupted_sweep_goes_on(number: signal.Signals, tmp_path: Path) ->
     subprocess.run(words, cwd=tmp_path, check=True, capture_output=True, timeout=120)
     assert len(list(folder.glob("*.npz"))) == 3
     assert all((folder / name).read_bytes() == content for name, content in kept.items())
+
+
+def test_a_law_that_is_varied_is_true_or_false_in_csv(tmp_path: Path) -> None:
+    vary = {"laws.mass_damping": [True, False]}
+    sweep("single-crease", vary, until=1e-4, samples=2, out=tmp_path / "out", table="csv")
+    with (tmp_path / "out" / "table.csv").open(newline="") as file:
+        assert [line["laws.mass_damping"] for line in csv.DictReader(file)] == ["true", "false"]
