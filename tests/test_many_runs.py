@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import sys
 import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -156,6 +158,8 @@ def test_what_fails_is_a_row_that_says_why() -> None:
     assert found[1].facts["final_odd"] == 0.02
     assert "axial_stiffness = -1.0: must be" in found[2].message
     assert found[2].history == {}
+    with ManyRuns(falling(), replace(SETUP, record={"odd": lambda _: sys.exit(3)})) as runs:
+        assert [(one.outcome, one.message) for one in runs.all_results(POINTS[:2])] == [("failed", "SystemExit: 3")] * 2
     with ManyRuns(falling(), RunSetup(until=2.0, samples=6)) as runs:
         (unstable,) = runs.all_results([RunPoint({"run.dt": 0.29})])
     assert unstable.outcome == "unstable"
@@ -242,6 +246,24 @@ def test_a_damaged_file_is_named(damage: bytes, tmp_path: Path) -> None:
         refused(lambda: read_run(path), OutputError, "remove it, and it is made again")
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"facts": {"steps": "many"}}, "not all of its facts are numbers"),
+        ({"facts": {"steps": [1, {"a": 2}]}}, "not all of its facts are numbers"),
+        ({"columns": ["time"]}, r"its history has the shape \(\d+, 6\), for 1 columns"),
+        ({"outcome": "splendid"}, "holds no row"),
+    ],
+)
+def test_a_run_that_was_tampered_with_is_refused(changes: dict[str, Any], words: str, tmp_path: Path) -> None:
+    with ManyRuns(falling(), SETUP, folder=tmp_path) as runs:
+        runs.all_results(POINTS[:1])
+    (path,) = tmp_path.glob("runs/*.npz")
+    kept = dict(np.load(path))
+    np.savez(path, row=np.array(json.dumps(json.loads(str(kept["row"])) | changes)), history=kept["history"])
+    refused(lambda: read_run(path), OutputError, f"damaged: .*{words}")
+
+
 def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
     def opened(folder: Path) -> ManyRuns:
         return ManyRuns(falling(), SETUP, folder=folder)
@@ -269,6 +291,8 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
         ({"setup": RunSetup(samples=True)}, "whole number"),
         ({"setup": RunSetup(shift=0.0)}, "shift = 0.0: must be above 0"),
         ({"setup": RunSetup(time_limit=0.0)}, "time_limit = 0.0: must be above 0"),
+        ({"setup": RunSetup(record={"rate": stiffness})}, r"record\['rate'\]: final_rate or highest_rate is another"),
+        ({"setup": RunSetup(record={"time": stiffness})}, "is the name of a column that each history has"),
         ({"setup": RunSetup(record={"a": 1})}, "must be a function of the simulation"),  # type: ignore[dict-item]
         ({"setup": RunSetup(record={"a": lambda sim: sim.time}), "executor": "processes"}, "top level of a module"),
     ],
@@ -292,7 +316,7 @@ def test_executors_of_the_caller_that_break() -> None:
     context, odd = get_context("spawn"), replace(SETUP, record={"odd": lambda sim: sim.time})
     setup = replace(SETUP, record={"time_again": dies_at_fifty})
     with ProcessPoolExecutor(1, context) as broken, ManyRuns(falling(), setup, executor=broken) as runs:
-        refused(lambda: runs.all_results(POINTS), ExecutorError, "go on with a new executor")
+        refused(lambda: runs.all_results(POINTS), ExecutorError, "go on with a new executor, or with executor=")
     with ProcessPoolExecutor(1, context) as unable, ManyRuns(falling(), odd, executor=unable) as runs:
         refused(lambda: runs.all_results(POINTS), InputError, "top level of a module")
     with ManyRuns(falling(), odd) as runs:

@@ -19,6 +19,8 @@ import pytest
 from membrane_rs import InputError, MissingFileError, OutputError
 from membrane_rs.cli import app
 from membrane_rs.study import Sweep, ensemble, open_ensemble, open_sweep, sweep
+from membrane_rs.study.common.kept_runs import KeptRuns
+from membrane_rs.study.common.one_run import RunResult
 from membrane_rs.study.common.rows import table_format
 from small_scenes import refused
 from typer.testing import CliRunner
@@ -84,7 +86,12 @@ def test_the_folder_is_read_as_it_was_made(made: Sweep) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["{}", "[]", '{"scene": "", "vary": 3}', '{"scene": "", "vary": {}, "points": 1}', "{"]
+    "text",
+    [
+        *("{}", "[]", "{", '{"scene": "", "vary": 3}', '{"scene": "", "vary": {}, "points": 1}'),
+        '{"scene": "", "vary": {}, "points": [[]], "starts": 1000000000, "sample": "grid", "record": {}}',
+        '{"scene": "", "vary": {}, "points": [[]], "starts": 1, "sample": "lhs", "record": {}}',
+    ],
 )
 def test_damaged_requests(text: str, tmp_path: Path) -> None:
     (tmp_path / "request.json").write_text(text)
@@ -207,6 +214,13 @@ def run(*words: str) -> Any:
     return CliRunner().invoke(app, list(words))
 
 
+@pytest.fixture
+def in_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of commands in threads: a process needs seconds to start, and the system may end it for want of memory."""
+    monkeypatch.setattr("membrane_rs.cli.many_runs.HERE", "threads")
+
+
+@pytest.mark.usefixtures("in_threads")
 def test_the_commands(tmp_path: Path) -> None:
     out = str(tmp_path / "out")
     words = ["sweep", SCENE, "--vary", f"{FREQUENCY}=60rpm,2", "--set", "run.dt=20us", *WORDS, "--out", out]
@@ -250,6 +264,23 @@ def test_wrong_words_are_refused_before_a_run(words: list[str], message: str, tm
     assert made.exit_code == 2, made.output
     assert message in " ".join(made.output.split())
     assert not (tmp_path / "out").exists()
+
+
+def test_the_table_has_all_runs_that_an_interrupt_leaves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also one that is on the disk, of which the sweep has not heard."""
+    keep = KeptRuns.keep
+
+    def keep_and_stop(self: KeptRuns, result: RunResult) -> None:
+        keep(self, result)
+        if result.point.values[FREQUENCY] == 2.0:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(KeptRuns, "keep", keep_and_stop)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(SCENE, {FREQUENCY: [1, 2, 3]}, jobs=1, out=tmp_path, table="csv", **SHORT)
+    assert [line.split(",")[:2] for line in (tmp_path / "table.csv").read_text().splitlines()[1:]] == [
+        ["0", "1.0"], ["1", "2.0"]
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])

@@ -113,7 +113,7 @@ def test_a_killed_worker_loses_no_run_and_makes_none_twice(
     assert rows(found) == rows(sweep("spinning-tether", VARY, **options)) == rows(open_sweep(tmp_path / "out"))
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "", "tcp://", "http://["])
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "tcp://", "http://["])
 def test_no_scheduler(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("membrane_rs.study.common.cluster.SECONDS", 0.5)
 
@@ -122,6 +122,16 @@ def test_no_scheduler(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
             pass
 
     refused(connected, InputError, "no scheduler answers there")
+
+
+@pytest.mark.parametrize("address", ["", " ", None, 8786])
+def test_no_address(address: Any) -> None:
+    """Of an empty one distributed would make a cluster on this machine."""
+    with (
+        pytest.raises(InputError, match=r"is no address of a scheduler; start one with `dask scheduler`"),
+        cluster(address),
+    ):
+        pass
 
 
 @pytest.mark.parametrize(
@@ -134,6 +144,32 @@ def test_workers_of_another_version(found: object, words: str) -> None:
             return {"tcp://b": function(), "tcp://a": found}
 
     refused(lambda: check_workers(Client()), ExecutorError, words)
+
+
+def test_a_scheduler_that_ends_before_the_runs_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Client:
+        status = "running"
+        run = staticmethod(lambda function, **_: {"tcp://a": function()})
+        get_executor = staticmethod(lambda: "executor")
+
+        def __init__(self, *_: Any, **__: Any) -> None:
+            pass
+
+        def __enter__(self) -> Client:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+    def used(status: str) -> None:
+        with cluster("tcp://a:1"):
+            Client.status = status
+            raise ExecutorError("takes no more runs")
+
+    monkeypatch.setattr("distributed.Client", Client)
+    refused(lambda: used("closed"), ExecutorError, "the scheduler at tcp://a:1 is gone; runs that are done are in the")
+    with pytest.raises(ExecutorError, match=r"^takes no more runs$"):
+        used("running")
 
 
 def test_scenes_are_sent_small() -> None:

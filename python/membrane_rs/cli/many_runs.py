@@ -16,10 +16,13 @@ from membrane_rs.cli.progress import run_counter
 
 if TYPE_CHECKING:
     from membrane_rs.scene import Scene
+    from membrane_rs.study.common.many_runs import Where
 
 Study = TypeVar("Study")
 
 
+HERE: Where = "processes"
+"""Where the runs of a command are made without a cluster: a process that dies ends its own run alone."""
 Samples = Annotated[int | None, count_option(help="Rows of each history. Default: the scene's.")]
 Shift = Annotated[
     float | None,
@@ -82,7 +85,7 @@ def make_runs(study: Callable[..., Study], scene: Scene, kind: str, options: Run
     address, folder = given.pop("dask", None), given.setdefault("out", Path("runs") / f"{scene.name}-{kind}")
     report_audit(scene)
     try:
-        with run_counter() as progress, nullcontext("processes") if address is None else cluster(address) as executor:
+        with run_counter() as progress, nullcontext(HERE) if address is None else cluster(address) as executor:
             return study(scene, executor=executor, progress=progress, **given), folder
     except KeyboardInterrupt as stop:
         kept = count_kept(folder)

@@ -159,6 +159,10 @@ def swept(
                 rows[k] = {"run": k, **result.row()}
                 if out is None:
                     histories[k] = result.history
+        except KeyboardInterrupt:
+            if runs.path is not None:  # of runs that were kept, one may not have come as far as here
+                rows |= {k: {"run": k, **result.row()} for k, result in _made(runs.path, points) if k not in rows}
+            raise
         finally:
             if runs.path is not None and ending is not None and rows:
                 found().save_table(runs.path / f"{TABLE}.{ending}")
@@ -223,7 +227,11 @@ def open_sweep(path: str | Path) -> Sweep:
         ]
         starts, keys = int(request["starts"]), [parameter.key for parameter in parameters]
         values = [dict(zip(keys, map(_plain, point), strict=True)) for point in request["points"]]
-        points = with_starts(values, starts)
+        try:
+            points = with_starts(values, starts)
+            sample_count(request["sample"])
+        except InputError as error:
+            raise ValueError(str(error)) from None
         rows = [{"run": k, **result.row()} for k, result in _made(folder, points)]
         return Sweep(parameters, points, rows, folder, str(request["sample"]), dict(request["record"]))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from membrane_rs._extras import extra
 from membrane_rs._validation import show
 from membrane_rs.errors import ExecutorError, InputError
 
+START = "start one with `dask scheduler`, and give the address that it names"
 SECONDS = 20.0
 """For so long the scheduler is waited for."""
 
@@ -33,20 +35,39 @@ def cluster(address: str) -> Iterator[Executor]:
     InputError
         No scheduler at the address.
     ExecutorError
-        A worker that has another version of this package, or none.
+        A worker that has another version of this package, or none; a scheduler that ends before the runs do.
     """
     distributed = extra("distributed")
+    if not isinstance(address, str) or not address.strip():  # for which distributed starts a cluster of its own
+        raise InputError(f"dask = {show(address)}: is no address of a scheduler; {START}")
     try:
         client = distributed.Client(address, timeout=SECONDS, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # noqa: BLE001 - what answers may be no scheduler: errors of every kind
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"dask = {show(address)}: no scheduler answers there ({reason}); start one with `dask scheduler`, and give "
-            "the address that it names"
-        ) from None
-    with client:
+        raise InputError(f"dask = {show(address)}: no scheduler answers there ({reason}); {START}") from None
+    with _quiet(), client:
         check_workers(client)
-        yield client.get_executor()
+        try:
+            yield client.get_executor()
+        except ExecutorError as error:
+            if client.status == "running":
+                raise
+            raise ExecutorError(
+                f"the scheduler at {address} is gone; runs that are done are in the folder, if there is one: start "
+                "another scheduler, and go on with them"
+            ) from error
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what distributed logs of a lost connection, with a traceback, from the screen: an error says the same."""
+    logger = logging.getLogger("distributed")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def check_workers(client: Any) -> None:

@@ -196,6 +196,10 @@ def read_run(path: Path) -> RunResult:
         columns, values, facts = row["columns"], row["values"], row["facts"]
         if row["outcome"] not in OUTCOMES or not isinstance(values, dict) or not isinstance(facts, dict):
             raise ValueError("it holds no row of a table")
+        if not all(fact is None or isinstance(fact, int | float) for fact in facts.values()):
+            raise ValueError("not all of its facts are numbers")
+        if history.size and (history.ndim != 2 or len(history) != len(columns)):
+            raise ValueError(f"its history has the shape {history.shape}, for {len(columns)} columns")
         table = {str(name): np.asarray(history[k], dtype=np.float64) for k, name in enumerate(columns)}
         return RunResult(RunPoint(values, int(row["start"])), row["outcome"], str(row["message"]), facts, table)
     except (ValueError, KeyError, TypeError, IndexError, RecursionError, FileNotFoundError) as error:

@@ -23,6 +23,7 @@ from typing_extensions import Self
 
 from membrane_rs._validation import number_of, show
 from membrane_rs.errors import ExecutorError, InputError, InputTypeError
+from membrane_rs.results.history_table import FIRST_COLUMNS, RENAMED
 from membrane_rs.results.recorded import Measures, record_table
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
@@ -44,6 +45,8 @@ from membrane_rs.study.common.pools import GIVEN_CAPACITY, Pool, completed, proc
 
 MOST_RUNS = 100_000
 """More runs at once are taken as an input error: as many files in a folder, and rows of a table."""
+TAKEN = ("rate", "phase_deg", "error")
+"""Names of measures whose final and extreme values would stand for others of a row, of `results.features`."""
 AGAIN = (CRASHED, TIME_LIMIT)
 """Outcomes that depend on the machine: these runs may be made again."""
 Where = Executor | Literal["threads", "processes"]
@@ -227,7 +230,11 @@ def checked_setup(setup: RunSetup) -> RunSetup:
     limit = None if setup.time_limit is None else number_of("time_limit", setup.time_limit)
     if limit is not None and limit <= 0.0:
         raise InputError(f"time_limit = {limit}: must be above 0 (s of wall time for each run)")
-    Measures(setup.record)
+    measures = Measures(setup.record).beside((*FIRST_COLUMNS, *RENAMED))
+    if (taken := next((name for name in measures.units if name in TAKEN), None)) is not None:
+        raise InputError(
+            f"record[{taken!r}]: final_{taken} or highest_{taken} is another number of each row; rename it"
+        )
     return RunSetup(until, samples, dict(record_table(setup.record)), shift, limit)
 
 

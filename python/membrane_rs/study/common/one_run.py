@@ -177,7 +177,7 @@ def make_run(task: RunTask) -> RunResult:
         outcome, message = UNSTABLE, str(error)
     except InputError as error:
         outcome, message = FAILED if curves.has_begun else REFUSED, str(error)
-    except Exception as error:  # noqa: BLE001 - a fault of ours, or no memory: the other runs go on
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - a fault of ours, or no memory: the other runs go on
         outcome, message = FAILED, f"{type(error).__name__}: {error}"
     message = " ".join(message.split())
     # An unstable simulation is at its last state without a fault, which may be before its last sample.

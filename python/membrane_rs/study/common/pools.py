@@ -51,11 +51,12 @@ class Pool:
 
     def broken(self, error: BaseException) -> ExecutorError:
         """The error of an executor that cannot be made anew."""
-        reason = " ".join(str(error).split()) or type(error).__name__
+        reason = "its tasks were cancelled" if isinstance(error, CancelledError) else " ".join(str(error).split())
         name = type(self.executor).__name__
+        find = ', or with executor="processes", which names a run that ends its process'
         return ExecutorError(
             f"executor {name}: takes no more runs ({reason}); those that are done are in the folder, if there is one: "
-            "go on with a new executor"
+            f"go on with a new executor{find if isinstance(error, BrokenExecutor) else ''}"
         )
 
     def renew(self, error: BaseException) -> None:

@@ -172,7 +172,8 @@ def _parameter(scene: Scene, key: str, given: Any, *, sampled: bool) -> Paramete
     values, own, unit = _tried(scene, key, ends or words)
     is_whole = isinstance(values[0], int) and not isinstance(values[0], bool)
     if not ends:
-        twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
+        seen: set[Any] = set()
+        twice = next((value for value in values if value in seen or seen.add(value)), None)  # type: ignore[func-returns-value]
         if twice is not None:
             raise InputError(f"vary {key}: names {show(twice)} twice; give each value once")
         return Parameter(own, unit, values, is_whole=is_whole)
@@ -203,6 +204,8 @@ def _parameter(scene: Scene, key: str, given: Any, *, sampled: bool) -> Paramete
 def _parsed(key: str, text: str) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[bool, int | None] | None]:
     """The ends of a range, or the values of a list, and how those of a range are spaced."""
     if ":" not in text:
+        if (commas := text.count(",")) >= MOST_VALUES:
+            raise InputError(f"vary {key}: {commas + 1:,} values; must be 1 to {MOST_VALUES:,}")
         words = [_value(word) for word in text.split(",")]
         if any(word == "" for word in words):
             raise InputError(f"vary {key} = {show(text)}: a value is missing; separate values by commas")
@@ -221,7 +224,7 @@ def _listed(key: str, given: Any) -> tuple[Any, ...]:
     """A list of values from Python."""
     if hasattr(given, "tolist"):
         given = given.tolist()
-    if not isinstance(given, Sequence) or isinstance(given, bytes):
+    if not isinstance(given, Sequence) or isinstance(given, bytes | bytearray | memoryview):
         raise InputTypeError(f"vary[{show(key)}] = {show(given)}: must be a list of values, or a text as for --vary")
     if not 1 <= len(given) <= MOST_VALUES:
         raise InputError(f"vary[{show(key)}]: {len(given):,} values; must be 1 to {MOST_VALUES:,}")
@@ -281,7 +284,7 @@ def _plain(key: str, value: Any) -> Any:
     items = value if isinstance(value, tuple | list) else (value,)
     if not all(isinstance(item, bool | int | float | str | None) for item in items):
         raise InputTypeError(f"vary {key}: {show(value)} is no number, text, true or false; vary a key inside of it")
-    return value
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _end(key: str, value: Any) -> float:
