@@ -119,3 +119,16 @@ def test_a_run_that_was_refused_has_not_the_results_of_an_earlier_one(tmp_path: 
     with pytest.raises(UnstableError) as ended:
         run("single-crease", 0.1, dt=1.6e-5, frames=2, out=tmp_path / "run", overwrite=True, pictures=False)
     assert ended.value.run.scene.name == "single-crease"
+
+
+def test_options_of_a_folder_without_one_are_refused() -> None:
+    for option in ({"overwrite": True}, {"crossings": True}, {"pictures": False}, {"checkpoint": 1.0}):
+        with pytest.raises(InputError, match=f"{next(iter(option))} = .*without out nothing is written"):
+            run("spinning-tether", 1e-3, **option)
+
+
+@pytest.mark.parametrize("wrong", [True, 1, 3.0, "a", 10**8])
+def test_what_is_no_number_of_frames_is_refused(wrong: Any) -> None:
+    for every in (None, 5e-4):
+        with pytest.raises(InputError, match=f"frames = {wrong!r}: must be"):
+            run("spinning-tether", 1e-3, frames=wrong, every=every)

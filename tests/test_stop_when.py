@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
-from functools import wraps
+from functools import partial, wraps
 from inspect import currentframe
 from pathlib import Path
 from typing import Any
@@ -213,6 +213,39 @@ def test_what_is_met_at_the_start_must_be_met_anew() -> None:
     with pytest.warns(UserWarning, match="is met already"):
         result = run(CREASE, 2e-3, stop_when=lambda sim: sim.time < 1e-3)
     assert result.outcome == "finished"
+
+
+def test_a_number_that_stands_for_a_truth_is_told() -> None:
+    with pytest.warns(UserWarning, match="gives 0, and ends the run as it passes that; for a condition give true or"):
+        result = run(CREASE, 2e-3, stop_when=lambda sim: int(sim.time > 1e-3))
+    assert result.outcome == "finished"
+
+
+@pytest.mark.parametrize("kind", [bool, np.bool_, np.array, lambda value: np.array([value])[0]])
+def test_all_kinds_of_truth_end_a_run(kind: Any) -> None:
+    result = run(CREASE, 2e-3, stop_when=lambda sim: kind(sim.time > 1e-3), frames=2, samples=2)
+    assert result.history["time"][-1] == pytest.approx(1e-3, rel=1e-12)
+    result = run(CREASE, 2e-3, stop_when=partial(kind_of_number, np.array), frames=2, samples=2)
+    assert result.outcome.startswith("stopped: kind_of_number, at 0.001")
+
+
+def kind_of_number(kind: Any, sim: Simulation) -> Any:
+    return kind(sim.time - 1e-3)
+
+
+def setting(sim: Simulation) -> float:
+    sim.velocities = 2.0 * sim.velocities
+    return -1.0
+
+
+def unknown(sim: Simulation) -> float:
+    return float(sim.forces("no such").max())
+
+
+@pytest.mark.parametrize(("function", "words"), [(setting, "a measure has set the motion"), (unknown, "no such")])
+def test_what_this_program_refuses_in_a_function_names_the_function(function: Any, words: str) -> None:
+    with pytest.raises(InputError, match=rf"^stop_when = {function.__name__} at t = 0 s: .*{words}"):
+        run(CREASE, 2e-3, stop_when=function)
 
 
 def test_an_error_later_loses_nothing() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 
 from membrane_rs._other_names import OTHER_NAMES
@@ -36,6 +37,8 @@ def show(value: object) -> str:
 
 def function_words(function: object) -> str:
     """A user's function, as messages call it: by its name, of a lambda by where it stands."""
+    while isinstance(function, partial):
+        function = function.func
     name = str(getattr(function, "__qualname__", type(function).__name__)).rpartition("<locals>.")[2]
     code = getattr(function, "__code__", None)
     if name != "<lambda>" or code is None:

@@ -165,6 +165,11 @@ class RunFolder(KnownAttributes, Recorder):
         """Whether an earlier run goes on here."""
         return self._is_resumed
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether what is in the folder is of this run."""
+        return self._is_prepared or self._is_started
+
     @contextmanager
     def reopened(self) -> Iterator[None]:
         """Hold the folder of an earlier run to go on there inside, in place of an `overwrite`.

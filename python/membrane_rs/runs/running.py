@@ -7,14 +7,13 @@ from contextlib import suppress
 from pathlib import Path
 
 from membrane_rs import scenes
-from membrane_rs._files import path_of
 from membrane_rs.errors import Interrupted, MembraneError
 from membrane_rs.results.recorded import Recorded
-from membrane_rs.results.summary import SUMMARY
 from membrane_rs.runs.memory import RunMemory
 from membrane_rs.runs.opening import open_run
 from membrane_rs.runs.request import CHECKPOINT
 from membrane_rs.runs.result import Run
+from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.runs.simulation import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.motion import Motion
@@ -124,44 +123,37 @@ def run(
     ('stopped: hub_angle above 0.1570', 'm/s')
     """
     sim = Simulation(scenes.scene_of(scene), integrator, dt, start=start)
-    memory = RunMemory() if out is None else None
-    before = _written(out)
+    recorder = RunMemory() if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
     try:
         sim.run(
             until,
             frames,
-            out,
             samples=samples,
             record=record,
             every=every,
             stop_when=stop_when,
-            observers=[*observers, *([] if memory is None else [memory])],
+            observers=[*observers, recorder] if isinstance(observers, Sequence) else observers,
             progress=progress,
-            overwrite=overwrite,
+            overwrite=overwrite and out is None,  # refused there
             pictures=pictures,
-            crossings=crossings,
+            crossings=crossings and out is None,
             checkpoint=checkpoint,
         )
     except BaseException as error:
-        _keep(error, memory, None if _written(out) == before else out)
+        _keep(error, recorder)
         raise
-    result = memory.result() if memory is not None else open_run(str(out))
+    result = recorder.result() if isinstance(recorder, RunMemory) else open_run(recorder.path)
     assert result is not None, "a run that has ended without an error has a result"
     return result
 
 
-def _written(out: str | Path | None) -> tuple[int, int] | None:
-    """What tells the summary in a folder from any that is written later; None without one."""
-    try:
-        found = None if out is None else (path_of(out, "out") / SUMMARY).stat()
-    except OSError:
-        return None
-    return None if found is None else (found.st_ino, found.st_mtime_ns)
-
-
-def _keep(error: BaseException, memory: RunMemory | None, out: str | Path | None) -> None:
+def _keep(error: BaseException, recorder: RunMemory | RunFolder) -> None:
     """Give an error what the run had recorded by then."""
     with suppress(MembraneError):  # the run's own error is the one to tell
-        found = memory.result() if memory is not None else out and open_run(out)
+        found: Run | None = None
+        if isinstance(recorder, RunMemory):
+            found = recorder.result()
+        elif recorder.has_begun:
+            found = open_run(recorder.path)
         if found is not None and isinstance(error, MembraneError | Interrupted):
             error.run = found

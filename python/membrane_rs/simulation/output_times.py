@@ -107,7 +107,7 @@ def _times_of(wanted: int | Sequence[float], end: float, name: str) -> Floats:
     if isinstance(wanted, Sequence | np.ndarray) and not isinstance(wanted, str | bytes) and not is_scalar:
         return np.array([number_of(name, t) for t in wanted], dtype=np.float64)
     try:
-        count = operator.index(wanted)  # type: ignore[arg-type]
+        count = operator.index("" if isinstance(wanted, bool | np.bool_) else wanted)  # type: ignore[arg-type]
     except TypeError:
         raise InputTypeError(f"{name} = {show(wanted)}: must be a whole number or a list of times (s)") from None
     if not 2 <= count <= MOST_INSTANTS:

@@ -66,6 +66,11 @@ class Stop:
         return {name: value for name, value in known.items() if value is not None}
 
     @property
+    def is_number(self) -> bool:
+        """Whether it is a function that has given a number, not a truth value."""
+        return self._function is not None and self._function.is_truth is False
+
+    @property
     def described(self) -> str:
         """It in words, such as "deployment_rate above 0.99"."""
         stage = self._stage
@@ -123,11 +128,13 @@ class _Signed:
         where = f"stop_when = {self.words} at t = {sim.time:.6g} s"
         try:
             value = self._function(sim)
-        except InputError:
-            raise
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from error
         except Exception as error:
             raise InputError(f"{where}: raised {in_one_line(error)}; mend the function") from error
-        if value is None or (isinstance(value, np.ndarray) and value.ndim):
+        if isinstance(value, np.ndarray) and not value.ndim and not isinstance(value, np.ma.MaskedArray):
+            value = value[()]
+        if value is None or isinstance(value, np.ndarray):
             raise InputTypeError(f"{where}: gave {show(value)}; must give one number, or true or false")
         is_truth = isinstance(value, bool | np.bool_)
         if self.is_truth is not None and is_truth != self.is_truth:
@@ -168,6 +175,8 @@ class StoppableMotion(ResumableMotion):
         self._stage_end.open()
         if self._stage_end.watches[-1].side == 0:
             what = "is met already, and so ends the run only when it is met anew"
+            if stop.is_number:
+                what = "gives 0, and ends the run as it passes that; for a condition give true or false"
             warnings.warn(f"stop_when = {stop.described} at t = {self.time:.6g} s: {what}", stacklevel=3)
 
     def _end_stop(self) -> None:
