@@ -19,7 +19,7 @@ from membrane_rs.study.common.many_runs import MOST_RUNS, Progress, units_of
 from membrane_rs.study.common.one_run import RunPoint, RunResult
 from membrane_rs.study.common.options import RunOptions, many_runs, takes_run_options
 from membrane_rs.study.common.rows import table_format
-from membrane_rs.study.common.sampling import GRID, is_sampled, points_of
+from membrane_rs.study.common.sampling import GRID, is_sampled, points_of, sample_count
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.sweep_result import Sweep
 
