@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import inspect
+import re
 from pathlib import Path
 
 import membrane_rs
@@ -16,12 +17,19 @@ from membrane_rs.results import read_experiment
 from membrane_rs.runs.place import Place
 from membrane_rs.runs.running import _keep
 from raised_errors import raised
-from website.public import PublicName, members, public_names
+from website.public import PACKAGES, PublicName, members, public_names
 
 NAMES = [name for name in public_names() if name.kind != "data"]
 """Constants have a docstring that a program does not see."""
 PACKAGE = Path(membrane_rs.__file__).parent
 WITH_EXAMPLES = [path for path in sorted(PACKAGE.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
+
+
+def test_packages_of_the_reference_are_those_that_are_said_to_be_public() -> None:
+    page = (Path(__file__).parent.parent / "docs" / "compatibility.md").read_text(encoding="utf-8")
+    said = re.findall(r"`([\w.]+)`", page[page.index("the names in the `__all__`") :].partition(";")[0])
+    public = {name if name in ("__all__", "membrane_rs") else f"membrane_rs.{name}" for name in said}
+    assert public - {"__all__"} == set(PACKAGES)
 
 
 def test_public_names_are_found() -> None:

@@ -31,6 +31,7 @@ PACKAGES = (
     "membrane_rs.runs",
     "membrane_rs.results",
     "membrane_rs.plotting",
+    "membrane_rs.plotting.viewer",
     "membrane_rs.report",
     "membrane_rs.check",
     "membrane_rs.study",

@@ -36,6 +36,13 @@ class NotebookView:
     ------
     MissingExtraError
         What draws the picture is not installed.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> view = membrane_rs.run("hanging-strip", until=0.01, frames=2).view(where="picture")
+    >>> view.save("strip.png").name
+    'strip.png'
     """
 
     def __init__(self, viewer: Viewer, *, is_live: bool = True) -> None:
@@ -57,7 +64,25 @@ class NotebookView:
         return f"<view of {self.viewer.name} at {self.viewer.words()}, coloured by {self.viewer.color}>"
 
     def save(self, path: str | Path) -> Path:
-        """Write the picture as a PNG file that is not there yet. Raises OutputError."""
+        """Write the picture as a PNG file that is not there yet.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+
+        Returns
+        -------
+        Path
+            The same.
+
+        Raises
+        ------
+        OutputError
+            It is there already, or cannot be written.
+        InputError, InputTypeError
+            No path.
+        """
         return save_as(self._image, path_of(path))
 
     def _repr_html_(self) -> str:

@@ -24,7 +24,46 @@ def look_at(
     where: str | None = None,
     folder: Path | None = None,
 ) -> NotebookView | None:
-    """Look at a run: what `membrane_rs.view` does, once it has the run."""
+    """Look at a run: what `membrane_rs.view` does, once it has the run.
+
+    Parameters
+    ----------
+    run : Run
+        With one frame or more.
+    color : str
+        "film", or a field that the run has, such as "speed".
+    camera : {"turning", "fixed"}
+        Whether the camera turns with the hub.
+    scale : {"run", "frame"}
+        Whether the colours span the values of the whole run, or of each frame.
+    time : float, optional
+        Of the frame that is shown first, the nearest one [s]. Default: the first.
+    where : {"window", "notebook", "browser", "picture"}, optional
+        Default: a notebook where Python runs in one, else a window.
+    folder : Path, optional
+        Where pictures of the window are saved. Default: the current one.
+
+    Returns
+    -------
+    NotebookView or None
+        What a notebook shows; None once a window is closed.
+
+    Raises
+    ------
+    InputError
+        A word that is none of those, a field that the run lacks, or a run without frames.
+    DisplayError
+        A window where there is no display.
+    MissingExtraError
+        pyvista or matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> from membrane_rs.plotting.viewer import look_at
+    >>> look_at(membrane_rs.run("hanging-strip", until=0.01, frames=2), where="picture")
+    <view of hanging-strip at 0.000 s, coloured by film>
+    """
     place = one_of("where", where or default_place(), (WINDOW, NOTEBOOK, BROWSER, PICTURE))
     viewer = Viewer(run, color, camera, scale)
     if time is not None:

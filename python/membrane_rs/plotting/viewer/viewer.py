@@ -86,6 +86,27 @@ class Viewer:
     ------
     InputError
         The run has no frames, or no such field.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> from membrane_rs.plotting.viewer import Viewer
+    >>> viewer = Viewer(membrane_rs.run("hanging-strip", until=0.02, frames=3), color="speed")
+    >>> viewer.go_to(0.011)
+    >>> viewer.step(-1)
+    >>> viewer.time, viewer.words(), viewer.shown().positions.shape
+    (0.0, '0.000 s', (66, 3))
+    >>> viewer.show_frame(2)
+    >>> viewer.toggle_play()
+    >>> viewer.faster(1)
+    >>> viewer.advance(0.5), viewer.is_playing, viewer.speed
+    (False, True, 2.0)
+    >>> viewer.choose("film")
+    >>> viewer.next_color()
+    >>> viewer.toggle_scale()
+    >>> viewer.toggle_frame()
+    >>> viewer.scale() is None, viewer.camera().reach >= viewer.closer().reach
+    (False, True)
     """
 
     def __init__(self, run: ViewedRun, color: str = FILM, camera: str = TURNING, scale: str = RUN) -> None:
@@ -133,7 +154,7 @@ class Viewer:
 
     @property
     def speed(self) -> float:
-        """1: the whole run in `play_seconds`."""
+        """How fast it is played [-]; 1: the whole run in `play_seconds`."""
         return SPEEDS[self._speed]
 
     @property
@@ -142,18 +163,41 @@ class Viewer:
         return float(np.clip(len(self.times) / FRAMES_A_SECOND, *PLAY_SECONDS))
 
     def go_to(self, time: float) -> None:
-        """Show the frame nearest to a time [s]. Raises InputError for one that is no number."""
+        """Show the frame nearest to a time.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+
+        Raises
+        ------
+        InputError
+            One that is not finite.
+        """
         if not math.isfinite(time):
             raise InputError(f"time = {show(time)}: must be finite; the run goes to {self.times[-1]:.6g} s")
         self.show_frame(int(np.abs(self.times - time).argmin()))
 
     def show_frame(self, index: int) -> None:
-        """Show a frame by its number; the first or the last where there is none."""
+        """Show a frame by its number.
+
+        Parameters
+        ----------
+        index : int
+            From 0; the first or the last is shown where there is none.
+        """
         self.index = min(max(index, 0), len(self.times) - 1)
         self._clock = self.time
 
     def step(self, frames: int) -> None:
-        """Go on by so many frames, or back, and stop."""
+        """Go on or back, and stop.
+
+        Parameters
+        ----------
+        frames : int
+            How many; below 0 back.
+        """
         self.is_playing = False
         self.show_frame(self.index + frames)
 
@@ -164,11 +208,28 @@ class Viewer:
             self.show_frame(0)
 
     def faster(self, steps: int) -> None:
-        """Play faster, or slower."""
+        """Play faster, or slower.
+
+        Parameters
+        ----------
+        steps : int
+            Each doubles the speed; below 0 halves it.
+        """
         self._speed = min(max(self._speed + steps, 0), len(SPEEDS) - 1)
 
     def advance(self, seconds: float) -> bool:
-        """Play on for so long by the clock on the wall [s]; whether another frame is shown. It pauses at the end."""
+        """Play on; it pauses at the end.
+
+        Parameters
+        ----------
+        seconds : float
+            Of wall time [s].
+
+        Returns
+        -------
+        bool
+            Whether another frame is shown.
+        """
         if not self.is_playing:
             return False
         first, last = float(self.times[0]), float(self.times[-1])
@@ -195,11 +256,28 @@ class Viewer:
         return self.field.name if self.field else FILM
 
     def choose(self, color: str) -> None:
-        """Colour by "film", or by a field. Raises InputError."""
+        """Colour by "film", or by a field.
+
+        Parameters
+        ----------
+        color : str
+            One of `colors`.
+
+        Raises
+        ------
+        InputError
+            It is none.
+        """
         self.field = self.fields[self.colors.index(one_of("color", color, self.colors))]
 
     def next_color(self, steps: int = 1) -> None:
-        """Colour by the next one, or by one before."""
+        """Colour by the next one, or by one before.
+
+        Parameters
+        ----------
+        steps : int
+            By how many; below 0 back.
+        """
         self.field = self.fields[(self.fields.index(self.field) + steps) % len(self.fields)]
 
     def toggle_scale(self) -> None:
@@ -211,6 +289,11 @@ class Viewer:
 
         Those of the run hold the range of `FOR_RANGE` frames, 99 % of their values each; what lies beyond has the
         colour of the end.
+
+        Returns
+        -------
+        Scale or None
+            With `low` and `high`, in the unit of the field.
         """
         if self.field is None:
             return None
@@ -233,11 +316,23 @@ class Viewer:
         self.in_turning_frame = not self.in_turning_frame
 
     def camera(self) -> Camera:
-        """That sees the whole run."""
+        """That sees the whole run.
+
+        Returns
+        -------
+        Camera
+            In the frame of the camera.
+        """
         return self.subject.camera
 
     def closer(self) -> Camera:
-        """From the same side, that sees the shape of this time alone."""
+        """From the same side, that sees the shape of this time alone.
+
+        Returns
+        -------
+        Camera
+            As `camera`.
+        """
         shown, camera = self.shown(), self.subject.camera
         points = turned(shown.positions, shown.hub_angle)
         if self.subject.has_hub:
@@ -248,11 +343,23 @@ class Viewer:
     # All
 
     def words(self) -> str:
-        """Time and stage, such as "0.250 s  deploy"."""
+        """Time and stage, such as "0.250 s  deploy".
+
+        Returns
+        -------
+        str
+            In one line.
+        """
         return f"{self.time:.{self._digits}f} s" + (f"   {self.stage}" if self.stage else "")
 
     def shown(self) -> Shown:
-        """What is to be drawn now."""
+        """What is to be drawn now.
+
+        Returns
+        -------
+        Shown
+            `positions` (N, 3) [m], colours, bodies and the scale.
+        """
         frame, scale = self._frames[self.index], self.scale()
         upper, lower = film_colors(self.subject, back=False), film_colors(self.subject, back=True)
         lines, line_colors = np.empty((0, 2), np.int64), np.empty((0, 3), np.uint8)
