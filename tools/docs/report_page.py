@@ -1,9 +1,10 @@
 """Make the picture and the comparison of docs/report.md: python tools/docs/report_page.py. Needs Chromium and its
-driver, and plotly, which nothing else needs.
+driver, and plotly, which nothing else needs; with --picture neither plotly nor a machine that does nothing else.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 import time
@@ -86,14 +87,18 @@ def by_plotly(run: membrane_rs.Run, folder: Path, browser: Browser) -> tuple[int
 
 def main() -> None:
     """Write both."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--picture", action="store_true", help="the picture alone")
+    only_picture = parser.parse_args().picture
     run = membrane_rs.run("okuizumi-model-1", until=UNTIL, frames=FRAMES)
     browser = Browser(*PICTURE)
     with tempfile.TemporaryDirectory() as folder:
-        found = {
-            "k3d, all fields, and the rest of the page": by_k3d(run, Path(folder), browser),
-            "plotly, one field, nothing else": by_plotly(run, Path(folder), browser),
-        }
+        found = {"k3d, all fields, and the rest of the page": by_k3d(run, Path(folder), browser)}
+        if not only_picture:
+            found["plotly, one field, nothing else"] = by_plotly(run, Path(folder), browser)
     browser.close()
+    if only_picture:
+        return
     rows = [
         [name, f"{1e-6 * size:.1f} MB", f"{first:.1f} s", f"{each:.2f} s"]
         for name, (size, first, each) in found.items()
