@@ -28,7 +28,8 @@ film = run.view(time=0.1, where="picture")
 # The colours span the values of the whole run; a field of the triangles, such as the largest principal stress here, is
 # one colour for each.
 
-stress = run.view(color="largest_principal_stress", time=0.1, where="picture")
+stress = "largest_principal_stress"
+view = run.view(color=stress, time=0.1, where="picture")
 
 # %%
 # Wrinkled, slack or taut
