@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from membrane_rs._extras import extra
@@ -40,9 +40,14 @@ def cluster(address: str) -> Iterator[Executor]:
     distributed = extra("distributed")
     if not isinstance(address, str) or not address.strip():  # for which distributed starts a cluster of its own
         raise InputError(f"dask = {show(address)}: is no address of a scheduler; {START}")
+    client = distributed.Client.__new__(distributed.Client)
     try:
-        client = distributed.Client(address, timeout=SECONDS, set_as_default=False)
+        client.__init__(address, timeout=SECONDS, set_as_default=False)
     except Exception as error:  # noqa: BLE001 - what answers may be no scheduler: errors of every kind
+        with suppress(Exception):
+            # Else it closes when it is collected as garbage: if that is while another client starts, both wait for ever
+            # for the lock of their loops.
+            client.close()
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"dask = {show(address)}: no scheduler answers there ({reason}); {START}") from None
     with _quiet(), client:
