@@ -102,6 +102,14 @@ def test_more_frames_than_memory_holds_are_refused() -> None:
         run("okuizumi-model-1", frames=100_000)
 
 
+def test_more_samples_than_memory_holds_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    columns = len(run("spinning-tether", 1e-3, samples=2, frames=2).history)
+    monkeypatch.setattr("membrane_rs.runs.memory.MOST_BYTES", 1000 * columns * 24)
+    assert run("spinning-tether", 1e-3, samples=1000, frames=2).history.sample_count == 1000
+    with pytest.raises(InputError, match=rf"samples: 1001 of {columns} numbers each are more than .* ask for fewer"):
+        run("spinning-tether", 1e-3, samples=1001, frames=2)
+
+
 def test_a_run_that_was_refused_leaves_no_result(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         run("spinning-tether", -1.0)

@@ -20,7 +20,9 @@ from membrane_rs.runs.result import Run
 from membrane_rs.simulation.stepper import Stepper
 
 MOST_BYTES = 2**32
-"""Bytes of all frames of a run beyond which it is not kept in memory."""
+"""Bytes of all frames of a run, or of its history, beyond which it is not kept in memory."""
+COPIES = 3
+"""Of the history at the end of a run: as it was recorded, as a table, and as columns."""
 
 
 class RunMemory(Recorder):
@@ -37,8 +39,14 @@ class RunMemory(Recorder):
         return replace(request, pictures=False)
 
     def prepare(self, sim: Stepper, request: Request, measures: Measures | None = None) -> None:
-        """Note what is known at the start. Raises InputError for more frames than fit into memory."""
-        count = sum(request.output_times(sim.time, sim.scene).values())
+        """Note what is known at the start. Raises InputError for more frames or samples than fit into memory."""
+        times = request.output_times(sim.time, sim.scene)
+        columns, count = len(HistoryTable(sim, measures).columns), sum(times.values())
+        if len(times) * columns * COPIES * 8 > MOST_BYTES:
+            raise InputError(
+                f"samples: {len(times)} of {columns} numbers each are more than {MOST_BYTES / 1e9:.3g} GB in memory, "
+                f"with {COPIES} copies of them; ask for fewer"
+            )
         size = Frame.of(sim).nbytes
         if count * size > MOST_BYTES:
             raise InputError(
