@@ -11,14 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import InputError, Scene, run, scenes
-from membrane_rs._arrays import Floats
 from membrane_rs.cli.application import USAGE, app
 from membrane_rs.results import Experiment
 from membrane_rs.study import Calibration, calibrate
-from membrane_rs.study.calibration.analysis import Analysis, analysed
-from membrane_rs.study.calibration.model import Curves, DataColumn, FitModel
+from membrane_rs.study.calibration.model import DataColumn, FitModel
 from membrane_rs.study.common.one_run import RunPoint, RunResult
-from membrane_rs.study.common.vary import Parameter
 from typer.testing import CliRunner
 
 END, SAMPLES = 0.15, 151
@@ -100,79 +97,6 @@ def test_what_the_data_do_not_determine_is_said(scene: Scene) -> None:
     assert repr(found).startswith(f"Calibration({found.outcome}: {found.parameters[0].key} = ")
 
 
-class Linear:
-    """Residuals that are a matrix times the shares: what a fit sees of its runs, with a known Jacobian."""
-
-    def __init__(self, matrix: list[list[float]], noise: float = math.nan) -> None:
-        self.matrix, self.noise = np.array(matrix), noise
-        count = len(matrix)
-        deviations = np.ones(count)
-        self.columns = [DataColumn("force", "N", np.arange(count, dtype=float), np.zeros(count), deviations, True)]
-        self.parameters = [Parameter(name, "", (1.0, 10.0), True) for name in ("a", "b", "c")[: self.matrix.shape[1]]]
-
-    def curves(self, shares: list[Floats]) -> list[Curves]:
-        return [Curves(self.matrix @ one, np.full(len(self.matrix), self.noise), ()) for one in shares]
-
-    def analysis(self) -> Analysis:
-        shares = np.full(len(self.parameters), 0.5)
-        model: Any = self
-        return analysed(model, shares, self.curves([shares])[0], 0.01)
-
-
-def test_errors_and_correlation_are_those_of_the_normal_equations() -> None:
-    matrix = [[3.0, 1.0], [1.0, 4.0], [2.0, -1.0]]
-    found = Linear(matrix).analysis()
-    covariance = np.linalg.inv(np.array(matrix).T @ np.array(matrix))
-    assert found.errors == pytest.approx(np.sqrt(np.diag(covariance)))
-    assert found.correlation[0, 1] == pytest.approx(covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1]))
-    assert found.sensitivity[0] == pytest.approx(0.1 * np.sqrt(np.mean(np.array(matrix) ** 2, axis=0)))
-    assert not found.undetermined
-
-
-@pytest.mark.parametrize(
-    ("matrix", "expected"),
-    [
-        ([[9.0, 9.0], [8.0, 8.0]], ["a raised while b is lowered"]),
-        ([[9.0, -9.0], [8.0, -8.0]], ["a and b, raised together"]),
-        ([[9.0, 0.0], [8.0, 0.0]], ["b"]),
-        ([[9.0, 0.0], [0.0, 1.9]], ["b"]),
-        ([[9.0, 0.0], [0.0, 2.1]], []),
-        ([[9.0, 9.0, 0.0], [0.0, 0.0, 9.0]], ["a raised while b is lowered"]),
-        ([[9.0, 0.0, 0.0]], ["b", "c"]),
-    ],
-)
-def test_combinations_that_leave_the_curves_as_they_are_are_named(
-    matrix: list[list[float]], expected: list[str]
-) -> None:
-    found = Linear(matrix).analysis()
-    named = sorted(
-        one.replace("b raised while a is lowered", "a raised while b is lowered") for one in found.undetermined
-    )
-    assert named == expected
-
-
-@pytest.mark.parametrize(("noise", "is_hidden"), [(math.nan, False), (1e-3, False), (0.03, True)])
-def test_noise_of_the_means_can_hide_a_direction(noise: float, is_hidden: bool) -> None:
-    """Differences over 0.02: noise of 0.03 in the means is one of 2 in derivatives, and the second of these is 1.5."""
-    found = Linear([[9.0, 0.0], [0.0, 1.5]], noise).analysis()
-    assert found.is_hidden is is_hidden
-    assert bool(found.errors[1] == pytest.approx(1.0)) is is_hidden
-    assert found.errors[0] == pytest.approx(1 / 9, rel=0.15)
-
-
-def test_noisy_derivatives_do_not_make_errors_smaller() -> None:
-    """The errors of a fit with noise in its derivatives are, on average, those without."""
-    random, matrix, noise = np.random.default_rng(0), np.tile([[3.0, 1.0], [1.0, 4.0]], (50, 1)), 0.02
-    true = Linear(matrix.tolist()).analysis().errors
-    ratios: dict[float, list[Floats]] = {noise: [], math.nan: []}
-    for _ in range(40):
-        rough = (matrix + random.normal(0.0, math.sqrt(2.0) * noise / 0.02, matrix.shape)).tolist()
-        for known, found in ratios.items():
-            found.append(Linear(rough, known).analysis().errors / true)
-    assert np.median(ratios[noise], axis=0) == pytest.approx([1.0, 1.0], rel=0.05)
-    assert (np.median(ratios[math.nan], axis=0) < 0.9).all()
-
-
 def test_a_parameter_at_the_end_of_its_range_is_said(scene: Scene) -> None:
     found = calibrate(scene, measured(scene), {"laws.spin.frequency": "3.5:5"}, samples=SAMPLES)
     assert found.parameters[0].end == "lower"
@@ -209,6 +133,42 @@ def test_a_folder_makes_no_run_twice(scene: Scene, begin: Scene, tmp_path: Path)
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "fit" / "runs").iterdir()} == written
 
 
+def test_an_interrupted_one_goes_on_to_the_same_bits(scene: Scene, begin: Scene, tmp_path: Path) -> None:
+    """After Ctrl-C, in the runs that the optimiser asks for, the same call makes only the others."""
+    options = {"samples": SAMPLES, "most_runs": 12}
+    whole = calibrate(begin, measured(scene), RANGES, **options)  # type: ignore[arg-type]
+    calls = 0
+
+    def stop(*_: object) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 6:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "fit"
+    with pytest.raises(KeyboardInterrupt):
+        calibrate(begin, measured(scene), RANGES, out=folder, progress=stop, **options)  # type: ignore[arg-type]
+    kept = {path.name: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
+    assert 5 <= len(kept) < whole.runs
+    again = calibrate(begin, measured(scene), RANGES, out=folder, **options)  # type: ignore[arg-type]
+    assert again.as_dict() == whole.as_dict()
+    assert {name: (folder / "runs" / name).stat().st_mtime_ns for name in kept} == kept
+
+
+def test_values_that_are_not_used_are_counted(scene: Scene) -> None:
+    data = measured(scene)
+    found = calibrate(scene, data, {"laws.spin.frequency": "2:5"}, samples=SAMPLES, until=0.1, most_runs=1)
+    assert found.unused == sum(int((data.time > 0.1).sum()) for _ in data.columns) > 0
+    assert f"{found.unused} measured values are not used" in found.warnings[0]
+    assert np.isnan(found.parameters[0].low)
+    assert found.as_dict()["parameters"]["laws.spin.frequency"]["low"] is None
+
+
+def test_runs_beyond_a_time_limit_count_as_failures(scene: Scene) -> None:
+    with pytest.raises(InputError, match=r"the first runs failed: .* time limit: took more than 1e-06 s"):
+        calibrate(scene, measured(scene), RANGES, samples=SAMPLES, time_limit=1e-6)
+
+
 WRONG = [
     ({"laws.spin.frequency": [2.0, 3.0]}, {}, "is a list; give a range"),
     ({"parts.0.segments": "2:8"}, {}, "whole number"),
@@ -223,6 +183,13 @@ WRONG = [
     (RANGES, {"columns": ["phase"]}, "no column 'phase'"),
     (RANGES, {"columns": "hub_force"}, "must be a list"),
     (RANGES, {"columns": []}, "no value"),
+    (RANGES, {"columns": ["phase_difference_deg"], "until": -1.0}, "no value of 'phase_difference_deg' from 0"),
+    (RANGES, {"uncertainty": {"phase_difference_deg": 1e-320}}, "from 1e-60 to 1e"),
+    ({"laws.spin.frequency": "2:2"}, {}, "lower to a higher"),
+    ({"run.integrator": "rk4:leapfrog"}, {}, "'rk4' is no number"),
+    ({"parts.0.name": "a:b"}, {}, "'a' is no number"),
+    ({"laws.spin": "true:false"}, {}, "True is no number"),
+    ({"laws.spin.frequency": "nan:3"}, {}, "must be finite"),
     (RANGES, {"uncertainty": {"phase_difference_deg": -1.0}}, "above 0"),
     (RANGES, {"uncertainty": {"largest_cord_tension": "2 m"}}, "N"),
     (RANGES, {"until": -1.0}, "no value from 0"),
@@ -239,7 +206,7 @@ def test_wrong_input_is_refused(
 
 def test_data_that_no_run_records_are_refused(scene: Scene) -> None:
     data = Experiment("data", np.array([0.0, 0.1]), {"tension": np.array([1.0, 2.0])}, {"tension": ""})
-    with pytest.raises(InputError, match=r"'tension' of the data: no run records it.*hub_force"):
+    with pytest.raises(InputError, match=r"'tension' of the data: no run records it.*hub_force.*record it \(record\)"):
         calibrate(scene, data, RANGES, samples=SAMPLES, until=0.1)
 
 

@@ -3,15 +3,18 @@
 J is the Jacobian of the residuals by the shares of the parameters' ranges, of central differences over widths w. Means
 over starts have standard errors e, which differences magnify: J^T J is too large by D, on average,
 
-    D = diag(2 sum e^2 / w^2)        M = J^T J - D = sum_k lambda_k v_k v_k^T        C = sigma^2 M^-1
+    D = diag(2 sum e^2 / w^2)        M = J^T J - D = sum_k lambda_k v_k v_k^T        B = sum_c sigma_c^2 M_c
+    C = M^-1 B M^-1
 
-C is the covariance of the shares. A direction v_k with lambda_k below v_k^T D v_k is hidden by the spread of the
-starts: nothing is known along it but the range, whose length stands for its standard deviation. sigma^2 is 1 + mean e^2
-where the standard deviation of each value is given, else the sum of squared residuals over the degrees of freedom: then
-residuals are taken for independent errors of one size. The linear form holds near the best values alone.
+C is the covariance of the shares, M_c the part of M of the column c: residuals are taken for independent errors of one
+size in each column. Where all sigma_c are one sigma, C = sigma^2 M^-1. A direction v_k with lambda_k below v_k^T D v_k
+is hidden by the spread of the starts: nothing is known along it but the range, whose length stands for its standard
+deviation. sigma_c^2 is 1 + mean e^2 where the standard deviations of the column are given, else the sum of its squared
+residuals over its share of the degrees of freedom. The linear form holds near the best values alone.
 
 J. Nocedal, S. Wright, Numerical Optimization (2006), chapter 10; G. Seber, C. Wild, Nonlinear Regression (1989),
-section 2.1.2. D is the bias of a normal matrix with noise in its factors: W. Fuller, Measurement Error Models (1987),
+section 2.1.2. C is that of least squares whose weights are not those of the errors: H. White, Econometrica 48 (1980),
+817. D is the bias of a normal matrix with noise in its factors: W. Fuller, Measurement Error Models (1987),
 section 1.2.
 """
 
@@ -30,6 +33,8 @@ UNDETERMINED = 0.5
 """A direction is not determined where one standard deviation along it is more than this share of the range."""
 NAMED = 0.2
 """Components of a direction that are named, as a share of its length."""
+FINEST = 1e-9
+"""Standard deviations below this share of the range are rounding: shares have nine decimals (`FitModel.curves`)."""
 SMALLEST = 1e-12
 """An eigenvalue below this share of the largest one is none."""
 
@@ -126,30 +131,55 @@ def analysed(model: FitModel, shares: Floats, best: Curves, step: float) -> Anal
     """How far the best parameters are known. Raises `BudgetSpent`."""
     slopes = jacobian(model, shares, step)
     count = slopes.shape[1]
-    noise = best.noise[np.isfinite(best.noise)]
+    noise = np.where(np.isfinite(best.noise), best.noise, 0.0)
     widths = np.array([(high - low)[k] for k, (low, high) in enumerate(differences(shares, step))])
-    bias = np.diag(2.0 * float(np.sum(noise**2)) / widths**2)
-    values, vectors = np.linalg.eigh(slopes.T @ slopes - bias)
+    parts = list(zip(_rows(model), _variances(model, best, noise, count), strict=True))
+    biases = [np.diag(2.0 * float(np.sum(noise[rows] ** 2)) / widths**2) for rows, _ in parts]
+    normal = [slopes[rows].T @ slopes[rows] - bias for (rows, _), bias in zip(parts, biases, strict=True)]
+    bias = np.sum(biases, axis=0)
+    values, vectors = np.linalg.eigh(np.sum(normal, axis=0))
     axes = vectors.T
     least = np.maximum(SMALLEST * max(values.max(), 0.0), [float(axis @ bias @ axis) for axis in axes])
-    along = np.full(count, 1.0)
     seen = np.flatnonzero(values > least)
-    along[seen] = np.minimum(_sigma(model, best, count) / np.sqrt(values[seen]), 1.0)
-    covariance = axes.T @ np.diag(along**2) @ axes
+    covariance = np.eye(count)
+    if all(math.isfinite(variance) for _, variance in parts):
+        middle = np.sum([variance * one for (_, variance), one in zip(parts, normal, strict=True)], axis=0)
+        inverse = axes[seen] / values[seen, None]
+        covariance[np.ix_(seen, seen)] = _bounded(inverse @ middle @ inverse.T)
+    along = np.sqrt(np.diag(covariance))
+    covariance = axes.T @ covariance @ axes
     errors = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(errors, errors)
+    correlation = np.clip(covariance / np.outer(errors, errors), -1.0, 1.0)
     undetermined = [_direction(model, axes[k]) for k in range(count) if along[k] > UNDETERMINED]
-    is_hidden = bool(len(noise)) and len(seen) < count
+    is_hidden = bool(noise.any()) and len(seen) < count
     return Analysis(errors, correlation, undetermined, _sensitivity(model, slopes), is_hidden)
 
 
-def _sigma(model: FitModel, best: Curves, count: int) -> float:
-    """Standard deviation of a residual."""
-    if all(column.has_deviation for column in model.columns):
-        noise = best.noise[np.isfinite(best.noise)]
-        return math.sqrt(1.0 + (float(np.mean(noise**2)) if len(noise) else 0.0))
-    freedom = len(best.residuals) - count
-    return math.sqrt(float(np.sum(best.residuals**2)) / freedom) if freedom > 0 else math.inf
+def _rows(model: FitModel) -> list[slice]:
+    """The rows of each column among the residuals."""
+    ends = np.cumsum([len(column.time) for column in model.columns])
+    return [slice(end - len(column.time), end) for column, end in zip(model.columns, ends, strict=True)]
+
+
+def _variances(model: FitModel, best: Curves, noise: Floats, count: int) -> list[float]:
+    """Variance of a residual of each column; infinite where the data are too few to tell."""
+    freedom = 1.0 - count / len(best.residuals)
+    found = []
+    for column, rows in zip(model.columns, _rows(model), strict=True):
+        if column.has_deviation:
+            found.append(1.0 + float(np.mean(noise[rows] ** 2)))
+        else:
+            found.append(float(np.mean(best.residuals[rows] ** 2)) / freedom if freedom > 0.0 else math.inf)
+    return found
+
+
+def _bounded(covariance: Floats) -> Floats:
+    """A covariance whose standard deviations are at least `FINEST`, and at most the range."""
+    sizes = np.sqrt(np.maximum(np.diag(covariance), FINEST**2))
+    factors = np.minimum(1.0, 1.0 / sizes)
+    found: Floats = covariance * np.outer(factors, factors)
+    np.fill_diagonal(found, (sizes * factors) ** 2)
+    return found
 
 
 def _direction(model: FitModel, axis: Floats) -> str:

@@ -150,6 +150,7 @@ def calibrate(
     end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
     curves_of_data = data_columns(measured, columns, uncertainty, end)
     check_recorded(curves_of_data, units)
+    unused = sum(int(np.isfinite(measured.columns[one.name]).sum()) - len(one.time) for one in curves_of_data)
     wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
     setup = RunSetup(end, samples, wanted, shift, time_limit)
     request = {"kind": "calibration", "vary": {one.key: one.as_table() for one in parameters}}
@@ -170,8 +171,9 @@ def calibrate(
         except BudgetSpent:
             known = None
         return calibration_of(
-            chosen, model, (first, begun), (best, curves), known, method=method, outcome=outcome, path=runs.path
-        )
+            chosen, model, (first, begun), (best, curves), known, method=method, outcome=outcome, path=runs.path,
+            unused=unused,
+        )  # fmt: skip
 
 
 def _ranges(scene: Scene, vary: Mapping[str, Any]) -> list[Parameter]:

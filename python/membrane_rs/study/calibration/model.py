@@ -21,6 +21,8 @@ from membrane_rs.study.common.one_run import RunPoint, RunResult
 from membrane_rs.study.common.vary import Parameter
 from membrane_rs.units import number
 
+LARGEST, SMALLEST = 1e60, 1e-60
+"""Bounds of measured values and of their standard deviations, in the unit of the column, so that squares are finite."""
 FAILED_SCALE = 10.0
 """Residuals of parameters whose runs fail, in scales of their columns: larger than those of curves nearby."""
 
@@ -79,9 +81,16 @@ def data_columns(
         known = np.isfinite(data.columns[name]) & (data.time >= 0.0) & (data.time <= until)
         time, values = data.time[known], data.columns[name][known]
         if not len(time):
-            continue
+            if columns is None:
+                continue
+            raise InputError(f"columns: {data.name} has no value of {name!r} from 0 to {until:g} s; leave it out")
+        if np.abs(values).max() > LARGEST:
+            k = int(np.abs(values).argmax())
+            place = f"{data.name}, column {name!r}"
+            raise InputError(f"{place}: {values[k]:g} at {time[k]:g} s is beyond {LARGEST:g}; correct it, or its unit")
         deviation = _deviation(data, name, given, known, data.units.get(name, ""))
-        spread = float(np.std(values)) or float(np.abs(values).max()) or 1.0
+        sizes = float(np.std(values)), float(np.abs(values).max()), 1.0
+        spread = next(size for size in sizes if size > SMALLEST)
         scale = np.full(len(time), spread) if deviation is None else deviation
         found.append(DataColumn(name, data.units.get(name, ""), time, values, scale, deviation is not None))
     if not found:
@@ -100,14 +109,17 @@ def _deviation(
     if name in given:
         place = f"uncertainty of {name}"
         deviation = number(given[name], unit, place)
-        if deviation <= 0.0:
-            raise InputError(f"{place} = {deviation:g}: must be above 0")
+        if not SMALLEST <= deviation <= LARGEST:
+            raise InputError(f"{place} = {deviation:g}: must be above 0, from {SMALLEST:g} to {LARGEST:g}")
         return np.full(int(known.sum()), deviation)
     if name + DEVIATION not in data.columns:
         return None
     values = data.columns[name + DEVIATION][known]
-    if not (np.isfinite(values).all() and (values > 0.0).all()):
-        raise InputError(f"{data.name}, column {name + DEVIATION!r}: must be above 0 wherever {name!r} has a value")
+    if not ((values >= SMALLEST) & (values <= LARGEST)).all():
+        raise InputError(
+            f"{data.name}, column {name + DEVIATION!r}: must be above 0, from {SMALLEST:g} to {LARGEST:g}, wherever "
+            f"{name!r} has a value"
+        )
     return values
 
 
@@ -198,7 +210,10 @@ class FitModel:
         for column in self.columns:
             if failed is not None:
                 residuals.append(
-                    np.full(len(column.time), FAILED_SCALE * float(np.std(column.values) or 1.0)) / column.scale
+                    np.full(
+                        len(column.time), FAILED_SCALE * (float(np.std(column.values)) or float(column.scale.max()))
+                    )
+                    / column.scale
                 )
                 noise.append(np.full(len(column.time), math.nan))
                 continue

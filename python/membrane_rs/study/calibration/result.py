@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -55,6 +56,8 @@ class Calibration:
         Number of runs, all starts counted.
     failures : sequence of str
         Sets whose runs failed, and why.
+    unused : int
+        Measured values outside of the time of the runs.
     path : Path or None
         Folder of the runs.
 
@@ -87,6 +90,7 @@ class Calibration:
     trials: Sequence[tuple[Mapping[str, float], float | None]]
     runs: int
     failures: Sequence[str]
+    unused: int
     _scene: Scene
     _first: Curves
     _best: Curves
@@ -117,6 +121,14 @@ class Calibration:
     def warnings(self) -> list[str]:
         """What speaks against the result."""
         found = [f"not determined by these data: {what}" for what in self.undetermined]
+        if self.unused:
+            found.append(f"{self.unused} measured values are not used: they lie outside of the time of the runs")
+        count = sum(len(column.time) for column in self.columns)
+        if count <= len(self.parameters) and not all(column.has_deviation for column in self.columns):
+            found.append(
+                f"no standard deviations: measured values are {count}, parameters {len(self.parameters)}; give more "
+                "values, or the standard deviations of these (uncertainty)"
+            )
         if self.analysis is None:
             found.append("no standard deviations: the number of runs did not suffice; allow more (most_runs)")
         elif self.analysis.is_hidden:
@@ -217,6 +229,7 @@ class Calibration:
             "undetermined": self.undetermined,
             "runs": self.runs,
             "failures": list(self.failures),
+            "unused": self.unused,
         }
 
 
@@ -230,12 +243,13 @@ def calibration_of(
     method: str,
     outcome: str,
     path: Path | None,
+    unused: int = 0,
 ) -> Calibration:
     """The result: shares and curves at the start and at the best values, and how far these are known."""
     errors = np.full(len(model.parameters), np.inf) if known is None else known.errors
     fitted = []
     for one, first, share, error in zip(model.parameters, start[0], best[0], errors, strict=True):
-        reach = min(float(error), 10.0)
+        reach = min(float(error), 10.0) if np.isfinite(error) else math.nan
         end = "lower" if share < NEAR else "upper" if share > 1.0 - NEAR else ""
         around = one.at(float(share) - reach), one.at(float(share) + reach)
         fitted.append(
@@ -250,14 +264,18 @@ def calibration_of(
     failures = [one.failure for one in model.known.values() if one.failure]
     return Calibration(
         fitted, model.columns, best[1].misfit, start[1].misfit, in_units, known, method, outcome, trials,
-        len(model.known) * model.starts, failures, scene, start[1], best[1], path,
+        len(model.known) * model.starts, failures, unused, scene, start[1], best[1], path,
     )  # fmt: skip
 
 
 def _plain(one: FittedParameter) -> dict[str, Any]:
     """Without numbers that JSON lacks."""
     names = ("unit", "start", "value", "low", "high", "error", "end")
-    return {name: (None if value in (np.inf, -np.inf) else value) for name in names for value in (getattr(one, name),)}
+    return {name: _known(getattr(one, name)) for name in names}
+
+
+def _known(value: str | float) -> str | float | None:
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _finite(matrix: Floats) -> list[list[float | None]]:
