@@ -58,7 +58,7 @@ def test_instants_are_spread_over_the_run() -> None:
 
 def test_a_sheet_has_letters_times_and_one_scale_bar(sail: Run, painter: str) -> None:
     figure = plot_snapshots(sail, 3, style="paper", title="not shown")
-    assert texts(figure) == ["(a) 0.0 s", "(b) 0.001 s", "(c) 0.002 s"]
+    assert texts(figure) == ["(a) 0.000 s", "(b) 0.001 s", "(c) 0.002 s"]
     assert [len(axes.texts) for axes in figure.axes] == [1, 0, 0]
     assert all((picture.min(axis=2) < 200).mean() > 0.02 for picture in pictures(figure)), painter
     assert np.abs(pictures(figure)[0].astype(int) - pictures(figure)[2]).max() > 50
@@ -107,7 +107,7 @@ def test_the_scale_bar_stands_on_no_film() -> None:
 
 
 def test_times_that_are_given_and_the_frame_of_the_camera(sail: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert texts(plot_snapshots(sail, [0.0, 6e-4, 4e-4, 2e-3])) == ["(a) 0.0 s", "(b) 0.0005 s", "(c) 0.002 s"]
+    assert texts(plot_snapshots(sail, [0.0, 6e-4, 4e-4, 2e-3])) == ["(a) 0.0000 s", "(b) 0.0005 s", "(c) 0.0020 s"]
     angles: dict[str, list[float]] = {"fixed": [], "turning": []}
     for view, seen in angles.items():
 

@@ -13,7 +13,7 @@ from membrane_rs.plotting.animation import MOST_FRAMES, chosen
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import Painter, ProcessPainter, forget_probe, pyvista_works
 from membrane_rs.plotting.picture import Subject
-from membrane_rs.plotting.sheets import caption, contact_sheet
+from membrane_rs.plotting.sheets import captions_of, contact_sheet
 from membrane_rs.plotting.snapshots import SnapshotTaker
 from membrane_rs.runs import RunFolder
 from membrane_rs.scene import Scene
@@ -116,12 +116,12 @@ def test_snapshots_of_a_restored_run_begin_where_it_does() -> None:
 
 
 def test_captions_have_letters_and_seconds() -> None:
-    assert [caption(k, time) for k, time in enumerate([0.0, 0.05, 0.1, 0.2])] == [
-        "(a) 0.0 s",
-        "(b) 0.05 s",
-        "(c) 0.1 s",
-        "(d) 0.2 s",
-    ]
+    """All of a sheet have the decimals that one of them needs."""
+    assert captions_of([0.0, 0.05, 0.1, 0.2]) == ["(a) 0.00 s", "(b) 0.05 s", "(c) 0.10 s", "(d) 0.20 s"]
+    assert captions_of([0.0, 1.0]) == ["(a) 0.0 s", "(b) 1.0 s"]
+    assert captions_of([0.0, 1.0, 1.0, 1.0005])[2:] == ["(c) 1.0000 s", "(d) 1.0005 s"]
+    assert captions_of([k / 3 for k in range(3)]) == ["(a) 0.000 s", "(b) 0.333 s", "(c) 0.667 s"]
+    assert captions_of([]) == []
 
 
 def test_contact_sheet_has_rows_of_five() -> None:

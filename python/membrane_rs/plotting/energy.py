@@ -19,6 +19,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.columns import prefixed
+from membrane_rs.plotting.drawable import count_beyond, drawable, note_beyond
 from membrane_rs.plotting.drawing import Drawing
 from membrane_rs.plotting.figure import add_letters, add_title, finished, new_figure, plain_text
 from membrane_rs.plotting.panels import MARKS, add_legend, fit_label, space_times
@@ -122,7 +123,8 @@ def plot_energy(
     records = getattr(table, "stages", ()) if stages is None else stages
     if len(source.time) < 2:
         raise InputError(f"table: has {len(source.time)} samples; the energy since the start needs two or more")
-    known = {name: source.column(name) for name in ("time", KINETIC, "stage", *terms) if name in source.table}
+    names = ("time", KINETIC, "stage", *terms)
+    known = {name: np.asarray(source.table[name], dtype=np.float64) for name in names if name in source.table}
     return draw_energy(known, path, title, stage_records(records), dpi, style=style_of(style, SCREEN_ENERGY))
 
 
@@ -136,6 +138,8 @@ def draw_energy(
     style: Style = SCREEN_ENERGY,
 ) -> Figure:
     """As `plot_energy`, of a table that is known to be a history. Raises as `save_figure` does."""
+    beyond = count_beyond(table.values())
+    table = {name: drawable(values) for name, values in table.items()}
     curves = since_start(table)
     spans = [term_changes(table, stages, k) for k in range(len(stages))][:MOST_STAGES]
     sizes = {name: _largest([*values, *(span.get(name, 0.0) for span in spans)]) for name, values in curves.items()}
@@ -159,6 +163,7 @@ def draw_energy(
             what = "Work of the motor" if names == [MOTOR] else "Energy since the start"
             places[-1].set_ylabel(f"{what} [{unit}]")
             fit_label(places[-1], style)
+        note_beyond(places[0], beyond)
         mark_stages(places, stage_starts(table), [stage.name for stage in stages])
         space_times(places[-1], style)
         places[-1].set_xlabel("Time [s]")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.plotting.drawable import count_beyond, drawable, note_beyond
 from membrane_rs.plotting.figure import plain_text
 from membrane_rs.plotting.style import COLORS
 
@@ -94,6 +95,7 @@ def panel_svg(
     for curve in curves:
         _draw(axes, curve)
     _mark(axes, level, stages)
+    note_beyond(axes, count_beyond(some for curve in curves for some in (curve.times, curve.values)))
     _finish(axes, label, ends)
     if legend:
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.03), borderaxespad=0.6)
@@ -109,7 +111,8 @@ def panel_svg(
 
 
 def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Finite samples; of many the lowest and the highest of each part, and both ends."""
+    """Samples that can be drawn; of many the lowest and the highest of each part, and both ends."""
+    times, values = drawable(times), drawable(values)
     known = np.isfinite(times) & np.isfinite(values)
     times, values = times[known], values[known]
     if len(times) <= MOST_POINTS:
@@ -125,7 +128,8 @@ def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
 def _draw(axes: Axes, curve: Curve) -> None:
     """The curve, and the band around it."""
     if curve.edges is not None:
-        band = axes.fill_between(curve.times, *curve.edges, color=curve.color, alpha=0.2, linewidth=0.0)
+        low, high = map(drawable, curve.edges)
+        band = axes.fill_between(drawable(curve.times), low, high, color=curve.color, alpha=0.2, linewidth=0.0)
         band.set_gid(f"curve-{curve.key}.0")
     times, values = thinned(curve.times, curve.values)
     (line,) = axes.plot(

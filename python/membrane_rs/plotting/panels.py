@@ -10,6 +10,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.columns import axis_label, label_of, prefixed, unit_of
+from membrane_rs.plotting.drawable import count_beyond, drawable, note_beyond
 from membrane_rs.plotting.ensemble import Band, Ensemble
 from membrane_rs.plotting.figure import add_letters, add_title, new_figure, plain_text
 from membrane_rs.plotting.sources import Source
@@ -41,6 +42,12 @@ class Content:
         """All tables."""
         some = [source.table for source in (*self.runs, *self.experiments)]
         return [*some, *(source.table for ensemble in self.ensembles for source in ensemble.members)]
+
+    def given(self, panel: Panel) -> list[Any]:
+        """The times and the values of a panel as they were given."""
+        shown = [source.table for k, source in enumerate(self.runs) if k not in panel.without]
+        tables = [*shown, *self.tables[len(self.runs) :]]
+        return [table[name] for table in tables for name in ("time", *panel.columns) if name in table]
 
 
 @dataclass(frozen=True)
@@ -174,6 +181,7 @@ def _draw(axes: Axes, panel: Panel, content: Content) -> None:
             if column in source.table:
                 mark = {"marker": MARKS[k % len(MARKS)], "label": _entry(source.label, column, panel)}
                 _draw_marks(axes, source, column, factor, mark)
+    note_beyond(axes, count_beyond(content.given(panel)))
     label = label_of(panel.columns[0]) if panel.label is None and len(panel.columns) == 1 else panel.label or ""
     axes.set_ylabel(axis_label(plain_text(label), unit))
 
@@ -201,7 +209,7 @@ def _draw_marks(axes: Axes, source: Source, column: str, factor: float, look: di
     axes.errorbar(
         source.time,
         source.column(column) / factor,
-        yerr=None if uncertainty is None else np.abs(np.asarray(uncertainty, dtype=np.float64)) / factor,
+        yerr=None if uncertainty is None else np.abs(drawable(uncertainty)) / factor,
         linestyle="none",
         color="black",
         markerfacecolor="white",

@@ -78,8 +78,7 @@ class Sheets:
         from PIL import Image as Pillow
 
         digits = decimals([shot.time for shot in part.shots], 3)
-        shown = decimals([shot.time for shot in part.shots], 3, RIGHT)
-        captions = [caption(k, shot.time, shown) for k, shot in enumerate(part.shots)]
+        captions = captions_of([shot.time for shot in part.shots])
         for view in self._views if part.shots else ():
             images = []
             for shot, beside in zip(part.shots, solids, strict=True):
@@ -98,8 +97,8 @@ class Sheets:
         """
         for view, drawn in self._all.items():
             pictures = [item for k, item in enumerate(drawn) if k == 0 or item[1] != drawn[k - 1][1]]
-            digits = decimals(sorted({time for _, time, _ in pictures}), 3, RIGHT)
-            captions = [f"{caption(k, time, digits)}\n{name}" for k, (_, time, name) in enumerate(pictures)]
+            shown = captions_of([time for _, time, _ in pictures])
+            captions = [f"{text}\n{name}" for text, (_, _, name) in zip(shown, pictures, strict=True)]
             images = [image for image, _, _ in pictures]
             self._write_sheet(f"{view}.png", images, captions, self._title(title, view))
 
@@ -115,11 +114,17 @@ class Sheets:
             sheet.save(file, format="PNG")
 
 
+def captions_of(times: Sequence[float]) -> list[str]:
+    """Letters and times of the pictures of a sheet, all with as many decimals as one of them needs."""
+    digits = decimals(sorted(set(times)), 3, RIGHT)
+    needed = max((len(f"{time:.{digits}f}".rstrip("0").partition(".")[2]) for time in times), default=1)
+    return [caption(k, time, max(needed, 1)) for k, time in enumerate(times)]
+
+
 def caption(index: int, time: float, decimals: int = 3) -> str:
-    """Letter and time of a picture: (a) 0.0 s, (b) 0.05 s ..."""
+    """Letter and time of a picture: (a) 0.00 s, (b) 0.05 s ..."""
     letter = chr(ord("a") + index) if index < 26 else str(index + 1)
-    digits = f"{time:.{decimals}f}".rstrip("0")
-    return f"({letter}) {digits + '0' if digits.endswith('.') else digits} s"
+    return f"({letter}) {time:.{decimals}f} s"
 
 
 def contact_sheet(images: Sequence[Image], captions: Sequence[str], title: str) -> Image:

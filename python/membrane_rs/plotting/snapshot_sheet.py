@@ -12,12 +12,12 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind, nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.camera import Camera, bar_length, length_text
-from membrane_rs.plotting.drawing import RIGHT, decimals, spread
+from membrane_rs.plotting.drawing import spread
 from membrane_rs.plotting.figure import finished, new_figure, plain_text
 from membrane_rs.plotting.painter import painter
 from membrane_rs.plotting.picture import Image, Subject
 from membrane_rs.plotting.scenery import BodiesInTime, Scenery
-from membrane_rs.plotting.sheets import VIEWS, caption
+from membrane_rs.plotting.sheets import VIEWS, captions_of
 from membrane_rs.plotting.stage_records import stage_records
 from membrane_rs.plotting.style import INCH, Style, style_of
 
@@ -91,7 +91,7 @@ def plot_snapshots(
     >>> made = membrane_rs.run("spinning-tether", 0.02, frames=5)
     >>> figure = plot_snapshots(made, 3, style="paper")
     >>> [text.get_text() for text in figure.texts]
-    ['(a) 0.0 s', '(b) 0.01 s', '(c) 0.02 s']
+    ['(a) 0.00 s', '(b) 0.01 s', '(c) 0.02 s']
     """
     look = style_of(style)
     check_kind(title, str, "title", "a text")
@@ -105,8 +105,7 @@ def plot_snapshots(
         raise InputError(f"columns = {show(columns)}: must be a whole number from 1 to {MOST}")
     frames = [run.frames[k] for k in picks]
     images, camera = _paint(run, frames, view)
-    digits = decimals([frame.time for frame in frames], 3, RIGHT)
-    captions = [caption(k, frame.time, digits) for k, frame in enumerate(frames)]
+    captions = captions_of([frame.time for frame in frames])
     with look.context():
         figure = _sheet(images, captions, camera, columns, look)
         if look.title and title:

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from membrane_rs._arrays import Floats
 from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import check_kind, nearest
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.plotting.drawable import drawable
 from membrane_rs.plotting.stage_records import stage_records
 from membrane_rs.results.experiment import Experiment
 
@@ -28,12 +27,12 @@ class Source:
 
     @property
     def time(self) -> Floats:
-        """(samples,) [s]"""
-        return np.asarray(self.table["time"], dtype=np.float64)
+        """(samples,) [s], NaN where a figure cannot show it."""
+        return drawable(self.table["time"])
 
     def column(self, name: str) -> Floats:
-        """(samples,) values of a column."""
-        return np.asarray(self.table[name], dtype=np.float64)
+        """(samples,) values of a column, NaN where a figure cannot show them."""
+        return drawable(self.table[name])
 
 
 def sources_of(given: object, labels: Sequence[str] | None, needed: Sequence[str], name: str = "table") -> list[Source]:

@@ -8,11 +8,10 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.painter import painter
 from membrane_rs.plotting.picture import is_drawable
 from membrane_rs.plotting.scenery import Scenery
-from membrane_rs.plotting.sheets import VIEWS, caption, contact_sheet, stage_prefix
+from membrane_rs.plotting.sheets import VIEWS, captions_of, contact_sheet, stage_prefix
 from membrane_rs.plotting.web import WebPicture, web_picture, web_picture_of
 from membrane_rs.report.deployment import Staged
 from membrane_rs.report.markup import element
@@ -67,9 +66,8 @@ def _drawn(run: Run) -> list[tuple[str, WebPicture]]:
         return []
     staged, times = Staged.of(run), [frame.time for frame in frames]
     subject = staged.subject([frame.positions for frame in frames])
-    bodies, digits = staged.bodies(frames[0].positions), decimals(times, 3)
+    bodies = staged.bodies(frames[0].positions)
     with painter(subject, SIZE) as artist:
         images = [artist.paint(frame.positions, 0.0, Scenery(bodies.at(frame.time))) for frame in frames]
-    captions = [caption(k, time, digits) for k, time in enumerate(times)]
     words = f"{run.scene.name}{TURNING if subject.has_hub else ''}"
-    return [(words, web_picture(contact_sheet(images, captions, run.scene.name)))]
+    return [(words, web_picture(contact_sheet(images, captions_of(times), run.scene.name)))]
