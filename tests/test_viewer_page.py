@@ -114,6 +114,7 @@ def test_the_kernel_follows_the_page(notebook: Kernel, page: Browser) -> None:
     assert [message["text"].split() for message in messages if message["kind"] == "stream"] == [["state", "8"]]
 
 
+@pytest.mark.usefixtures("shown")
 def test_documentation_has_pictures(notebook: Kernel) -> None:
     code = 'import pyvista\npyvista.global_theme.jupyter_backend = "static"\nrun.view()'
     messages = notebook.run(code)
