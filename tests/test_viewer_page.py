@@ -79,15 +79,31 @@ def moved(browser: Browser, before: Any) -> float:
     return float((np.abs(pixels(browser) - before).max(axis=2) > 12).mean())
 
 
+def go_to(browser: Browser, key: str, words: str) -> None:
+    """Move the slider by a key."""
+    browser.find(".v-slider-thumb").send_keys(key)
+    browser.wait(lambda: words in browser.find(".words").text, f"{words} is shown")
+
+
+HOME, END = ("\ue011", "0.000 s"), ("\ue010", "0.040 s")
+
+
+def choose(browser: Browser, color: str) -> None:
+    """Choose what the film is coloured by."""
+    browser.find(".colour").click()
+    browser.wait(lambda: color in items(browser), "the menu is open")
+    items(browser)[color].click()
+
+
 def test_the_slider_moves_the_shape(page: Browser) -> None:
+    go_to(page, *HOME)
     before = pixels(page)
-    thumb = page.find(".v-slider-thumb")
-    thumb.send_keys("\ue010")  # End
-    page.wait(lambda: "0.040 s" in page.find(".words").text, "the last time is told")
+    go_to(page, *END)
     page.wait(lambda: moved(page, before) > 0.002, "the shape has moved")
 
 
 def test_the_menu_colours(page: Browser) -> None:
+    choose(page, "Film")
     before = pixels(page)
     page.find(".colour").click()
     page.wait(lambda: "Film" in items(page), "the menu is open")
@@ -97,6 +113,7 @@ def test_the_menu_colours(page: Browser) -> None:
 
 
 def test_it_plays_from_the_start_to_the_end(page: Browser) -> None:
+    go_to(page, *END)
     words = page.find(".words")
     page.find(".play").click()
     page.wait(lambda: "0.040 s" not in words.text, "it plays")
@@ -110,6 +127,8 @@ def test_nothing_is_loaded_from_elsewhere(page: Browser) -> None:
 
 
 def test_the_kernel_follows_the_page(notebook: Kernel, page: Browser) -> None:
+    choose(page, "State of the film")
+    go_to(page, *END)
     messages = notebook.run("print(shown.viewer.color, shown.viewer.index)")
     assert [message["text"].split() for message in messages if message["kind"] == "stream"] == [["state", "8"]]
 
