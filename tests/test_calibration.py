@@ -14,7 +14,7 @@ from membrane_rs import InputError, Scene, run, scenes
 from membrane_rs.cli.application import USAGE, app
 from membrane_rs.results import Experiment
 from membrane_rs.study import Calibration, calibrate
-from membrane_rs.study.calibration.model import DataColumn, FitModel
+from membrane_rs.study.calibration.model import DataColumn, FitModel, data_columns
 from membrane_rs.study.common.one_run import RunPoint, RunResult
 from typer.testing import CliRunner
 
@@ -245,3 +245,10 @@ def test_the_noise_of_a_mean_is_its_standard_error() -> None:
     found = FitModel._curves(model, runs)
     assert found.noise == pytest.approx([math.sqrt(7 / 3) / math.sqrt(3) / 0.5])
     assert found.residuals == pytest.approx([(7 / 3 - 1) / 0.5])
+
+
+def test_data_of_another_time_are_left_out() -> None:
+    time = np.array([-1.0, 0.0, 0.5, 1.0, 2.0])
+    data = Experiment("drop", time, {"force": np.array([9.0, 1.0, np.nan, 3.0, 9.0])}, {"force": "N"})
+    (found,) = data_columns(data, None, None, 1.0)
+    assert (found.time.tolist(), found.values.tolist()) == ([0.0, 1.0], [1.0, 3.0])
