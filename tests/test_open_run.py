@@ -87,6 +87,12 @@ def test_a_killed_run_is_read_as_far_as_it_came(folder: Path) -> None:
     assert len(opened.to_pandas()) == 0
 
 
+def test_a_run_that_has_not_begun_says_so(folder: Path) -> None:
+    (folder / "scene.toml").unlink()
+    with pytest.raises(MissingFileError, match=r"no scene at .*scene\.toml: the run has not come to its first step"):
+        open_run(folder)
+
+
 def damaged(name: str, change: Callable[[str], str]) -> Callable[[Path], None]:
     """What changes the text of a file."""
 
@@ -204,3 +210,28 @@ def test_a_missing_library_is_named_with_its_extra(
     monkeypatch.setitem(__import__("sys").modules, library, None)
     with pytest.raises(MissingExtraError, match=rf"membrane_rs\[{EXTRAS[library]}\]"):
         call(result)
+
+
+def test_tables_are_copies_and_histories_are_read_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    result = run(TETHER, 1e-3, frames=2, samples=3)
+    before = result.history["kinetic_energy"].tolist()
+    table, data = result.to_pandas(), result.to_xarray()
+    table.loc[:, "kinetic_energy"] = 3.0
+    data["kinetic_energy"].values[:] = 3.0
+    assert result.history["kinetic_energy"].tolist() == before
+    for column in (result.history["kinetic_energy"], result.frames.times):
+        with pytest.raises(ValueError, match="read-only"):
+            column[0] = 3.0
+    monkeypatch.setattr("membrane_rs.runs.tables.MOST_BYTES", 2 * 11 * 24 - 1)
+    with pytest.raises(InputError, match=r"positions of 2 of 11 nodes are .* GB, more than .*; give frames=False"):
+        result.to_xarray()
+    assert "positions" not in result.to_xarray(frames=False)
+
+
+def test_a_column_at_a_time_is_that_of_a_sample_or_between_two() -> None:
+    history = run(TETHER, 1e-3, frames=2, samples=3).history
+    times, angles = history["time"], history["hub_angle"]
+    assert [history.at(time, "hub_angle") for time in times] == angles.tolist()
+    assert history.at(0.25 * times[1], "hub_angle") == pytest.approx(0.25 * angles[1])

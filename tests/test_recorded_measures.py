@@ -218,3 +218,23 @@ def test_a_function_with_the_name_of_a_known_measure_stays_a_function(tmp_path: 
         resume(tmp_path / "left-4", record=["largest_speed"])
     resume(tmp_path / "left-4", record={"largest_speed": record["largest_speed"]})
     assert contents(tmp_path / "left-4") == contents(whole)
+
+
+def test_columns_stand_in_the_order_of_the_run_whichever_way_they_are_given_again(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    record: dict[str, Any] = {"contact_force": None, "speed": (speed, "m/s"), "largest_speed": None}
+    run_copied(Simulation(scenes.load("single-crease")), whole, record=record)
+    again = resume(tmp_path / "left-4", record=dict(reversed(record.items())))
+    assert again.time == 0.02
+    assert contents(tmp_path / "left-4") == contents(whole)
+    assert list(open_run(whole).history)[-3:] == list(record)
+
+
+def test_more_measures_than_a_table_has_are_refused() -> None:
+    with pytest.raises(InputError, match="record: 1001 measures; must be at most 1000"):
+        run(TETHER, 1e-3, record={f"m{k}": speed for k in range(1001)})
+
+
+def test_zero_has_no_sign() -> None:
+    result = run(TETHER, 1e-3, samples=2, frames=2, record={"zero": lambda _: -0.0})
+    assert not np.signbit(result.history["zero"]).any()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import shutil
 from dataclasses import replace
 from functools import partial, wraps
 from inspect import currentframe
@@ -133,6 +134,9 @@ def test_a_run_that_was_stopped_goes_on_beyond(tmp_path: Path) -> None:
     run(CREASE, 0.012, stop_when=passed, out=tmp_path / "run", pictures=False, frames=4, samples=13)
     end = open_run(tmp_path / "run").history["time"][-1]
     assert resume(tmp_path / "run").time == end
+    shutil.copytree(tmp_path / "run", tmp_path / "again")
+    assert resume(tmp_path / "again", 0.013, stop_when=passed).time == 0.013
+    assert open_run(tmp_path / "again").outcome == "finished"
     assert resume(tmp_path / "run", 0.013).time == 0.013
     free = Simulation(CREASE)
     free.reach(0.013)

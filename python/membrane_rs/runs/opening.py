@@ -101,7 +101,12 @@ def _warn(text: str) -> None:
 
 
 def _scene(path: Path) -> Scene:
-    """The scene of a run. Raises OutputError where it is no scene."""
+    """The scene of a run. Raises MissingFileError where there is none, and OutputError for what is no scene."""
+    if not path.is_file():
+        raise MissingFileError(
+            f"no scene at {path}: the run has not come to its first step, or the file was removed; put it back, resume "
+            "the run, or run the scene again"
+        )
     try:
         return Scene(**vars(read_scene(path, without_functions=True)))
     except MembraneError as error:
