@@ -113,6 +113,7 @@ WRONG = [
     ({"time": TIMES, 3: TIMES}, "column 3 is no name"),
     ({"time [kg]": TIMES, "a": TIMES}, "column 'time': 'kg' is a mass"),
     ({"time": TIMES, "hub_force [m]": TIMES}, "column 'hub_force': 'm' is a length; must be a unit of a force"),
+    ({"time": TIMES, "deployment_rate (1/s)": TIMES}, "'1/s' is no unit of a plain number; leave it out"),
     ({"time": TIMES, "hub_force [furlongs/moon]": TIMES}, "unit 'furlongs' is not known"),
     ({"time": np.ma.masked_equal(TIMES, 0.004), "a": TIMES}, "time has masked entries"),
 ]
@@ -121,7 +122,7 @@ WRONG = [
 @pytest.mark.parametrize(("given", "words"), WRONG)
 def test_what_is_none_is_refused(given: Any, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        experiment_of(given, {"hub_force": "N"})
+        experiment_of(given, {"hub_force": "N", "deployment_rate": ""})
 
 
 def test_a_frame_of_other_things_is_refused() -> None:

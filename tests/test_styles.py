@@ -162,3 +162,17 @@ def test_images_stand_in_the_file_itself(tmp_path: Path) -> None:
     """Whatever a style sheet says: matplotlib would write them beside it."""
     with Style(rc={"svg.image_inline": False}).context():
         assert matplotlib.rcParams["svg.image_inline"]
+
+
+def test_settings_of_the_caller_stay_and_no_figure_stays_open(tmp_path: Path) -> None:
+    """Whatever backend is set: more than twenty figures, which pyplot warns of where it keeps them."""
+    from matplotlib import pyplot, rcParams
+
+    pyplot.switch_backend("svg")
+    before, table = dict(rcParams), {"time": [0.0, 1.0], "hub_torque": [0.0, 2.0]}
+    for k in range(25):
+        plot_history(table, ["hub_torque"], tmp_path / "a.png", style="paper" if k % 2 else {"font.size": 17.0})
+    with pytest.raises(InputError, match="is no format of a figure"):
+        plot_history(table, ["hub_torque"], tmp_path / "a.bmp")
+    assert dict(rcParams) == before
+    assert pyplot.get_fignums() == []

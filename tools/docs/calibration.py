@@ -103,12 +103,13 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--write", action="store_true", help="write docs/calibration.md and its figure")
     options.add_argument("--out", type=Path, default=ROOT / "out" / "calibration")
-    options.add_argument("--coverage", action="store_true", help="only how often intervals hold the true values")
+    options.add_argument("--only", choices=("paper", "coverage"), help="one of the two parts")
     given = options.parse_args()
-    held = coverage()
-    if given.write:
-        COVERAGE.write(held)
-    if given.coverage:
+    if given.only != "paper":
+        held = coverage()
+        if given.write:
+            COVERAGE.write(held)
+    if given.only == "coverage":
         return
     scene = scenes.load("okuizumi-model-1").with_values(COARSE)
     data, begin = synthetic(scene), scene.with_values(BEGIN)

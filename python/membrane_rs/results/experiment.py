@@ -169,6 +169,8 @@ def converted(values: Floats, unit: str, wanted: str, place: str, *, is_differen
     try:
         factor, offset = conversion(unit, wanted)
     except InputError as error:
+        if not wanted:
+            raise InputError(f"{place}: {unit!r} is no unit of a plain number; leave it out") from None
         raise InputError(f"{place}: {error}") from None
     return values * factor + (0.0 if is_difference else offset)
 

@@ -34,7 +34,7 @@ UNDETERMINED = 0.5
 NAMED = 0.2
 """Components of a direction that are named, as a share of its length."""
 FINEST = 1e-9
-"""Standard deviations below this share of the range are rounding: shares have nine decimals (`FitModel.curves`)."""
+"""Standard deviations below this share of the range are rounding of the runs."""
 SMALLEST = 1e-12
 """An eigenvalue below this share of the largest one is none."""
 

@@ -30,7 +30,7 @@ from membrane_rs.study.calibration.analysis import analysed, jacobian
 from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, check_recorded, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
 from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where
-from membrane_rs.study.common.one_run import RunSetup
+from membrane_rs.study.common.one_run import TIME_LIMIT, RunSetup
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.scene_match import match_scene
@@ -219,7 +219,9 @@ def _first_curves(model: FitModel, shares: Floats) -> list[Curves]:
     except BudgetSpent:
         raise InputError(f"most_runs = {model.most_runs}: is less than the {model.starts} runs of one set") from None
     if found[0].failure:
-        raise InputError(f"the first runs failed: {found[0].failure}; give ranges around values that run")
+        too_long = any(run.outcome == TIME_LIMIT for run in found[0].runs)
+        remedy = "allow more, and retry (--retry)" if too_long else "give ranges around values that run"
+        raise InputError(f"the first runs failed: {found[0].failure}; {remedy}")
     return found
 
 

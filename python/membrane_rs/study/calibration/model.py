@@ -186,7 +186,7 @@ class FitModel:
 
     def curves(self, shares: Sequence[Floats]) -> list[Curves]:
         """The curves of some sets of parameters; those that are not known run in parallel."""
-        keys = [tuple(round(float(share), 9) for share in one) for one in shares]
+        keys = [tuple(round(float(share), 12) for share in one) for one in shares]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
         if (len(self.known) + len(new)) * self.starts > self.most_runs:
             raise BudgetSpent
