@@ -24,6 +24,7 @@ from membrane_rs.report.sources import Sources, labelled
 from membrane_rs.results.experiment import Experiment
 from membrane_rs.results.experiment_file import read_experiment
 from report_pages import made, sail, staged_sail
+from small_scenes import refused
 from staged_scenes import oscillator, started
 from test_cli import call
 
@@ -269,6 +270,11 @@ def test_an_ensemble_is_of_one_scene(tmp_path: Path, staged: Run) -> None:
     other = made(sail(name="other"), tmp_path / "other", frames=())
     with pytest.raises(InputError, match=r"runs\[1\] is of the scene 'other', runs\[0\] of 'small-sail'; give"):
         write_report([staged, other], tmp_path / "page.html", ensemble=True)
+
+
+def test_a_table_in_place_of_a_run_is_refused(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    refused(lambda: write_report([tmp_path / "d.csv"], page), InputError, r"given as data \(data=, --data\)")
 
 
 def test_data_of_other_measures_are_refused(tmp_path: Path, staged: Run) -> None:

@@ -120,6 +120,7 @@ def test_a_value_stands_in_place_of_others() -> None:
         ({"laws.springs": 3}, SceneError, "laws.springs = 3: must be a table of its keys, true or false; or set"),
         ({"material": False}, SceneError, "material = False: must be a table of its keys; or set one key"),
         ({"parts": 3}, SceneError, "parts = 3: this scene has no value of that name; did you mean 'parts.0"),
+        ({"laws.spn": 3}, SceneError, "laws.spn = 3: this scene has no value of that name; did you mean 'laws.spin'"),
         ({"": 3}, SceneError, "^'' = 3: this scene has no value of that name; give one such as"),
         ({"a\nb": 3}, SceneError, r"^'a\\nb' = 3: this scene has no value"),
         ({"x" * 2000: 3}, InputTypeError, "^key 'xxx.*: must be a name such as"),
@@ -210,3 +211,8 @@ def test_every_key_of_a_scene_takes_its_own_value(name: str) -> None:
     for stage in scene.stages:
         values |= {f"stages.{stage.name}.{entry.name}": getattr(stage, entry.name) for entry in fields(stage)}
     assert scene.with_values(values).to_toml() == scene.to_toml()
+
+
+def test_a_scene_without_film_says_so() -> None:
+    words = r"^material\.thickness = 1: this scene has no value of that name; it has no material$"
+    refused(lambda: scenes.load("spinning-tether").with_values({"material.thickness": 1}), SceneError, words)

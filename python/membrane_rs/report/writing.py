@@ -133,7 +133,10 @@ def _run(given: object, place: str) -> Run:
     if isinstance(given, Run):
         return given
     if isinstance(given, str | Path | os.PathLike):
-        return open_run(path_of(given, place))
+        path = path_of(given, place)
+        if path.suffix.lower() == ".csv":
+            raise InputError(f"{path}: is no folder of a run; measured curves are given as data (data=, --data)")
+        return open_run(path)
     raise InputTypeError(f"{place} = {show(given)}: must be a run, or the folder of one")
 
 

@@ -12,7 +12,7 @@ from membrane_rs._renamed import deprecated, new_names
 from membrane_rs._validation import build, checked_class, computable, is_table, is_whole, nearest, show, unit_of
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
-from membrane_rs.scene.places import Changeable, Place, located, places_of
+from membrane_rs.scene.places import SINGLE, Changeable, Place, located, places_of
 
 S = TypeVar("S", bound=Changeable)
 
@@ -316,8 +316,11 @@ def _rebuilt(change: Change) -> Any:
 
 def _hint(places: list[Place], key: str) -> str:
     """What may have been meant by a key that names nothing."""
-    known = ["name", *_all_keys(places)]
-    last = key.rpartition(".")[2]
+    section, last = key.partition(".")[0], key.rpartition(".")[2]
+    if section in SINGLE and all(place.section != section for place in places):
+        return f"it has no {section}"
+    labels = [place.label for place in [*places, *_absent(places)]]
+    known = ["name", *labels, *_all_keys(places)]
     others = [name for name, _ in OTHER_NAMES.get(last.lower(), ())]
     alike = [other for other in known if last in other.split(".") or other.split(".")[-1] in others]
     close = difflib.get_close_matches(key, alike or known, MOST_NAMED) or alike[:MOST_NAMED]
