@@ -42,10 +42,12 @@ PREFERRED = (
 )  # fmt: skip
 """What is shown unless the caller says otherwise, as far as runs differ in it, behind measures that were recorded."""
 MOST = 4
-LEAST_CHANGE = 1e-9
+LEAST_CHANGE = 1e-6
 """Runs that differ by a smaller share of a number differ in rounding alone."""
-LEAST_ANGLE = 1e-3
-"""Angles below it are of rounding, or of its growth [deg]."""
+LEAST = {"deg": 1e-3}
+"""Values below it, by the unit, are of rounding, or of its growth."""
+LEAST_OTHER = 1e-15
+"""The same of other units, of which none is far from those of SI."""
 
 
 @dataclass(frozen=True)
@@ -114,4 +116,4 @@ def _differ(response: Response, rows: Sequence[Row]) -> bool:
     if len(some) < 0.5 * len(values) or not len(some):
         return False
     largest = float(np.abs(some).max())
-    return float(np.ptp(some)) > LEAST_CHANGE * largest and (response.unit != "deg" or largest > LEAST_ANGLE)
+    return float(np.ptp(some)) > LEAST_CHANGE * largest and largest > LEAST.get(response.unit, LEAST_OTHER)

@@ -2,7 +2,8 @@
 
 Numbers are means over starts. In a grid of one parameter, or of several, each panel shows the mean at each value, over
 all values of the others (a main effect), with a bar of one standard deviation between starts, and all runs as dots.
-Samples are shown one by one. A run that has failed is a cross below.
+Samples are shown one by one. A run that has failed is a cross below. In a map over two parameters the
+number is written into each cell, if there is room.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ WRAP = 22
 LOG_RATIO = 20.0
 """Ratio of the largest to the smallest value from which a list of values is shown on a logarithmic axis."""
 MOST_CELLS = 12
-"""Values of a parameter of a map up to which its cells are labelled by their numbers."""
+"""Values of a parameter up to which ticks and cells of a map are all labelled."""
+TICK_LETTERS, CELL_LETTERS = 56, 60
+"""Letters across a map that have room below it, and, smaller, in its cells."""
 FAILED_COLOR = "#B22222"
 
 
@@ -162,7 +165,8 @@ def _effects(
             _draw_effect(axes, rows, parameters, parameter, (response, factor), sampled=sampled)
         line[0].set_ylabel(_wrapped(response.label, unit))
     for axes, parameter in zip(panels[-1], across, strict=True):
-        _set_axis(axes.xaxis, parameter)
+        if not parameter.is_number:  # names in place of numbers
+            _set_axis(axes.xaxis, parameter)
         axes.set_xlabel(axis_label(plain_text(parameter.key), parameter.unit))
         if parameter.has_log_axis:
             _set_log_axis(axes, parameter, sampled=sampled)
@@ -231,16 +235,18 @@ def _maps(rows: Sequence[Row], parameters: Sequence[Varied], shown: Sequence[Res
             place = list(up.values).index(y), list(across.values).index(x)
             cells[place] = mean_and_spread(response.values(_good(some)) / factor)
         image = axes.imshow(cells[..., 0], origin="lower", aspect="auto", cmap="viridis")
-        figure.colorbar(image, ax=axes, label=_wrapped(response.label, unit))
+        bar = figure.colorbar(image, ax=axes, label=_wrapped(response.label, unit))
+        bar.ax.ticklabel_format(axis="y", useOffset=False)
         axes.grid(visible=False)
         _write_cells(axes, cells, points, parameters)
-        for axis, parameter in ((axes.xaxis, across), (axes.yaxis, up)):
-            ticks = _some(range(len(parameter.values)))
-            axis.set_ticks(ticks, [_word(parameter.values[k]) for k in ticks])
+        for axis, parameter, room in ((axes.xaxis, across, TICK_LETTERS), (axes.yaxis, up, 0)):
+            _set_axis(axis, parameter, room)
             axis.set_label_text(axis_label(plain_text(parameter.key), parameter.unit))
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
     add_letters(list(panels[: len(shown)]), style)
+    if words := _failures(rows):
+        figure.supxlabel(words, color=FAILED_COLOR, fontsize="small")
     return figure
 
 
@@ -249,27 +255,39 @@ def _write_cells(
 ) -> None:
     """The number in each cell, with its spread, and what has failed there."""
     across, up = parameters
-    if max(len(across.values), len(up.values)) > MOST_CELLS:
+    if len(up.values) > MOST_CELLS:
         return
+    texts: dict[tuple[int, int], str] = {}
     finite = cells[..., 0][np.isfinite(cells[..., 0])]
     middle = 0.5 * (finite.min() + finite.max()) if len(finite) else 0.0
     for (x, y), some in points.items():
         k, j = list(up.values).index(y), list(across.values).index(x)
         mean, spread = cells[k, j]
         failed = [str(row["outcome"]) for row in some if row["outcome"] != GOOD]
-        lines = [f"{mean:.3g}"] if math.isfinite(mean) else []
+        lines = [f"{mean:.3g}"] if math.isfinite(mean) else [] if failed else ["no value"]
         lines += [f"± {spread:.1g}"] if spread > LEAST_SPREAD * abs(mean) else []
         lines += [f"{failed.count(word)} {word}" for word in dict.fromkeys(failed)]
-        dark = math.isfinite(mean) and mean < middle
-        color = FAILED_COLOR if not math.isfinite(mean) else "white" if dark else "black"
-        axes.text(j, k, "\n".join(lines), ha="center", va="center", color=color, fontsize="x-small")
+        texts[k, j] = "\n".join(lines)
+    longest = max(len(line) for text in texts.values() for line in text.splitlines())
+    if len(across.values) * (longest + 1) > CELL_LETTERS:
+        return
+    for (k, j), text in texts.items():
+        mean = cells[k, j, 0]
+        color = FAILED_COLOR if not math.isfinite(mean) else "white" if mean < middle else "black"
+        axes.text(j, k, text, ha="center", va="center", color=color, fontsize="x-small")
 
 
-def _set_axis(axis: Any, parameter: Varied) -> None:
-    """Names in place of numbers for values that are none."""
-    if not parameter.is_number:
-        ticks = _some(range(len(parameter.values)))
-        axis.set_ticks(ticks, [_word(parameter.values[k]) for k in ticks])
+def _set_axis(axis: Any, parameter: Varied, room: int = 0) -> None:
+    """Ticks at values by their numbers in the list, as many as there is room for: letters, where it is known."""
+    words = [_word(value) for value in parameter.values]
+    ticks = _some(range(len(words)))
+    looks: dict[str, Any] = {}
+    if room and not parameter.is_number and len(words) * (max(map(len, words)) + 2) > room:
+        looks = {"rotation": 20.0, "ha": "right"}
+    elif room and parameter.is_number:
+        step = -(-len(words) * (max(map(len, words)) + 2) // room)
+        ticks = list(range(0, len(words), max(step, -(-len(words) // MOST_CELLS))))
+    axis.set_ticks(ticks, [words[k] for k in ticks], **looks)
 
 
 def _set_log_axis(axes: Axes, parameter: Varied, *, sampled: bool) -> None:
@@ -299,17 +317,23 @@ def _some(ticks: Sequence[int]) -> list[int]:
 def _word(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return plain_text(str(value)).strip()
-    return f"{value:.4g}"
+    exact = f"{value:.6g}"
+    return exact if float(exact) == value else f"{value:.4g}"
+
+
+def _failures(rows: Sequence[Row]) -> str:
+    """How many runs have failed, and of what."""
+    failed = [str(row["outcome"]) for row in rows if row["outcome"] != GOOD]
+    words = ", ".join(f"{failed.count(word)} {word}" for word in dict.fromkeys(failed))
+    return f"{len(failed)} of {len(rows)} runs: {words}" if failed else ""
 
 
 def _add_failures(figure: StyledFigure, rows: Sequence[Row]) -> None:
     """How many runs have failed, and what the crosses mean."""
     from matplotlib.lines import Line2D
 
-    failed = [str(row["outcome"]) for row in rows if row["outcome"] != GOOD]
-    if failed:
-        words = ", ".join(f"{failed.count(word)} {word}" for word in dict.fromkeys(failed))
+    if words := _failures(rows):
         cross = Line2D([], [], marker="x", color=FAILED_COLOR, linestyle="none", markersize=4.5)
-        figure.legend([cross], [f"{len(failed)} of {len(rows)} runs: {words}"], loc="outside upper center")
+        figure.legend([cross], [words], loc="outside lower center")
         width, height = figure.get_size_inches()
         figure.set_size_inches(width, height + 6.0 / INCH)
