@@ -221,6 +221,27 @@ def test_wrong_words_are_refused_with_those_that_are_right(strip: Any) -> None:
     refused(lambda: Viewer(with_frames(strip, [])), InputError, "'hanging' has no frames.*frames=")
 
 
+def test_a_wrong_colour_is_told_with_the_nearest(strip: Any, tether: Any) -> None:
+    refused(lambda: Viewer(strip, color="strain"), InputError, "did you mean largest_principal_strain or spring_strain")
+    refused(lambda: Viewer(strip, color="sped"), InputError, "did you mean speed")
+    refused(lambda: Viewer(tether, color="state"), InputError, "color = 'state': this run has no values of it; must be")
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e200])
+def test_frames_that_cannot_be_drawn_are_told(strip: Any, far: float) -> None:
+    frames = list(strip.frames)
+    bad = replace_positions(frames[3], 1.0)
+    bad.positions[:] = far
+    viewer = Viewer(with_frames(strip, [bad, *frames[1:3], bad, *frames[4:]]))
+    refused(viewer.shown, OutputError, "frame 0 at 0 s cannot be drawn: its positions are not finite, or beyond")
+    viewer.show_frame(2)
+    assert np.isfinite(viewer.shown().positions).all()
+    assert 0.0 < viewer.camera().reach < 10.0
+    refused(
+        lambda: Viewer(with_frames(strip, [bad, bad])), OutputError, "no frame of the run of 'hanging' can be drawn"
+    )
+
+
 def test_a_scene_without_a_membrane_is_shown(tether: Any) -> None:
     viewer = Viewer(tether, color="tension")
     shown = viewer.shown()
@@ -245,6 +266,7 @@ def test_a_picture_is_saved_where_it_is_told(strip: Any, tmp_path: Any) -> None:
         assert picture.size == (960, 600)
     refused(lambda: shown.save(path), OutputError, "picture.png: is there already")
     refused(lambda: shown.save(tmp_path / "none" / "a.png"), OutputError, "none")
+    refused(lambda: shown.save(tmp_path / "a.jpg"), InputError, r"a\.jpg: a picture is PNG, .* image/jpeg; .* \.png")
     refused(lambda: strip.view(time=float("nan"), where="picture"), InputError, "time = nan: must be finite")
     refused(lambda: strip.view(where="wall"), InputError, "where = 'wall': must be one of window, notebook, browser")
 

@@ -114,7 +114,7 @@ def test_the_command_saves_a_picture_of_a_run_or_a_scene(tmp_path: Path, monkeyp
     monkeypatch.chdir(tmp_path)
 
     def view(*words: str) -> Any:
-        return CliRunner().invoke(app, ["view", *words, "--picture", "a.png"], env={"COLUMNS": "200"})
+        return CliRunner().invoke(app, ["view", "--picture", "a.png", *words], env={"COLUMNS": "200"})
 
     assert view("spinning-tether", "--set", "parts.0.segments=4", "--color", "tension").exit_code == 0
     assert Image.open("a.png").size == (960, 600)
@@ -129,6 +129,8 @@ def test_the_command_saves_a_picture_of_a_run_or_a_scene(tmp_path: Path, monkeyp
         (("run", "--color", "blue"), "color = 'blue': must be one of film, "),
         (("nothing",), "scene 'nothing': is not built in"),
         (("run", "--time", "nan"), "time = nan: must be finite"),
+        (("run", "--picture", "a.jpg"), "a.jpg: a picture is PNG, and this name says image/jpeg"),
+        (("run", "--browser"), "--picture and --browser: a picture is saved, or a page served"),
     ):
         refused = view(*words)
         assert (refused.exit_code, error in refused.stderr) == (2, True), refused.stderr
@@ -145,6 +147,13 @@ def test_without_a_display_the_error_says_what_to_do(tmp_path: Path) -> None:
             text=True, timeout=120, cwd=tmp_path, env=environment | wrong,
         )  # fmt: skip
         assert done.returncode == 1
-        for words in ("no display", "--browser", "membrane-rs report RUN", "run.view() in a notebook", "ssh -X"):
+        for words in (
+            "no display",
+            "--picture FILE",
+            "--browser",
+            "membrane-rs report RUN",
+            "run.view() in a notebook",
+            "ssh -X",
+        ):
             assert words in done.stderr
         assert len(done.stderr.splitlines()) == 1

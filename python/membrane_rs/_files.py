@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import mimetypes
 import os
 import stat
 from collections.abc import Iterator, Sequence
@@ -70,6 +71,13 @@ def check_writable(path: Path) -> None:
     """
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise OutputError(f"cannot write {path}: {_SPECIAL}; choose another name, or remove it")
+
+
+def check_kind_of_file(path: Path, kind: str, words: str, ending: str) -> None:
+    """Refuse a file whose name says that it is of another kind, such as "image/png". Raises InputError."""
+    said = mimetypes.guess_type(path.name)[0]
+    if said not in (None, kind):
+        raise InputError(f"{path}: {words}, and this name says {said}; give a name that ends in {ending}")
 
 
 def read_text(path: Path, most: int = MOST_BYTES) -> str:

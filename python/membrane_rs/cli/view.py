@@ -43,7 +43,7 @@ def view(
     ] = "run",
     time: Annotated[
         float | None,
-        quantity_option("s", help="Time of the frame that is shown first [s], or as 20ms. Default: the start."),
+        quantity_option("s", help="Time [s], or as 20ms; the frame nearest to it is shown first. Default: the start."),
     ] = None,
     picture: Annotated[
         Path | None, path_option(help="Save a picture (PNG) into this file, which is not there yet; no window.")
@@ -57,8 +57,13 @@ def view(
     Keys: {keys}.
     """
     from membrane_rs import view as look
+    from membrane_rs._files import check_kind_of_file
     from membrane_rs.errors import InputError
 
+    if picture is not None:
+        if browser:
+            raise InputError("--picture and --browser: a picture is saved, or a page served; give one of them")
+        check_kind_of_file(picture, "image/png", "a picture is PNG", ".png")
     is_run = Path(source).is_dir()
     if is_run and set_:
         raise InputError(f"--set {set_[0]}: {source} is a run, which has its values; set them before it is run")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import mimetypes
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from membrane_rs._extras import need
-from membrane_rs._files import check_writable, path_of, write_text
+from membrane_rs._files import check_kind_of_file, check_writable, path_of, write_text
 from membrane_rs._validation import check_kind, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.report.sources import Sources, labelled
@@ -116,9 +115,7 @@ def write_report(
 def _file(path: object, overwrite: bool) -> Path:
     """The file to be written, refused before anything is drawn."""
     file = path_of(path)
-    kind = mimetypes.guess_type(file.name)[0]
-    if kind not in (None, "text/html"):
-        raise InputError(f"{file}: a page is HTML, and this name says {kind}; give a name that ends in .html")
+    check_kind_of_file(file, "text/html", "a page is HTML", ".html")
     if file.is_dir():
         raise OutputError(f"cannot write {file}: it is a folder; name a file in it, such as {file / REPORT}")
     if file.exists() and not overwrite:

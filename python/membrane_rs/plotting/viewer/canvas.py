@@ -10,6 +10,7 @@ import numpy as np
 
 from membrane_rs.plotting.actors import FIELD_LIGHT, FILM_LIGHT, LIGHTS, MembraneActors, aim, silence_vtk
 from membrane_rs.plotting.camera import BAR_SHARE, Camera, bar_length
+from membrane_rs.plotting.columns import axis_label, prefixed
 from membrane_rs.plotting.fields import MISSING
 from membrane_rs.plotting.picture import Image
 from membrane_rs.plotting.viewer.coloring import Scale
@@ -98,10 +99,12 @@ class Canvas:
     def _show_scale(self, scale: Scale | None) -> None:
         self._legend.SetVisibility(scale is not None)
         self._has_names = scale is not None and bool(scale.field.categories)
-        self._legend_title.say("" if scale is None else scale.field.title)
         if scale is None:
+            self._legend_title.say("")
             return
-        self._legend.SetLookupTable(_lookup_table(scale))
+        factor, unit = prefixed(scale.field.unit, [np.array([scale.low, scale.high])])
+        self._legend_title.say(axis_label(scale.field.label, unit))
+        self._legend.SetLookupTable(_lookup_table(scale, factor))
         if self._has_names:
             self._legend.SetNumberOfLabels(0)
             self._legend.SetDrawTickLabels(False)
@@ -110,7 +113,7 @@ class Canvas:
             self._legend.SetDrawTickLabels(True)
             self._legend.SetDrawAnnotations(False)
             self._legend.SetNumberOfLabels(LABELS)
-            self._legend.SetLabelFormat(f"%.{digits_of(scale.low, scale.high)}g")
+            self._legend.SetLabelFormat(f"%.{digits_of(scale.low / factor, scale.high / factor)}g")
 
     def _before_render(self, *_: Any) -> None:
         """What depends on the camera, and on the size of the picture where that changed."""
@@ -189,8 +192,8 @@ def _legend(plotter: Any, size: int) -> Any:
     return legend
 
 
-def _lookup_table(scale: Scale) -> Any:
-    """The colours of a scale for VTK's legend."""
+def _lookup_table(scale: Scale, factor: float = 1.0) -> Any:
+    """The colours of a scale for VTK; its values are divided by a factor."""
     from vtkmodules.vtkCommonCore import vtkLookupTable
 
     colors = scale.colors / 255.0
@@ -205,5 +208,6 @@ def _lookup_table(scale: Scale) -> Any:
         for value, name in enumerate(categories):
             table.SetAnnotation(float(value), name)
     else:
-        table.SetTableRange(scale.low, max(scale.high, np.nextafter(scale.low, np.inf)))
+        low, high = scale.low / factor, scale.high / factor
+        table.SetTableRange(low, max(high, np.nextafter(low, np.inf)))
     return table

@@ -6,11 +6,15 @@ from __future__ import annotations
 
 import asyncio
 import os
+import sys
+import threading
 import time
+import webbrowser
 from itertools import count
 from typing import Any
 
 from membrane_rs._extras import need
+from membrane_rs.errors import MembraneError
 from membrane_rs.plotting.viewer.canvas import canvas_of
 from membrane_rs.plotting.viewer.viewer import Viewer
 
@@ -18,6 +22,8 @@ SIZE = (960, 600)
 TICK = 0.05
 """Between two pictures while it plays [s]."""
 HEIGHT = "640px"
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+"""Variables of the environment that say that a browser can be seen; without one a browser would take the terminal."""
 _NUMBERS = count(1)
 
 
@@ -36,6 +42,9 @@ class Page:
 
         self.viewer, self.canvas = viewer, canvas_of(viewer, SIZE)
         self.server: Any = get_server(f"membrane_rs-view-{next(_NUMBERS)}", client_type="vue3")
+        parser = self.server.cli
+        read = parser.parse_known_args
+        parser.parse_known_args = lambda *_, **__: read([])  # not what a user's script was called with
         state = self.server.state
         state.frame, state.words, state.playing = viewer.index, viewer.words(), False
         state.color, state.turning, state.spans_run = viewer.color, viewer.in_turning_frame, viewer.spans_run
@@ -56,10 +65,15 @@ class Page:
         self._task: Any = None
 
     def refresh(self) -> None:
-        """Draw what the viewer shows, and send it."""
-        self.canvas.draw()
+        """Draw what the viewer shows, and send it. A frame that cannot be read or drawn is reported in its words."""
+        words = self.viewer.words()
+        try:
+            self.canvas.draw()
+        except MembraneError as error:
+            self.viewer.is_playing = False
+            words = str(error)
         self.canvas.plotter.render()
-        self.server.state.words = self.viewer.words()
+        self.server.state.words = words
         self._view.update()
 
     async def start(self) -> None:
@@ -150,6 +164,15 @@ class Page:
 
 
 def serve(viewer: Viewer) -> None:
-    """Serve the page and open it in a browser, until the program is ended."""
+    """Serve the page to this machine, and open it in a browser where there is a display, until Ctrl-C."""
     page = Page(viewer)
-    page.server.start(port=0, timeout=0, show_connection_info=True)
+
+    def tell(**_: Any) -> None:
+        address = f"http://localhost:{page.server.port}/"
+        sys.stdout.write(f"{address}\nOpen it in a browser on this machine. Ctrl-C ends it.\n")
+        sys.stdout.flush()
+        if os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, DISPLAYS)):
+            threading.Thread(target=webbrowser.open, args=[address], daemon=True).start()
+
+    page.server.controller.on_server_ready.add(tell)
+    page.server.start(port=0, timeout=0, host="localhost", show_connection_info=False, open_browser=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from membrane_rs._files import replacing
+from membrane_rs._files import check_kind_of_file, replacing
 from membrane_rs.errors import OutputError
 from membrane_rs.plotting.picture import Image
 
@@ -25,9 +25,12 @@ def save_new(image: Image, folder: Path, name: str) -> Path:
 
 
 def save_as(image: Image, path: Path) -> Path:
-    """Write a picture as PNG into a file that is not there yet, whole or not at all. Raises OutputError."""
+    """Write a picture as PNG into a file that is not there yet, whole or not at all. Raises OutputError, and InputError
+    for a name of another kind of file.
+    """
     from PIL import Image as Pillow
 
+    check_kind_of_file(path, "image/png", "a picture is PNG", ".png")
     if path.exists() or path.is_symlink():
         raise OutputError(f"{path}: is there already; name another file, or remove it")
     with replacing(path) as part:

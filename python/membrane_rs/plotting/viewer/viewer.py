@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._validation import show
-from membrane_rs.errors import InputError
+from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.actors import Colors, film_colors
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import decimals
-from membrane_rs.plotting.fields import BARE, SHARE, Field, fields_of, value_ranges
-from membrane_rs.plotting.picture import Subject, turned
+from membrane_rs.plotting.fields import BARE, FIELDS, SHARE, Field, fields_of, value_ranges
+from membrane_rs.plotting.picture import FARTHEST, Subject, is_drawable, turned
 from membrane_rs.plotting.scenery import BodiesInTime, reach_of, stage_at
 from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.plotting.viewer.frames import KeptFrames
@@ -86,6 +87,8 @@ class Viewer:
     ------
     InputError
         The run has no frames, or no such field.
+    OutputError
+        No frame of it can be drawn.
 
     Examples
     --------
@@ -117,6 +120,12 @@ class Viewer:
         self.name, self.times = run.scene.name, np.asarray(run.frames.times, dtype=np.float64)
         scene, self._frames, self._stages = run.scene, KeptFrames(run.frames), stages_of(run)
         some = [self._frames[k] for k in self._frames.spread(FOR_CAMERA)]
+        some = [frame for frame in some if is_drawable(frame.positions)]
+        if not some:
+            raise OutputError(
+                f"no frame of the run of {self.name!r} can be drawn: their positions are not finite, or beyond "
+                f"{FARTHEST:g} m; run the scene again"
+            )
         shapes = [frame.positions for frame in some]
         assembly = (scene.staged(0) if scene.stages else scene).assemble()
         self.subject = Subject.of_scene(scene, assembly, shapes)
@@ -268,6 +277,10 @@ class Viewer:
         InputError
             It is none.
         """
+        if color in FIELDS and color not in self.colors:
+            raise InputError(
+                f"color = {color!r}: this run has no values of it; must be one of {', '.join(self.colors)}"
+            )
         self.field = self.fields[self.colors.index(one_of("color", color, self.colors))]
 
     def next_color(self, steps: int = 1) -> None:
@@ -359,8 +372,18 @@ class Viewer:
         -------
         Shown
             `positions` (N, 3) [m], colours, bodies and the scale.
+
+        Raises
+        ------
+        OutputError
+            The frame cannot be read, or drawn.
         """
         frame, scale = self._frames[self.index], self.scale()
+        if not is_drawable(frame.positions):
+            raise OutputError(
+                f"frame {self.index} at {self.time:g} s cannot be drawn: its positions are not finite, or beyond "
+                f"{FARTHEST:g} m; look at another time"
+            )
         upper, lower = film_colors(self.subject, back=False), film_colors(self.subject, back=True)
         lines, line_colors = np.empty((0, 2), np.int64), np.empty((0, 3), np.uint8)
         node_values: Floats | None = None
@@ -390,7 +413,10 @@ class Viewer:
 
 
 def one_of(name: str, value: str, choices: Sequence[str]) -> str:
-    """A choice. Raises InputError, which lists them."""
+    """A choice. Raises InputError, which lists them, and names those that hold the word."""
     if value not in choices:
-        raise InputError(f"{name} = {show(value)}: must be one of {', '.join(choices)}")
+        alike = [choice for choice in choices if isinstance(value, str) and len(value) > 2 and value in choice]
+        alike = alike or get_close_matches(str(value), choices, n=1)
+        hint = f"; did you mean {' or '.join(alike)}?" if alike else ""
+        raise InputError(f"{name} = {show(value)}: must be one of {', '.join(choices)}{hint}")
     return value

@@ -34,9 +34,9 @@ def check_display() -> None:
     silence_vtk()
     if vtkRenderWindow().GetClassName() in NO_WINDOW:
         raise DisplayError(
-            "no window can be opened, since there is no display; look at the pictures in the run's folder, make a page "
-            "with `membrane-rs report RUN`, serve one with `membrane-rs view RUN --browser`, call run.view() in a "
-            "notebook, or log in with `ssh -X`"
+            "no window can be opened, since there is no display; save a picture with `membrane-rs view RUN --picture "
+            "FILE`, make a page with `membrane-rs report RUN`, serve one with `membrane-rs view RUN --browser`, call "
+            "run.view() in a notebook, or log in with `ssh -X`"
         )
 
 
