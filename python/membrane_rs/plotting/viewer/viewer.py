@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 
 import numpy as np
 
-from membrane_rs._arrays import Floats, Ints
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, OutputError
-from membrane_rs.plotting.actors import Colors, film_colors
+from membrane_rs.plotting.actors import film_colors
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.fields import BARE, FIELDS, SHARE, Field, fields_of, value_ranges
@@ -20,8 +20,8 @@ from membrane_rs.plotting.picture import FARTHEST, Subject, is_drawable, turned
 from membrane_rs.plotting.scenery import BodiesInTime, reach_of, stage_at
 from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.plotting.viewer.frames import KeptFrames
+from membrane_rs.plotting.viewer.shown import Shown
 from membrane_rs.plotting.viewer.source import ViewedRun, stages_of
-from membrane_rs.scene.solid import Solid
 
 FILM = "film"
 """Instead of a field: the film in the colours of its petals, as in snapshots."""
@@ -34,39 +34,6 @@ BETWEEN = 1.05
 PLAY_SECONDS, FRAMES_A_SECOND = (4.0, 20.0), 20.0
 """A run is played in this time at the speed of 1: by so many frames a second, within these bounds."""
 SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-
-
-@dataclass(frozen=True)
-class Shown:
-    """What is to be drawn.
-
-    Attributes
-    ----------
-    positions : (N, 3) float64
-        In the frame that turns with the hub [m].
-    hub_angle : float
-        By which all is turned about z [rad]; 0 in the turning frame.
-    solids : tuple of Solid
-        Bodies as they stand.
-    upper, lower : (m, 3) uint8
-        Colours of both sides of the film.
-    node_values : (N,) float64 or None
-        By which the film is coloured in their place, between the nodes as well.
-    lines, line_colors : (k, 2) int64, (k, 3) uint8
-        Lines with colours of their own; none for a field on the film.
-    scale : Scale or None
-        For the legend.
-    """
-
-    positions: Floats
-    hub_angle: float
-    solids: tuple[Solid, ...]
-    upper: Colors
-    lower: Colors
-    node_values: Floats | None
-    lines: Ints
-    line_colors: Colors
-    scale: Scale | None
 
 
 class Viewer:
