@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import membrane_rs
 import pytest
 from documented import PAGES, ROOT
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -85,3 +86,13 @@ def test_what_a_page_loads_from_elsewhere_is_found(
 
 def test_a_folder_without_pages_is_no_site(tmp_path: Path) -> None:
     assert main(tmp_path) == 1
+
+
+def test_pictures_of_the_gallery_replace_those_of_a_build_before(tmp_path: Path) -> None:
+    scrapers = pytest.importorskip("website.figures")
+    view = membrane_rs.run("single-crease", until=1e-4, frames=2).view(where="picture")
+    for _ in range(2):
+        found = {"example_globals": {"view": view}, "image_path_iterator": iter([str(tmp_path / "picture.png")])}
+        text = scrapers.figures_of_block(None, found, {"src_dir": str(tmp_path)})
+        assert "picture.png" in text
+        assert scrapers.figures_of_block(None, found, {"src_dir": str(tmp_path)}) == ""  # shown by one block alone

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from membrane_rs.plotting import save_figure
@@ -23,6 +24,7 @@ def figures_of_block(_block: object, block_vars: dict[str, Any], gallery_conf: d
         shown.append(value)
         files.append(next(block_vars["image_path_iterator"]))
         if isinstance(value, NotebookView):
+            Path(files[-1]).unlink(missing_ok=True)  # of a build before; a view replaces no file
             value.save(files[-1])
         else:
             save_figure(value, files[-1], dpi=150.0)
