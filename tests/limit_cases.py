@@ -84,7 +84,8 @@ def page(rows: list[Limits]) -> str:
         "Predicted: from the largest eigenvalues of the stiffness and damping at the start (`Simulation.stable_dt`).",
         "Measured: by bisection on the growth of a small disturbance under the method's own steps, to 0.3 %",
         "(`membrane_rs.study.limits`). Random meshes are Delaunay triangles over a perturbed grid, with linear laws",
-        "and negative springs set to zero; zeta is the parameter of their dashpots. Made by",
+        "and negative springs set to zero; zeta is the parameter of their dashpots. A ratio below 1 says that the",
+        "prediction is too high there, as for dopri5 on the sails; default steps are at most 0.4 of it. Made by",
         "`python tests/limit_cases.py`.",
         "",
     ]

@@ -28,6 +28,10 @@ def said(*words: str, code: int) -> str:
         ("chek", "COMMAND = 'chek': no such command; did you mean 'check'"),
         ("run folder", "scene 'folder': is a folder; name a scene file, such as folder/scene.toml"),
         ("run fly", "scene 'fly': is not built in; known are: .*; a file is named by its path, with .toml"),
+        ("run ./folder", "scene 'folder': is a folder; name a scene file, such as folder/scene.toml"),
+        ("report ../data.csv", "is no folder of a run; measured curves are given as data (data=, --data)"),
+        ("check spinning-tether --set laws.spn=3", "did you mean 'laws.spin' or "),
+        ("check spinning-tether --set material.thickness=7um", "no value of that name; it has no material"),
         ("run spinning-tether --out=", "Error: --out = '': must be a path; name a file or a folder"),
         ("resume nowhere", "no such saved state; name a run's folder"),
         ("stability spinning-tether --integrators=", "--integrators = '': must be names separated by commas"),
@@ -40,6 +44,7 @@ def said(*words: str, code: int) -> str:
 def test_usage(words: str, why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("folder").mkdir()
+    tmp_path.with_name("data.csv").write_text("time,hub_force\n0,1\n", encoding="utf-8")
     text = said(*words.split(), code=USAGE)
     for part in why.split(".*"):
         assert part in text

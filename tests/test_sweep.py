@@ -287,7 +287,7 @@ def test_the_table_has_all_runs_that_an_interrupt_leaves(tmp_path: Path, monkeyp
 def test_an_interrupted_sweep_goes_on(number: signal.Signals, tmp_path: Path) -> None:
     """Of the whole group, as a terminal does; SIGKILL of the command alone, whose processes end with it."""
     command = [sys.executable, "-m", "membrane_rs", "sweep", SCENE, "--vary", f"{FREQUENCY}=1,1.5,2", "--out", "out"]
-    words = [*command, "--until", "0.05", "--samples", "3", "--jobs", "1"]
+    words = [*command, "--until", "2", "--samples", "3", "--jobs", "1"]  # long enough that not all end meanwhile
     folder = tmp_path / "out" / "runs"
     process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
     assert process.stderr is not None

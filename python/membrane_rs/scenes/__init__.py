@@ -122,6 +122,8 @@ def scene_of(scene: Scene | str | Path) -> Scene:
     if isinstance(scene, Scene):
         return scene
     path = path_of(scene, "scene")
+    if str(scene) not in names():
+        _refuse_folder(path)
     if isinstance(scene, Path) or path.suffix == ".toml" or "/" in str(scene) or path.is_file():
         return Scene.from_toml(path)
     return load(str(scene))
@@ -153,9 +155,15 @@ def text(name: str) -> str:
     """
     known = names()
     if name not in known:
-        if isinstance(name, str) and name.strip() and Path(name).is_dir():
-            raise SceneError(f"scene {show(name)}: is a folder; name a scene file, such as {name}/scene.toml of a run")
+        if isinstance(name, str) and name.strip():
+            _refuse_folder(Path(name))
         raise SceneError(
             f"scene {show(name)}: is not built in; {nearest(str(name), known)}; a file is named by its path, with .toml"
         )
     return (resources.files(__name__) / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def _refuse_folder(path: Path) -> None:
+    """Raise SceneError for a folder, which may be that of a run."""
+    if path.is_dir():
+        raise SceneError(f"scene {show(str(path))}: is a folder; name a scene file, such as {path}/scene.toml of a run")
