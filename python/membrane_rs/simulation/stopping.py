@@ -176,7 +176,7 @@ class StoppableMotion(ResumableMotion):
         if self._stage_end.watches[-1].side == 0:
             what = "is met already, and so ends the run only when it is met anew"
             if stop.is_number:
-                what = "gives 0, and ends the run as it passes that; for a condition give true or false"
+                what = "is 0 already, and so ends the run only as it passes 0 later; a condition gives true or false"
             warnings.warn(f"stop_when = {stop.described} at t = {self.time:.6g} s: {what}", stacklevel=3)
 
     def _end_stop(self) -> None:
