@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from membrane_rs._validation import check_kind
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
 
@@ -21,6 +22,11 @@ def facts(scene: Scene) -> dict[str, str]:
     dict of str to str
         Values with their units, by name.
 
+    Raises
+    ------
+    InputTypeError
+        No scene.
+
     Examples
     --------
     >>> from membrane_rs import scenes
@@ -28,6 +34,7 @@ def facts(scene: Scene) -> dict[str, str]:
     >>> facts(scenes.load("okuizumi-model-1"))["thickness"]
     '7.5e-06 m'
     """
+    check_kind(scene, Scene, "scene", "a Scene")
     assembly = scene.assemble()
     found: dict[str, str] = {}
     for name, points in (("size", assembly.reference), ("at start", assembly.positions)):

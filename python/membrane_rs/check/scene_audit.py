@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
+from membrane_rs._validation import check_kind
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
@@ -113,6 +114,11 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
         Of a scene with stages those of each stage, which a message names unless they all have it; those `OF_START` of
         the first stage alone.
 
+    Raises
+    ------
+    InputTypeError
+        No scene.
+
     Examples
     --------
     >>> from membrane_rs import scenes
@@ -120,6 +126,7 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     >>> audit(scenes.load("spinning-tether"), costly=False).ok
     True
     """
+    check_kind(scene, Scene, "scene", "a Scene")
     return _audit(scene, Stepping.of_scene, COSTLY_CHECKS if costly else [_left_out])
 
 
@@ -136,6 +143,11 @@ def audit_of_motion(sim: Motion) -> Audit:
     Audit
         The findings.
 
+    Raises
+    ------
+    InputTypeError
+        No motion.
+
     Examples
     --------
     >>> from membrane_rs import Simulation, scenes
@@ -143,6 +155,8 @@ def audit_of_motion(sim: Motion) -> Audit:
     >>> audit_of_motion(Simulation(scenes.load("spinning-tether"))).ok
     True
     """
+
+    check_kind(sim, Motion, "sim", "a Simulation")
 
     def stepping_of(scene: Scene) -> Stepping:
         is_present = scene is (sim.stage_scene if sim.scene.stages else sim.scene)
@@ -210,6 +224,11 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     tuple of Finding
         Each once.
 
+    Raises
+    ------
+    InputTypeError
+        No scene.
+
     Examples
     --------
     >>> from membrane_rs import scenes
@@ -217,6 +236,7 @@ def unaccepted_errors(scene: Scene) -> tuple[Finding, ...]:
     >>> unaccepted_errors(scenes.load("spinning-tether"))
     ()
     """
+    check_kind(scene, Scene, "scene", "a Scene")
     stages = [scene.staged(k) for k in range(len(scene.stages))] or [scene]
     found = [error for k, staged in enumerate(stages) for error in _unaccepted(staged, _of_stage(CHECKS, k))]
     return tuple(dict.fromkeys(found))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from membrane_rs import _core
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs._known_attributes import KnownAttributes
+from membrane_rs._validation import check_kind
 from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 
@@ -107,6 +108,8 @@ class Triangulation(KnownAttributes):
         ------
         MeshError
             A triangle without area.
+        InputTypeError
+            No material.
 
         Examples
         --------
@@ -116,6 +119,7 @@ class Triangulation(KnownAttributes):
         >>> bool((Strip(length=0.1, width=0.01, columns=10).mesh().spring_constants(film) > 0.0).all())
         True
         """
+        check_kind(material, Material, "material", "a Material")
         flat = np.flatnonzero(self.flatness() < NO_AREA)
         if len(flat):
             raise MeshError(
@@ -141,7 +145,13 @@ class Triangulation(KnownAttributes):
         -------
         (n,) float64
             [kg]
+
+        Raises
+        ------
+        InputTypeError
+            No material.
         """
+        check_kind(material, Material, "material", "a Material")
         areal_density = material.density * material.thickness
         return np.asarray(_core.lumped_masses(self.reference, self.triangles, areal_density), dtype=np.float64)
 

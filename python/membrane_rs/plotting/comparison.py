@@ -80,6 +80,8 @@ def plot_comparison(
         What is no history, or lacks a column.
     InputError
         Nothing to draw; a spread, style or resolution that does not exist.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         `path` cannot be written.
 

@@ -96,6 +96,8 @@ def plot_deployment(
         What is no history with these columns.
     InputError
         Another ending of `path`; a style or resolution that does not exist.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         `path` cannot be written.
 
@@ -148,7 +150,7 @@ def compare_runs(
     InputTypeError
         What is no list of paths.
     MissingFileError
-        A folder without history.
+        A folder without history, or no style sheet of that name.
     OutputError
         `path` cannot be written.
 

@@ -103,6 +103,8 @@ def plot_energy(
         What is no history with these columns.
     InputError
         Another ending of `path`; a style or resolution that does not exist.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         `path` cannot be written.
 

@@ -54,6 +54,8 @@ def plot_history(
         What is no history.
     InputError
         A column that no history has.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         `path` cannot be written.
 

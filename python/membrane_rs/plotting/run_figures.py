@@ -72,6 +72,8 @@ def save_run_figures(
         A format, style, width, column or time that does not exist; a run with neither frames nor two samples.
     InputTypeError
         No run, no path, no list of formats.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         A file cannot be written.
 
@@ -83,6 +85,8 @@ def save_run_figures(
     >>> [path.name for path in save_run_figures(made, "figures", ["svg"], times=2)]
     ['deployment.svg', 'energy.svg', 'snapshots.svg', 'snapshots-turning.svg']
     """
+    if not all(hasattr(run, name) for name in ("scene", "history", "frames")):
+        raise InputTypeError(f"run = {show(run)}: must be a Run, as membrane_rs.run and open_run give it")
     look = style_of(style, PAPER)
     if width is not None:
         look = replace(look, width=width)

@@ -81,6 +81,8 @@ def plot_snapshots(
     InputError
         A run without frames, fewer than 1 or more than 60 snapshots, a time outside of the run, a view that does not
         exist.
+    MissingFileError
+        No style sheet of that name.
     OutputError
         A frame is damaged, or `path` cannot be written.
 

@@ -151,7 +151,7 @@ class Experiment:
         InputError
             No such column.
         """
-        if name not in self.columns:
+        if not isinstance(name, str) or name not in self.columns:
             raise InputError(f"column {show(name)}: {self.name} has none; it has {', '.join(self.columns)}")
         values = self.columns[name]
         known = np.isfinite(values)

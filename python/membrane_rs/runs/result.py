@@ -117,6 +117,8 @@ class Run(HasCard, KnownAttributes):
         ------
         InputError
             A word that is none of those, a field that the run lacks, or a run without frames.
+        InputTypeError
+            A time that is no number.
         DisplayError
             A window where there is no display.
         MissingExtraError

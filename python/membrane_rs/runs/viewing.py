@@ -58,6 +58,8 @@ def view(
     ------
     InputError
         A word that is none of those, a field that the run lacks, or a run without frames.
+    InputTypeError
+        A time that is no number.
     MissingFileError, SceneError, OutputError
         Neither a folder of a run nor a scene, or damaged files.
     DisplayError

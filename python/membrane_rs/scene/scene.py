@@ -161,6 +161,8 @@ class Scene(Valued, HasCard):
         ------
         SceneError
             No such stage, or values that the scene refuses.
+        InputTypeError
+            No whole number.
 
         Examples
         --------
@@ -169,6 +171,8 @@ class Scene(Valued, HasCard):
         >>> scene.stages[0].name, scene.staged(0).stages
         ('settle in the roll', ())
         """
+        if isinstance(index, bool) or not isinstance(index, int):
+            raise InputTypeError(f"index = {show(index)}: must be a whole number, from 0 to {len(self.stages) - 1}")
         if not 0 <= index < len(self.stages):
             raise SceneError(f"stage {show(index)}: must be from 0 to {len(self.stages) - 1}")
         planned = tuple(planned_starts(self.stages)[: index + 1])

@@ -265,7 +265,15 @@ class Stepper(ShownMotion):
         -------
         bool
             Whether the time was reached.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            No finite number.
+        UnstableError, KeyboardInterrupt
+            As `step`.
         """
+        time, seconds = number_of("time", time), number_of("seconds", seconds)
         return seconds > 0.0 and self._reach(time, seconds) and self._is_at(time)
 
     def _is_at(self, time: float) -> bool:

@@ -16,7 +16,7 @@ from threading import Event
 
 import numpy as np
 
-from membrane_rs._validation import nearest
+from membrane_rs._validation import nearest, number_of
 from membrane_rs.errors import InputError
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
@@ -77,6 +77,8 @@ def ablate(
     ------
     InputError
         A number outside its range, an unknown method.
+    InputTypeError
+        No scene, or no number.
     UnstableError
         The run of the complete scene stopped.
 
@@ -93,6 +95,7 @@ def ablate(
     Traceback (most recent call last):
     membrane_rs.errors.InputError: tolerance = 0.0: must be greater than 0 and finite
     """
+    tolerance = number_of("tolerance", tolerance, "-")
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {tolerance}: must be greater than 0 and finite")
     if members < 0:

@@ -16,7 +16,7 @@ from dataclasses import replace
 from statistics import median
 from threading import Event
 
-from membrane_rs._validation import nearest, show
+from membrane_rs._validation import check_kind, nearest, show
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.work_precision import COSTS
 from membrane_rs.runs import Simulation
@@ -106,6 +106,8 @@ def work_precision(
     InputError
         An unknown method, a number outside its range, a density that the mesh cannot represent, a scene without
         motion.
+    InputTypeError
+        No scene, or no number.
     UnstableError
         The reference run stopped.
 
@@ -122,6 +124,7 @@ def work_precision(
     members = (4 if curves else 0) if members is None else members
     repeats = (1 if curves else 3) if repeats is None else repeats
     for what, value, least in (("steps", steps, 1), ("ensemble", members, 0), ("repeats", repeats, 1)):
+        check_kind(value, int, what, "a whole number")
         if value < least:
             raise InputError(f"{what} = {value}: must be {least} or above")
     for what, number in (("error", wanted), ("budget", budget)):

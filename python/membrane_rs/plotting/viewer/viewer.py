@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -10,7 +9,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import show
+from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.actors import film_colors
 from membrane_rs.plotting.camera import Camera
@@ -148,11 +147,10 @@ class Viewer:
 
         Raises
         ------
-        InputError
-            One that is not finite.
+        InputError, InputTypeError
+            No finite number.
         """
-        if not math.isfinite(time):
-            raise InputError(f"time = {show(time)}: must be finite; the run goes to {self.times[-1]:.6g} s")
+        time = number_of("time", time)
         self.show_frame(int(np.abs(self.times - time).argmin()))
 
     def show_frame(self, index: int) -> None:

@@ -9,6 +9,7 @@ from threading import Event
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._validation import check_kind, number_of
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.measures import peak_stress
@@ -134,11 +135,15 @@ def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
     ------
     InputError
         An end that is not above 0, fewer than one instant, or a scene that a simulation refuses.
+    InputTypeError
+        No scene, or no number.
     """
+    check_kind(scene, Scene, "scene", "a Scene")
     refuse_stages(scene)
-    end = scene.run.until if until is None else float(until)
+    end = scene.run.until if until is None else number_of("until", until)
     if not 0.0 < end < float("inf"):
         raise InputError(f"until = {end}: must be greater than 0 and finite (s)")
+    check_kind(instants, int, "instants", "a whole number")
     if instants < 1:
         raise InputError(f"instants = {instants}: must be 1 or above")
     sim = Simulation(scene)
