@@ -52,6 +52,8 @@ def look_at(
     ------
     InputError
         A word that is none of those, a field that the run lacks, or a run without frames.
+    OutputError
+        A damaged frame.
     DisplayError
         A window where there is no display.
     MissingExtraError
