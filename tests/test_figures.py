@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, InputTypeError, Run, plotting
 from membrane_rs.plotting.columns import label_of, prefixed, unit_of
+from membrane_rs.plotting.panels import DENSE
 from membrane_rs.results import read_experiment
 
 TIME = np.linspace(0.0, 1.0, 50)
@@ -240,3 +241,12 @@ def test_values_of_every_kind_are_drawn(value: float) -> None:
 def test_what_cannot_be_drawn_is_refused(call: Any, kind: type[Exception], words: str) -> None:
     with pytest.raises(kind, match=words):
         call()
+
+
+@pytest.mark.parametrize(("count", "is_above"), [(DENSE, True), (DENSE + 1, False)])
+def test_marks_of_many_points_stand_behind_the_curves(count: int, is_above: bool) -> None:
+    time = np.linspace(0.0, 1.0, count)
+    measured = {"time": time, "hub_torque": time}
+    figure = plot_comparison({"run": table()}, ["hub_torque"], experiments={"drop": measured})
+    line, marks = (line.get_zorder() for line in figure.axes[0].lines)
+    assert (marks > line) is is_above

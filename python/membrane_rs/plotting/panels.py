@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from membrane_rs.plotting.styled_figure import StyledFigure
 
 MARKS = "osD^vPX"
+DENSE = 100
+"""Points of an experiment beyond which their marks would hide the curves."""
 _BAND = 0.22
 _THIN = 0.4
 """Width of the line of a member of an ensemble [pt]."""
@@ -204,20 +206,21 @@ def _draw_band(axes: Axes, band: Band, factor: float, index: int, entry: str) ->
 
 
 def _draw_marks(axes: Axes, source: Source, column: str, factor: float, look: dict[str, Any]) -> None:
-    """Hollow marks, with bars where the standard deviation is known."""
+    """Hollow marks, with bars where the standard deviation is known; of many points dots behind the curves."""
+    is_dense = len(source.time) > DENSE
     uncertainty = source.table.get(column + DEVIATION)
     axes.errorbar(
         source.time,
         source.column(column) / factor,
         yerr=None if uncertainty is None else np.abs(drawable(uncertainty)) / factor,
         linestyle="none",
-        color="black",
-        markerfacecolor="white",
-        markeredgewidth=0.8,
-        markersize=4.0,
+        color="0.6" if is_dense else "black",
+        markerfacecolor="0.6" if is_dense else "white",
+        markeredgewidth=0.0 if is_dense else 0.8,
+        markersize=4.5 if is_dense else 4.0,
         elinewidth=0.7,
-        capsize=1.5,
-        zorder=3,
+        capsize=0.0 if is_dense else 1.5,
+        zorder=1.5 if is_dense else 3,
         **look,
     )
 
