@@ -40,6 +40,7 @@ nb_execution_mode = "force"
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
+nb_render_markdown_format = "myst"  # with tables
 os.environ["PYVISTA_JUPYTER_BACKEND"] = "static"  # pictures: no kernel serves the pages of a site
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # else from a network
 
