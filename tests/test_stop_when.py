@@ -220,7 +220,9 @@ def test_what_is_met_at_the_start_must_be_met_anew() -> None:
 
 
 def test_a_number_that_stands_for_a_truth_is_told() -> None:
-    with pytest.warns(UserWarning, match="is 0 already, and so ends the run only as it passes 0 later; a condition gives"):
+    with pytest.warns(
+        UserWarning, match="is 0 already, and so ends the run only as it passes 0 later; a condition gives"
+    ):
         result = run(CREASE, 2e-3, stop_when=lambda sim: int(sim.time > 1e-3))
     assert result.outcome == "finished"
 
