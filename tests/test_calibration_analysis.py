@@ -166,3 +166,16 @@ def test_columns_without_a_value_are_left_out_unless_they_are_named() -> None:
     assert [column.name for column in data_columns(data, None, None, 10.0)] == ["force"]
     with pytest.raises(InputError, match="no value of 'torque' from 0 to 10 s"):
         data_columns(data, ["torque"], None, 10.0)
+
+
+def test_data_up_to_the_end_of_the_runs_count() -> None:
+    (column,) = data_columns(one([1.0, 2.0, 3.0]), None, None, 1.0)
+    assert column.time.tolist() == [0.0, 1.0]
+
+
+def test_noise_of_the_means_adds_to_given_deviations() -> None:
+    """Noise of 2 standard deviations, in derivatives that it hides by little: sqrt(1 + 4) times those of M alone."""
+    matrix, noise = np.full((100, 1), 1e4), 2.0
+    bias = 2.0 * 100 * noise**2 / 0.02**2
+    expected = math.sqrt((1.0 + noise**2) / (100 * 1e8 - bias))
+    assert Linear(matrix.tolist(), noise).analysis().errors == pytest.approx([expected], rel=1e-6)

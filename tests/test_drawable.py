@@ -81,4 +81,4 @@ def test_what_can_be_drawn_stays_as_it_is() -> None:
     values = np.array([0.0, -LARGEST, np.nan])
     assert drawable(values) is values
     assert np.isnan(drawable(np.array([1.1 * LARGEST, -np.inf]))).all()
-    assert count_beyond([values, [np.inf, 1.0]]) == 1
+    assert count_beyond([values, [np.inf, 1.0, -2.0 * LARGEST]]) == 2

@@ -57,6 +57,8 @@ REFUSED = {
     "#\ntime,a\n1,2,3\n": r"line 3 has 3 cells, and line 2 names 2 columns",
     "time,a\n1,2\n2,fast\n": r"line 3, column 'a': 'fast' is no number; write a number, or leave it empty",
     "time;a\n0;0,5\n": r"line 2, column 'a': '0,5' is no number; write a point for the decimals",
+    "time,a\n1,1_000\n": r"line 2, column 'a': '1_000' is no number",
+    "0,1\n1,2\n": r"line 1 holds numbers; the first line must name the columns",
     "time,a\n1,inf\n": r"line 2, column 'a': inf is not finite",
     "time,a\n1,1e999\n": r"line 2, column 'a': inf is not finite",
     "time,a\n,2\n": r"line 2: the time is missing",
