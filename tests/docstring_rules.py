@@ -88,8 +88,10 @@ def parameters(value: Any) -> list[str]:
 
 
 def docs_of(value: Any) -> list[NumpyDocString]:
-    """The docstring of a function, or those of a class and its bases."""
-    kinds = value.__mro__ if inspect.isclass(value) else [value]
+    """The docstring of a function, or those of a class and of the interface that it implements."""
+    kinds = (
+        [kind for kind in value.__mro__ if kind is value or kind in INTERFACES] if inspect.isclass(value) else [value]
+    )
     return [NumpyDocString(inspect.getdoc(kind) or "") for kind in kinds if inspect.getdoc(kind) and kind is not object]
 
 

@@ -85,6 +85,12 @@ def test_a_unit_that_is_not_that_of_the_field_is_found(monkeypatch: pytest.Monke
     assert lacks(membrane_rs.Material) == ["a unit of poisson_ratio", "the unit [kg/m3] of density"]
 
 
+def test_a_parameter_that_only_a_base_class_describes_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = inspect.getdoc(membrane_rs.Simulation) or ""
+    monkeypatch.setattr(membrane_rs.Simulation, "__doc__", text.replace("dt : float, optional", "Step", 1))
+    assert "parameter dt" in lacks(membrane_rs.Simulation)
+
+
 def test_a_property_says_its_unit(monkeypatch: pytest.MonkeyPatch) -> None:
     time = inspect.getattr_static(membrane_rs.Simulation, "time")
     assert lacks(time, membrane_rs.Simulation) == []
