@@ -114,6 +114,13 @@ def test_what_no_run_wrote_is_refused(damage: Callable[[Path], None], words: str
         open_run(folder)
 
 
+def test_a_pipe_is_no_history_of_a_run_that_was_killed_at_its_start(folder: Path) -> None:
+    (folder / "summary.json").write_text('{"outcome": "running"}')
+    pipe(folder)
+    with pytest.raises(MembraneError, match=r"history\.csv"):
+        open_run(folder)
+
+
 @pytest.mark.parametrize("change", [lambda data: b"\xef\xbb\xbf" + data, lambda data: data.replace(b"\n", b"\r\n")])
 def test_what_editors_add_to_a_text_changes_nothing(change: Callable[[bytes], bytes], folder: Path) -> None:
     before = read_history(folder)
