@@ -165,3 +165,10 @@ def test_a_run_that_goes_on_tells_how_far_it_is(staged: Run) -> None:
     assert banner is not None
     words = " ".join("".join(banner.itertext()).split())
     assert words.startswith("This run still goes on at 0.02 s of 1 s. A process goes on with it")
+
+
+def test_single_values_that_no_axis_holds_are_gaps(staged: Run) -> None:
+    rates = staged.history["deployment_rate"].copy()
+    rates[[3, 4]] = 1e308, -1e308
+    runs = labelled([with_history(staged, {**staged.history, "deployment_rate": rates})])
+    assert len(list(curve_section(Sources(runs, [])).iter("svg"))) > 1
