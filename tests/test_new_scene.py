@@ -135,7 +135,7 @@ def test_nothing_is_replaced(folder: Path) -> None:
         (["mine", "--from", "okuizumi-model-3"], "is not built in; did you mean 'okuizumi-model-"),
         (["mine", "--from", "none.toml"], "there is no such scene file"),
         (["mine", "--set", "laws.spin.frequency=3 m"], "is a length; must be a frequency"),
-        (["mine", "--set", "laws.spin.frequenzy=3"], "did you mean 'frequency'"),
+        (["mine", "--set", "laws.spin.frequenzy=3"], "did you mean 'laws.spin.frequency'"),
         (["mine", "--set", "x"], "must be KEY=VALUE"),
     ],
 )

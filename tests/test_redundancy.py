@@ -123,7 +123,7 @@ def test_check_prints_both() -> None:
     ("parameter", "value", "kind", "words"),
     [
         ("laws.crease.stiffness", 1.0, SceneError, "did you mean 'laws.creases.stiffness'"),
-        ("laws.springs.bucklin", 1.0, SceneError, "did you mean 'buckling'"),
+        ("laws.springs.bucklin", 1.0, SceneError, "did you mean 'laws.springs.buckling'"),
         ("springs", 1.0, SceneError, "this scene has no value of that name; did you mean 'laws.springs"),
         ("laws.springs.buckling", -1.0, InputError, "buckling = -1"),
         ("parts.7.nodes", 1.0, SceneError, "no value of that name; did you mean 'parts.0.nodes'"),

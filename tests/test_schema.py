@@ -69,6 +69,7 @@ WRONG = [
     ("[run]", "[runs]", "'runs' was unexpected"),
     ('snapshots = [0.0, "20 ms"]', "frames = 1", "frames"),
     ('name = "with units"', 'name = "a/b"', "name"),
+    ('snapshots = [0.0, "20 ms"]', 'integrator = "rk5"', "integrator"),
 ]
 
 

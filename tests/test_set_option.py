@@ -40,7 +40,10 @@ def test_every_command_of_a_scene_takes_values(name: str, tmp_path: Path, monkey
     for line in before:
         assert call(*line)[0] == 0
     code, shown = call(name, *words, "--set", "laws.spin.frequenc=1")
-    assert (code, "laws.spin.frequenc = 1: no such key; did you mean 'frequency'" in " ".join(shown.split())) == (
+    assert (
+        code,
+        "laws.spin.frequenc = 1: no such key; did you mean 'laws.spin.frequency'" in " ".join(shown.split()),
+    ) == (
         2,
         True,
     )

@@ -102,7 +102,7 @@ def test_colours_differ_for_readers_without_red_or_green(seen: Any) -> None:
         (Path("no.mplstyle"), MissingFileError, "style = no.mplstyle: no such file"),
         ({"axes.gird": True}, InputError, "matplotlib has no parameter 'axes.gird'; did you mean 'axes.grid'"),
         ({"axes.grid": "perhaps"}, InputError, "axes.grid = 'perhaps': matplotlib refuses it"),
-        ({3: True}, InputError, "Style.rc.3. = 3: must be a valid string"),
+        ({3: True}, InputError, "Style.rc.3. = 3: must be a text"),
     ],
 )
 def test_what_is_no_style_is_refused(style: Any, kind: type[Exception], words: str) -> None:

@@ -65,7 +65,7 @@ def test_values_of_stages() -> None:
     ("vary", "words"),
     [
         ({"laws.crease.stiffness": "1"}, "did you mean 'laws.creases.stiffness'"),
-        ({"laws.creases.stifness": "1"}, "did you mean 'stiffness'"),
+        ({"laws.creases.stifness": "1"}, "did you mean 'laws.creases.stiffness'"),
         ({STIFFNESS: "-1,1,-3", "material.thickness": "0"}, "stiffness = -1, -3: must be .*thickness = 0: must be"),
         ({"material.thickness": "5kg,1um,3 s"}, "thickness = '5kg': is a mass; .*thickness = '3 s': is a time"),
         ({"name": "a,b"}, "vary name: is a text that no run depends on; vary a value, such as"),

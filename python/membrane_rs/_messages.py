@@ -13,15 +13,18 @@ LONGEST_MESSAGE = 300
 """Characters of a message of another program, at most."""
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them."""
+def nearest(word: str, known: Iterable[str], place: str = "") -> str:
+    """The end of a message about an unknown word: the known word that means it, or the nearest one, or all of them.
+
+    The one that is meant is shown behind its place: "laws.creases.".
+    """
     words = sorted(known)
     other = word.strip().lower().replace("'", "").replace("-", "_").replace(" ", "_")
     for name, unit in OTHER_NAMES.get(other, ()):
         if name in words:
-            return f"did you mean '{name}'{f' ({unit})' if unit else ''}?"
+            return f"did you mean '{place}{name}'{f' ({unit})' if unit else ''}?"
     close = difflib.get_close_matches(word, words, n=1)
-    return f"did you mean '{close[0]}'?" if close else "known are: " + ", ".join(words)
+    return f"did you mean '{place}{close[0]}'?" if close else "known are: " + ", ".join(words)
 
 
 def show(value: object) -> str:

@@ -102,8 +102,10 @@ USUAL = (
 """Names among which that of an unknown unit is looked for."""
 LONGEST, LONGEST_UNIT, MOST_FACTORS, HIGHEST = 200, 60, 8, 9
 """Letters of a text and of its unit, factors of a unit, and their exponents, at most."""
-_ALONE = ("K", "Hz", "Hz/s", "rad", "deg", "1/s", "kg/m3", "m2")
-"""Units that are written without a prefix."""
+_PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+"""Prefixes by their powers of ten."""
+_PREFIXED = re.compile(r"(?!kg/m3)(m|kg|s|N|Pa|J|W)((?:[ /].*)?)")
+"""Units whose first factor is written with a prefix; kg/m3 is not, by custom."""
 MOST_KEPT = 1000
 """Units and conversions that are remembered, so that a file of many texts is read quickly."""
 LONGEST_SYMBOL = 4
@@ -196,12 +198,19 @@ def conversion(unit: str, wanted: str) -> tuple[float, float]:
 
 
 def compact(value: float, unit: str, digits: int) -> str:
-    """A value in a unit as text, with a prefix where that makes the number shorter."""
-    quantity = _registry().Quantity(Decimal(repr(value)), unit_named(unit))
-    if unit and value and unit_named(unit).dimensionality and unit not in _ALONE:
-        quantity = quantity.to_compact()
-    shown = f"{float(quantity.magnitude):.{digits}g}"
-    return f"{shown} {quantity.units:~C}" if unit else shown
+    """A value in a unit as text, in the notation of that unit, with a prefix where that makes the number shorter."""
+    found = _PREFIXED.fullmatch(unit)
+    exact = Decimal(repr(value))
+    rounded = Decimal(f"{exact:.{digits - 1}e}")
+    if found is None or not rounded:
+        return f"{value:.{digits}g} {unit}".rstrip()
+    # A prefix stands before the gram; a thousand kilograms or seconds have none.
+    shift, largest = {"kg": (3, 3), "s": (0, 0)}.get(found[1], (0, 9))
+    step = 3 * ((rounded.adjusted() + shift) // 3)
+    if step not in _PREFIXES or step > largest:
+        return f"{value:.{digits}g} {unit}"
+    number = rounded.scaleb(shift - step).normalize()
+    return f"{number:f} {_PREFIXES[step]}{found[1][-1] if shift else found[1]}{found[2]}"
 
 
 def kind_of(unit: Any) -> str:

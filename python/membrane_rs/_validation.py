@@ -83,7 +83,7 @@ __all__ = [
 
 T = TypeVar("T")
 
-_TYPE_ERRORS = {"wrong_type", "unexpected_keyword_argument", "unexpected_positional_argument"}
+_TYPE_ERRORS = {"wrong_type", "string_type", "unexpected_keyword_argument", "unexpected_positional_argument"}
 _TYPE_ERRORS |= {"missing_argument", "missing", "multiple_argument_values", "dataclass_type"}
 
 
@@ -254,6 +254,8 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
     if kind in ("missing", "missing_argument"):
         return f"{where}: is missing" + (f"; must be {allowed}" if allowed else "") + suffix
     text = detail["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    if kind == "string_type":
+        text = "must be a text"
     if kind == "dataclass_type" and (inner := checked_class(cls, name)) is not None:
         text = f"must be a {inner.__name__}, or a table with {', '.join(getattr(inner, '__pydantic_fields__', {}))}"
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):

@@ -6,14 +6,20 @@ from typing import Annotated
 
 from annotated_types import Ge, Le
 
+from membrane_rs import _core
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, validated
+from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, nearest, show, validated
 from membrane_rs.errors import InputError
 
 SHORTEST, LONGEST = 1e-15, 1e12
 """Times at the end of a run [s] beyond which steps cannot be counted."""
 MOST_INSTANTS = 10**7
 """More frames or samples than this would not fit into memory."""
+
+
+def known_methods() -> list[str]:
+    """The names of the methods of integration."""
+    return [facts.name for facts in _core.integrators()]
 
 
 @validated
@@ -95,6 +101,10 @@ class RunSettings:
     settle_rate = Renamed("relax_rate")
 
     def __post_init__(self) -> None:
-        """Check the end."""
+        """Check the method and the end."""
+        methods = known_methods()
+        if self.integrator not in methods:
+            what = f"RunSettings.integrator = {show(self.integrator)}: is no method"
+            raise InputError(f"{what}; {nearest(self.integrator, methods)}")
         if not SHORTEST <= self.until <= LONGEST:
             raise InputError(f"RunSettings.until = {self.until}: must be from {SHORTEST:g} to {LONGEST:g} (s)")

@@ -22,7 +22,7 @@ from membrane_rs.material import Material
 from membrane_rs.scene.bodies import BODIES
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.parts import PARTS
-from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.run_settings import RunSettings, known_methods
 from membrane_rs.scene.schedule import Schedule
 from membrane_rs.scene.stage import MEASURES, Stage
 
@@ -69,7 +69,7 @@ def schema() -> dict[str, Any]:
             "parts": _list("What a scene has beside its membrane.", PARTS),
             "bodies": _list("Bodies of prescribed motion.", BODIES),
             "stages": {"description": "One after the other in one run.", "type": "array", "items": _stage()},
-            "run": _table(RunSettings),
+            "run": _run(),
         },
         "additionalProperties": False,
         "definitions": _texts(),
@@ -85,6 +85,12 @@ def _list(description: str, kinds: Mapping[str, type]) -> dict[str, Any]:
 def _stage() -> dict[str, Any]:
     table = _table(Stage)
     table["properties"]["measure"] |= {"enum": list(MEASURES)}
+    return table
+
+
+def _run() -> dict[str, Any]:
+    table = _table(RunSettings)
+    table["properties"]["integrator"] |= {"enum": known_methods()}
     return table
 
 

@@ -201,7 +201,7 @@ def _read(scene: Changeable, key: str) -> tuple[Place, str, str]:
     name, _, inside = rest.partition(".")
     known = [entry.name for entry in fields(place.kind)]
     if name not in known:
-        hint = nearest(name, known) if name else f"name one, such as {_keys(place)[0]}"
+        hint = nearest(name, known, f"{place.label}.") if name else f"name one, such as {_keys(place)[0]}"
         raise SceneError(f"{show(key)}: no such key; {hint}")
     return place, name, inside
 
@@ -270,7 +270,7 @@ def _field(change: Change, rest: str, what: str, value: Any) -> tuple[str, Any]:
         name = renamed[name]
     known = [entry.name for entry in fields(kind)]
     if name not in known:
-        raise SceneError(f"{what}: no such key; {nearest(name, known)}")
+        raise SceneError(f"{what}: no such key; {nearest(name, known, f'{change.place.label}.')}")
     if not inside:
         if value == {} and not is_table(kind, name):
             return name, None
@@ -283,7 +283,7 @@ def _field(change: Change, rest: str, what: str, value: Any) -> tuple[str, Any]:
         raise SceneError(f"{what}: {change.place.label}.{name} is no table; leave .{inside} out")
     own = {entry.name: getattr(now, entry.name) for entry in fields(now)}
     if inside not in own:
-        raise SceneError(f"{what}: no such key; {nearest(inside, own)}")
+        raise SceneError(f"{what}: no such key; {nearest(inside, own, f'{change.place.label}.{name}.')}")
     return name, {**own, inside: value}
 
 
