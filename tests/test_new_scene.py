@@ -131,6 +131,8 @@ def test_nothing_is_replaced(folder: Path) -> None:
         (["", "--from", "spinning-tether"], "must be the name of a file"),
         (["a/b"], "there is no folder a; make it first"),
         ([".toml"], "names no file"),
+        (["x" * 300], "must be at most 200 letters"),
+        (["a\nb"], "must be at most 200 letters that can be printed"),
         (["x" * 101], "must be 1 to 100 characters"),
         (["mine", "--from", "okuizumi-model-3"], "is not built in; did you mean 'okuizumi-model-"),
         (["mine", "--from", "none.toml"], "there is no such scene file"),

@@ -73,11 +73,14 @@ def _tell_of(scene: Scene) -> None:
 def _path(name: str) -> Path:
     """Where a scene of a name is written. Raises InputError."""
     from membrane_rs._files import path_of
+    from membrane_rs._messages import show
     from membrane_rs.errors import InputError
 
     path = path_of(name, "NAME")
     if path.name in ("", ".toml", ".."):
         raise InputError(f"NAME = {name!r}: names no file; write one such as my-sail")
+    if not path.name.isprintable() or len(path.name) > 200:
+        raise InputError(f"NAME = {show(name)}: must be at most 200 letters that can be printed; write my-sail")
     if path.suffix != ".toml":
         path = path.with_name(f"{path.name}.toml")
     if not path.parent.is_dir():
