@@ -65,8 +65,8 @@ def test_public_names_are_those_of_the_packages_that_the_page_lists() -> None:
     for info in pkgutil.walk_packages(membrane_rs.__path__, "membrane_rs."):
         if info.ispkg and info.name != "membrane_rs.cli" and hasattr(import_module(info.name), "__all__"):
             found.append(info.name)
-    assert listed == sorted(found)
-    for place in found:
+    assert set(found) <= set(listed), "every package with public names is listed, and some modules"
+    for place in listed:
         module = import_module(place)
         assert all(hasattr(module, name) for name in module.__all__)
 

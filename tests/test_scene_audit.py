@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from membrane_rs import AuditWarning, Fixed, Gravity, Mesh, RunSettings, Scene, Simulation, Springs, scenes
+from membrane_rs import AuditWarning, Fixed, Gravity, Mesh, RunSettings, Scene, Simulation, Springs, run, scenes
 from membrane_rs.check import CHECKS, COSTLY_CHECKS, Finding, audit, unaccepted_errors
 from membrane_rs.cli import app
 from membrane_rs.folding import Strip
@@ -142,3 +142,11 @@ def test_a_study_does_not_warn_of_the_scenes_that_it_varies(tmp_path: Path) -> N
     for more, count in (("", 0), ("Simulation(scene)\n", 1)):
         done = subprocess.run([sys.executable, "-c", code + more], capture_output=True, text=True, check=True)
         assert done.stderr.count("given more than once") == count
+
+
+def test_a_run_warns_at_the_line_of_its_caller() -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run("spinning-tether", 0.01, frames=[0.0, 0.005, 0.02], stop_when=lambda sim: sim.time >= 0.0)
+    assert {str(warning.message).split(":")[0].split(" =")[0] for warning in caught} == {"frames", "stop_when"}
+    assert {warning.filename for warning in caught} == {__file__}

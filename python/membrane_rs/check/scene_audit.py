@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from membrane_rs._validation import check_kind
+from membrane_rs._validation import check_kind, show
+from membrane_rs._warning import warn
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
@@ -31,7 +31,7 @@ from membrane_rs.check.step_accuracy import accuracy_of_step
 from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
 from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.check.supports import supports
-from membrane_rs.errors import AuditWarning
+from membrane_rs.errors import AuditWarning, InputTypeError
 from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.motion import Motion
@@ -155,8 +155,8 @@ def audit_of_motion(sim: Motion) -> Audit:
     >>> audit_of_motion(Simulation(scenes.load("spinning-tether"))).ok
     True
     """
-
-    check_kind(sim, Motion, "sim", "a Simulation")
+    if not isinstance(getattr(sim, "scene", None), Scene):
+        raise InputTypeError(f"sim = {show(sim)}: must be a Simulation")
 
     def stepping_of(scene: Scene) -> Stepping:
         is_present = scene is (sim.stage_scene if sim.scene.stages else sim.scene)
@@ -254,11 +254,10 @@ def _unaccepted(scene: Scene, checks: Sequence[Check]) -> list[Finding]:
     return [one for one in found if one.severity == "error" and one.kind not in accepted]
 
 
-def warn_of(found: Audit, stacklevel: int = 2) -> None:
+def warn_of(found: Audit) -> None:
     """Warn of each error and each warning of an audit, by the category `AuditWarning`."""
     for finding in found.without_facts().findings:
-        text = f"{finding.severity}: {finding.message}; {finding.remedy}"
-        warnings.warn(text, AuditWarning, stacklevel=stacklevel + 1)
+        warn(f"{finding.severity}: {finding.message}; {finding.remedy}", AuditWarning)
 
 
 def _left_out(scene: Scene) -> Iterator[Finding]:

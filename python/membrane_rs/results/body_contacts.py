@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from membrane_rs._warning import warn
 from membrane_rs.errors import AuditWarning
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene.bodies import Body
@@ -74,7 +74,7 @@ class BodyContacts:
         """Warn of what was found, where the run came to the end of its scene."""
         if error is None:
             for finding in self.findings(sim):
-                warnings.warn(f"{finding.severity}: {finding.message}; {finding.remedy}", AuditWarning, stacklevel=2)
+                warn(f"{finding.severity}: {finding.message}; {finding.remedy}", AuditWarning)
 
     def findings(self, sim: Stepper) -> Iterator[Finding]:
         """Bodies that touched nothing up to the end of the scene, and friction that the steps did not resolve."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
 from membrane_rs._validation import show
+from membrane_rs._warning import warn
 from membrane_rs.errors import MembraneError, MissingFileError, OutputError
 from membrane_rs.results.history import HISTORY, read_history
 from membrane_rs.results.pvd import PVD, read_pvd
@@ -91,13 +91,8 @@ def _table(folder: Path, summary: Mapping[str, Any]) -> Mapping[str, Floats]:
         table = {"time": _EMPTY, "hub_angle": _EMPTY}
     _check_times(table["time"], path, "line", 2)
     if count is not None and len(table["time"]) != count:
-        _warn(f"{path}: has {len(table['time'])} samples, and {SUMMARY} says {count}; the run is not whole")
+        warn(f"{path}: has {len(table['time'])} samples, and {SUMMARY} says {count}; the run is not whole")
     return table
-
-
-def _warn(text: str) -> None:
-    """Warn at the call of `open_run`."""
-    warnings.warn(text, stacklevel=4)
 
 
 def _scene(path: Path) -> Scene:
@@ -136,10 +131,10 @@ def _frames(folder: Path, summary: Mapping[str, Any]) -> list[tuple[float, Path]
             lacking.append(file)
     if lacking:
         what = f"{len(lacking)} of its {len(frames)} frames are not there, the first {lacking[0]}"
-        _warn(f"{path}: {what}; put them back")
+        warn(f"{path}: {what}; put them back")
     if count is not None and len(frames) != count:
         what = f"lists {len(frames)} frames" if frames else "is not there, or lists no frame"
-        _warn(f"{path}: {what}, and {SUMMARY} says {count}; the run is not whole")
+        warn(f"{path}: {what}, and {SUMMARY} says {count}; the run is not whole")
     return frames
 
 

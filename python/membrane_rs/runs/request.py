@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of, show
+from membrane_rs._warning import warn
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import MOST_INSTANTS
@@ -121,7 +121,7 @@ class Request:
         times = output_times(start, self.until, **self.instants(scene), stages=scene.stages, starts=starts)
         return with_boundaries(times, [bound for bound in starts[1:] if bound >= start])
 
-    def warn_of_unshown(self, now: float, stacklevel: int) -> None:
+    def warn_of_unshown(self, now: float) -> None:
         """Warn of given times [s] that lie outside the run from `now` to its end, and so are not shown."""
         first, last = now - SAME_TIME * abs(now), self.until + SAME_TIME * abs(self.until)
         for name in ("frames", "samples"):
@@ -132,9 +132,9 @@ class Request:
             ):
                 if left_out:
                     what = f"{name}: {len(left_out)} of the times lie {place}, and are left out: {left_out[0]} s"
-                    warnings.warn(what, stacklevel=stacklevel + 1)
+                    warn(what)
 
-    def warn_of_fewer(self, asked: object, stacklevel: int) -> None:
+    def warn_of_fewer(self, asked: object) -> None:
         """Warn of frames, if a caller has asked for them, that are more than the samples at an interval, and so are not
         all shown.
         """
@@ -143,7 +143,7 @@ class Request:
         shown = self.frame_times
         if isinstance(self.frames, int) and not isinstance(shown, int) and len(shown) < self.frames:
             what = f"a frame is a sample, of which every = {self.every} s gives fewer; {len(shown)} are kept"
-            warnings.warn(f"frames = {self.frames}: {what}", stacklevel=stacklevel + 1)
+            warn(f"frames = {self.frames}: {what}")
 
     def until_later(self, until: float) -> Request:
         """The same to another end: instants after the old one continue with the spacing before it.

@@ -131,7 +131,7 @@ class Simulation(Stepper):
         start: Motion | str | Path | None = None,
     ) -> None:
         super().__init__(scene, integrator, dt, start=start)
-        warn_of(self.audit(), stacklevel=2)
+        warn_of(self.audit())
 
     def audit(self) -> Audit:
         """Faults, risks and facts of the scene, and of the method and step that this simulation has.
@@ -149,7 +149,7 @@ class Simulation(Stepper):
         """As `StagedMotion`, and warn of what begins the next stage inside a body."""
         super()._end_stage(ended_by)
         if not self.is_over:
-            warn_of(Audit.of(inside_at_stage_start(self)), stacklevel=3)
+            warn_of(Audit.of(inside_at_stage_start(self)))
 
     def relax(self, duration: float | None = None, rate: float | None = None) -> float:
         """Damp the scene to rest where its guide bars hold it, and start from there, at the same time.
@@ -302,8 +302,8 @@ class Simulation(Stepper):
             raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, Recorder)):
-            request.warn_of_unshown(self.time, stacklevel=2)
-            request.warn_of_fewer(frames, stacklevel=2)
+            request.warn_of_unshown(self.time)
+            request.warn_of_fewer(frames)
         folder = None if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
         all_observers: list[Observer[Simulation]] = [*observers, *([folder] if folder is not None else [])]
         recorders = [observer for observer in all_observers if isinstance(observer, Recorder)]

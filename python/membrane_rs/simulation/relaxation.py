@@ -8,13 +8,13 @@ M. R. Barnes, Form finding and analysis of tension structures by dynamic relaxat
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._warning import warn
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import MassDamping
@@ -115,11 +115,10 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
             further = f", where kinetic damping {error}"
         further = further or f" and {freely.time:.3g} s of kinetic damping"
     if left.share > AT_REST:
-        warnings.warn(
+        warn(
             f"relax: not at rest after {time:g} s at rate = {rate:g} 1/s{further}: node {left.node} has a net force of "
             f"{left.net:.3g} N, where rest is judged by the largest force on a node, {left.largest:.3g} N, and a speed "
             f"of {left.node_speed:.3g} m/s; relax longer, or at a rate near the lowest angular frequency (rad/s)",
-            stacklevel=3,
         )
     return left.positions, left.speed
 

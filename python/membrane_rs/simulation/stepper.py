@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing_extensions import Self
 
 from membrane_rs._files import path_of
 from membrane_rs._validation import number_of, show
+from membrane_rs._warning import warn
 from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.scene import Scene
 from membrane_rs.simulation.checkpoint import STATE, StateFile, read_state
@@ -384,7 +384,7 @@ class Stepper(ShownMotion):
             sim.is_relaxed = bool(state.pop("is_relaxed"))
             own = (*(ENTRIES if scene.stages else ()), *OF_STOP)
             for name, words in unknown_entries([name for name in state if name not in own], sim.law_names).items():
-                warnings.warn(f"{path}: {name} is ignored: {words}", stacklevel=3)
+                warn(f"{path}: {name} is ignored: {words}")
                 del state[str(name)]
             sim._stop = stop
             sim.set_state(state)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -13,6 +12,7 @@ import numpy as np
 
 from membrane_rs._messages import function_words, in_one_line
 from membrane_rs._validation import build, nearest, number_of, show
+from membrane_rs._warning import warn
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST
 from membrane_rs.scene.stage import Stage
@@ -177,7 +177,7 @@ class StoppableMotion(ResumableMotion):
             what = "is met already, and so ends the run only when it is met anew"
             if stop.is_number:
                 what = "is 0 already, and so ends the run only as it passes 0 later; a condition gives true or false"
-            warnings.warn(f"stop_when = {stop.described} at t = {self.time:.6g} s: {what}", stacklevel=3)
+            warn(f"stop_when = {stop.described} at t = {self.time:.6g} s: {what}")
 
     def _end_stop(self) -> None:
         """Look for it no more."""
