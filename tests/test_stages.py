@@ -301,8 +301,8 @@ def test_the_audit_names_stages() -> None:
 
 
 def test_a_stage_that_the_core_refuses_is_named_at_once() -> None:
-    scene = with_stages(Stage("a", 0.1), Stage("b", 0.1, set={"run.integrator": "euler"}))
-    refused(lambda: Simulation(scene), InputError, r"stages\[1\]: .*euler")
+    unknown = Stage("b", 0.1, set={"run.integrator": "euler"})
+    refused(lambda: with_stages(Stage("a", 0.1), unknown), SceneError, r"stages\[1\]: run.integrator = 'euler': is no")
     scene = with_stages(Stage("a", 0.1), Stage("b", 0.1, set={"run.dt": 1e3}))
     refused(lambda: Simulation(scene), InputError, r"stages\[1\]: ")
 
