@@ -172,6 +172,7 @@ def test_runs_beyond_a_time_limit_count_as_failures(scene: Scene) -> None:
 WRONG = [
     ({"laws.spin.frequency": [2.0, 3.0]}, {}, "is a list; give a range"),
     ({"parts.0.segments": "2:8"}, {}, "whole number"),
+    ({"run.until": "1:2"}, {}, "runs end where the data end; leave it out"),
     ({}, {}, "names no parameter"),
     ({"laws.spin.frequenzy": "2:5"}, {}, "frequency"),
     ({"laws.spin.frequency": "5:2"}, {}, "lower to a higher"),

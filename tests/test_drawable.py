@@ -11,7 +11,7 @@ import pytest
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting import plot_comparison, plot_deployment, plot_energy, plot_history
 from membrane_rs.plotting.drawable import LARGEST, count_beyond, drawable
-from membrane_rs.plotting.panel import Curve, panel_svg
+from membrane_rs.plotting.page_panel import Curve, panel_svg
 
 COUNT = 20
 TIME = np.linspace(0.0, 1.0, COUNT)

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from membrane_rs.plotting.fields import FIELDS
-from membrane_rs.plotting.panel import MOST_POINTS, Curve, panel_svg, thinned
+from membrane_rs.plotting.page_panel import MOST_POINTS, Curve, panel_svg, thinned
 from membrane_rs.plotting.web import STEPS, WIDTH, scale_colors, web_picture, web_picture_of
 from membrane_rs.report import library
 from membrane_rs.report.markup import clean, data, drawing, element, page_text, script, table

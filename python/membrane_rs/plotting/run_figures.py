@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from membrane_rs._files import output_errors, path_of
+from membrane_rs._files import made_folder, path_of
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.crossings import plot_crossings
@@ -98,8 +98,7 @@ def save_run_figures(
     folder = path_of(folder, "folder")
     files = []
     for name, figure in _figures(run, look, times, columns):
-        with output_errors(folder):
-            folder.mkdir(parents=True, exist_ok=True)
+        made_folder(folder)
         for ending in dict.fromkeys(formats):
             files.append(folder / f"{name}.{ending}")
             save_figure(figure(), files[-1])

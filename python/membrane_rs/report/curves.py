@@ -11,7 +11,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.columns import axis_label, label_of, prefixed, unit_of
 from membrane_rs.plotting.ensemble import Ensemble
-from membrane_rs.plotting.panel import Curve, panel_svg
+from membrane_rs.plotting.page_panel import Curve, panel_svg
 from membrane_rs.plotting.sources import Source
 from membrane_rs.plotting.stage_marks import stage_starts
 from membrane_rs.report.markup import drawing, element

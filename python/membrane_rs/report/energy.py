@@ -10,7 +10,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.columns import prefixed
 from membrane_rs.plotting.energy import LEAST, MOTOR, RESIDUAL, label, line_of, since_start, term_changes
-from membrane_rs.plotting.panel import Curve, panel_svg
+from membrane_rs.plotting.page_panel import Curve, panel_svg
 from membrane_rs.report.curves import changes, drawable, stage_names
 from membrane_rs.report.markup import drawing, element, table
 from membrane_rs.report.sources import BLACK, RUN_COLORS, LabelledRun

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
-from membrane_rs._files import output_errors, path_of, write_text
+from membrane_rs._files import made_folder, path_of, write_text
 from membrane_rs._html import Card, HasCard
 from membrane_rs._validation import computable, show
 from membrane_rs.errors import InputTypeError, SceneError
@@ -260,9 +260,7 @@ class Scene(Valued, HasCard):
         >>> from membrane_rs import scenes
         >>> scenes.load("spinning-tether").save("tether")
         """
-        folder = path_of(folder, "folder")
-        with output_errors(folder):
-            folder.mkdir(parents=True, exist_ok=True)
+        folder = made_folder(folder)
         if self.mesh is not None and pattern_name(self.mesh) is None:
             self.mesh.save(folder / MESH_FILE)
         write_text(folder / SCENE_FILE, self.to_toml())

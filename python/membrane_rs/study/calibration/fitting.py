@@ -188,6 +188,8 @@ def _ranges(scene: Scene, vary: Mapping[str, Any]) -> list[Parameter]:
                 f"vary {one.key}: is {what}; give a range such as 1:100, or 1:100:log by logarithms "
                 "(whole numbers: sweep)"
             )
+        if one.key == "run.until":
+            raise InputError("vary run.until: runs end where the data end; leave it out")
     return found
 
 

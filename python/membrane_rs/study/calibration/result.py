@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._files import output_errors, path_of, write_text
+from membrane_rs._files import made_folder, write_text
 from membrane_rs.errors import MissingExtraError
 from membrane_rs.scene import Scene
 from membrane_rs.study.calibration.analysis import Analysis, FittedParameter
@@ -194,9 +194,7 @@ class Calibration:
         InputError, InputTypeError
             No path.
         """
-        place = path_of(folder)
-        with output_errors(place):
-            place.mkdir(parents=True, exist_ok=True)
+        place = made_folder(folder)
         tables, numbers, figure = (place / name for name in OUTPUTS)
         scene = place / CALIBRATED
         self.scene.save(scene)
