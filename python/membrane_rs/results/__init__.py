@@ -11,12 +11,14 @@ from membrane_rs.results.experiment_file import read_experiment
 from membrane_rs.results.history import read_history
 from membrane_rs.results.measures import deployment_rate, peak_stress
 from membrane_rs.results.pvd import read_pvd, write_pvd
+from membrane_rs.results.run_history import RunHistory
 from membrane_rs.results.summary import read_summary
 from membrane_rs.results.vtk import read_frame, write_frame
 
 __all__ = [
     "CrossingCounts",
     "Experiment",
+    "RunHistory",
     "deployment_rate",
     "peak_stress",
     "read_crossings",

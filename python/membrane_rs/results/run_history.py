@@ -34,6 +34,15 @@ class RunHistory(Mapping[str, Floats]):
     ----------
     units : dict of str to str
         The unit of each column, such as "N m"; empty for a number alone. Read only.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> history = membrane_rs.run("spinning-tether", until=1e-3, every=5e-4).history
+    >>> history["time"].tolist(), history.units["kinetic_energy"]
+    ([0.0, 0.0005, 0.001], 'J')
+    >>> history.at(0.00025, "time")
+    0.00025
     """
 
     def __init__(self, table: Mapping[str, Floats], recorded: Mapping[str, str] | None = None) -> None:
@@ -62,7 +71,20 @@ class RunHistory(Mapping[str, Floats]):
         return len(self._table["time"])
 
     def at(self, time: float, name: str) -> float:
-        """A column at a time [s]: exactly at that of a sample, else between two of them; NaN without samples."""
+        """A column at a time.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        name : str
+            Of the column.
+
+        Returns
+        -------
+        float
+            In its unit: exactly at the time of a sample, linear between two of them; NaN without samples.
+        """
         times, column = self["time"], self[name]
         return float(np.interp(time, times, column)) if len(times) else float("nan")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from membrane_rs.runs.frames import RunFrame
+from membrane_rs.runs.frames import RunFrame, RunFrames
 from membrane_rs.runs.opening import open_run
 from membrane_rs.runs.result import Run
 from membrane_rs.runs.resuming import resume
@@ -11,4 +11,4 @@ from membrane_rs.runs.running import run
 from membrane_rs.runs.simulation import Simulation
 from membrane_rs.runs.viewing import view
 
-__all__ = ["Run", "RunFolder", "RunFrame", "Simulation", "open_run", "resume", "run", "view"]
+__all__ = ["Run", "RunFolder", "RunFrame", "RunFrames", "Simulation", "open_run", "resume", "run", "view"]

@@ -93,10 +93,26 @@ class RunFrame(FrameData):
 class RunFrames(Sequence[RunFrame]):
     """The frames of a run: a sequence, each made when it is asked for.
 
+    Parameters
+    ----------
+    times : sequence of float
+        Of the frames [s].
+    history : RunHistory
+        Of the same run.
+
     Attributes
     ----------
     times : (frames,) float
         [s], read only.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> frames = membrane_rs.run("spinning-tether", until=1e-3, frames=3).frames
+    >>> len(frames), frames.times.tolist(), frames[-1].time
+    (3, [0.0, 0.0005, 0.001], 0.001)
+    >>> frames.near(6e-4).time
+    0.0005
     """
 
     def __init__(self, times: Sequence[float], history: RunHistory) -> None:
@@ -132,7 +148,23 @@ class RunFrames(Sequence[RunFrame]):
         return len(self.times)
 
     def near(self, time: float) -> RunFrame:
-        """The frame nearest to a time [s]. Raises InputError where there is none at all."""
+        """The frame nearest to a time.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+
+        Returns
+        -------
+        RunFrame
+            The earlier one of two that are as near.
+
+        Raises
+        ------
+        InputError
+            There is no frame at all.
+        """
         if not len(self):
             raise InputError("frames: there are none; a run writes the first one at its start")
         return self[int(np.abs(self.times - time).argmin())]
