@@ -87,7 +87,7 @@ def test_wrong_scenes_do_not_fit(old: str, new: str, words: str, tmp_path: Path)
 def tables(value: Any) -> Iterator[dict[str, Any]]:
     """All descriptions of tables in the schema."""
     if isinstance(value, dict):
-        if isinstance(value.get("properties"), dict):
+        if isinstance(value.get("properties"), dict) and "additionalProperties" in value:
             yield value
         for item in value.values():
             yield from tables(item)
@@ -129,4 +129,5 @@ def test_the_command_prints_it_and_new_writes_it(tmp_path: Path, monkeypatch: py
 def test_old_names_are_taken_and_marked() -> None:
     old = SCHEMA["properties"]["run"]["properties"]["settle"]
     assert (old["deprecated"], old["description"]) == (True, "The old name of relax.")
-    assert faults("[run]\nsettle = 0.1\n") == []
+    assert faults(f"{FILE}settle = 0.1\n") == []
+    assert faults(f"{FILE}settle = 0.1\nrelax = 0.1\n") != []

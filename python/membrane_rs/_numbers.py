@@ -13,7 +13,7 @@ from typing import Annotated, TypeGuard
 
 import numpy as np
 from annotated_types import Ge, Gt, Le
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 
@@ -142,5 +142,14 @@ Times = Annotated[Sequence[NonNegative], BeforeValidator(numbers)]
 """Any number of times, none negative, from a tuple, list or array."""
 Numbers = Annotated[Sequence[Finite], BeforeValidator(numbers)]
 """Any number of finite numbers, from a tuple, list or array."""
-Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes)]
+_NODES_OF_FILES = {
+    "anyOf": [
+        {"type": "string", "minLength": 1},
+        {
+            "type": "array", "items": {"type": "integer", "minimum": 0, "maximum": MOST},
+            "minItems": 1, "uniqueItems": True,
+        },
+    ]
+}  # fmt: skip
+Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes), WithJsonSchema(_NODES_OF_FILES)]
 """The name of a node set, or node indices (tuple, list or array), none twice."""

@@ -15,22 +15,27 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from membrane_rs._fields import takes_numbers, unit_of
-from membrane_rs._quantities import KINDS
+from membrane_rs._quantities import KINDS, LONGEST
 from membrane_rs._renamed import new_names
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
 from membrane_rs.scene.bodies import BODIES
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.parts import PARTS
-from membrane_rs.scene.run_settings import RunSettings, known_methods
+from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.schedule import Schedule
-from membrane_rs.scene.stage import MEASURES, Stage
+from membrane_rs.scene.schema_rules import NAME, OF_CLASSES, OF_KEYS, of_old_names, of_scene
+from membrane_rs.scene.stage import Stage
+from membrane_rs.scene.staging import MOST_STAGES
 
 BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 """Words of a schema for bounds that pydantic hands on from annotated-types."""
-WITH_UNIT = r"^\s*(?![-+]?[0-9.]+([eE][-+]?[0-9]+)?\s*$)[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*\S"
-"""A number with something behind it."""
-NAME = {"type": "string", "minLength": 1, "maxLength": 100, "pattern": r"^[^/\\\u0000]*$"}
+_SIGN = r"[-+\u2212]?"
+_POWER = rf"([eE]{_SIGN}[0-9]+)?"
+WITH_UNIT = rf"^\s*(?!{_SIGN}[0-9.]+{_POWER}\s*$){_SIGN}([0-9]+\.?[0-9]*|\.[0-9]+){_POWER}(\s+[^\s,]|[^\s,0-9.])"
+"""A number with something behind it that is no comma."""
+NEGATIVE = "^\\s*[-\u2212]0*\\.?0*[1-9]"
+"""A number below 0."""
 
 
 def schema() -> dict[str, Any]:
@@ -68,10 +73,16 @@ def schema() -> dict[str, Any]:
             },
             "parts": _list("What a scene has beside its membrane.", PARTS),
             "bodies": _list("Bodies of prescribed motion.", BODIES),
-            "stages": {"description": "One after the other in one run.", "type": "array", "items": _stage()},
-            "run": _run(),
+            "stages": {
+                "description": "One after the other in one run.",
+                "type": "array",
+                "items": _table(Stage),
+                "maxItems": MOST_STAGES,
+            },
+            "run": _table(RunSettings),
         },
         "additionalProperties": False,
+        **of_scene(),
         "definitions": _texts(),
     }
 
@@ -80,18 +91,6 @@ def _list(description: str, kinds: Mapping[str, type]) -> dict[str, Any]:
     """A list of tables, each of a kind."""
     items = [_table(kind, {"kind": {"const": name}}) for name, kind in kinds.items()]
     return {"description": description, "type": "array", "items": {"oneOf": items}}
-
-
-def _stage() -> dict[str, Any]:
-    table = _table(Stage)
-    table["properties"]["measure"] |= {"enum": list(MEASURES)}
-    return table
-
-
-def _run() -> dict[str, Any]:
-    table = _table(RunSettings)
-    table["properties"]["integrator"] |= {"enum": known_methods()}
-    return table
 
 
 def _table(cls: type[Any], first: Mapping[str, Any] | None = None, outer: str | None = None) -> dict[str, Any]:
@@ -104,7 +103,7 @@ def _table(cls: type[Any], first: Mapping[str, Any] | None = None, outer: str | 
         if _is_schedule(plain):
             made = _table(Schedule, outer=unit)
         else:
-            made = _plain(plain)
+            made = {**_plain(plain), **OF_KEYS.get(cls, {}).get(name, {})}
             if takes_numbers(cls, name)[0]:
                 made = _with_units(made, unit)
         default = plain.get("default")
@@ -120,6 +119,8 @@ def _table(cls: type[Any], first: Mapping[str, Any] | None = None, outer: str | 
         "properties": properties,
         **({"required": needed} if needed else {}),
         "additionalProperties": False,
+        **of_old_names(new_names(cls)),
+        **OF_CLASSES.get(cls, {}),
     }
 
 
@@ -158,7 +159,11 @@ def _with_units(made: dict[str, Any], unit: str | None) -> dict[str, Any]:
     """A number, or the numbers of a list, or text with a unit."""
     if made.get("type") == "array":
         return {**made, "items": _with_units(made["items"], unit)}
-    return {"anyOf": [made, {"$ref": f"#/definitions/{_label(unit)}"}]}
+    text: dict[str, Any] = {"$ref": f"#/definitions/{_label(unit)}"}
+    least = made.get("minimum", made.get("exclusiveMinimum", -1.0))
+    if least >= 0.0 and unit != "K":  # degrees Celsius may be below 0
+        text = {"allOf": [text], "not": {"pattern": NEGATIVE}}
+    return {"anyOf": [made, text]}
 
 
 def _texts() -> dict[str, Any]:
@@ -166,8 +171,9 @@ def _texts() -> dict[str, Any]:
     made = {}
     for unit in (None, *KINDS):
         what, example = ("a number", "3 N") if unit is None else KINDS[unit]
+        text = {"type": "string", "pattern": WITH_UNIT, "maxLength": LONGEST}
         said = f"Text with a unit, of {what}: {example!r}."
-        made[_label(unit)] = {"type": "string", "pattern": WITH_UNIT, "description": said, "examples": [example]}
+        made[_label(unit)] = {**text, "description": said, "examples": [example]}
     return made
 
 
