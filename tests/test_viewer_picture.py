@@ -8,8 +8,8 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs.plotting.viewer import look_at
-from membrane_rs.plotting.viewer.canvas import canvas_of
+from membrane_rs.plotting.viewer import Viewer, look_at
+from membrane_rs.plotting.viewer.canvas import Canvas, canvas_of
 from viewed_run import with_frames
 
 
@@ -45,3 +45,24 @@ def test_the_legend_has_short_numbers(strip: Any) -> None:
     assert (low, high) == pytest.approx((scale.low / factor, scale.high / factor))
     assert 1.0 <= high < 1000.0
     canvas.plotter.close()
+
+
+@pytest.mark.parametrize(("size", "foot"), [((320, 240), 92), ((150, 400), 92), ((150, 400), 0)])
+def test_all_of_the_film_is_seen_above_the_foot(strip: Any, size: tuple[int, int], foot: int) -> None:
+    import pyvista
+
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none", notebook=False)
+    canvas = Canvas(plotter, Viewer(strip), foot)
+    plotter.camera.roll += 90.0  # the strip lies across the picture
+    for _ in range(2):
+        canvas.draw()
+        is_film = np.ptp(canvas.image().astype(int), axis=2) > 60  # yellow
+        rows, columns = np.flatnonzero(is_film.any(axis=1)), np.flatnonzero(is_film.any(axis=0))
+        assert rows[0] > 0
+        assert rows[-1] < size[1] - foot
+        assert columns[0] > 0
+        assert columns[-1] < size[0] - 1
+        long = max(np.ptp(rows), np.ptp(columns))
+        assert long > 0.8 * min(size[0], size[1] - foot)
+        canvas.aim(canvas.viewer.camera())  # and upright
+    plotter.close()

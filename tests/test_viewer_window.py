@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ import numpy as np
 import pytest
 from displays import display
 from membrane_rs.cli import app
+from membrane_rs.errors import MissingFileError
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -124,7 +127,11 @@ def test_the_command_saves_a_picture_of_a_run_or_a_scene(tmp_path: Path, monkeyp
     membrane_rs.run("spinning-tether", 0.01, frames=3, out="run", pictures=False)
     assert view("run", "--time", "0.004").exit_code == 0
     Path("a.png").unlink()
+    assert view("run/summary.json", "--time", "0.004").exit_code == 0
+    Path("a.png").unlink()
     for words, error in (
+        (("nowhere/summary.json",), "no summary at nowhere; name a run's folder"),
+        (("run/summary.json", "--set", "parts.0.segments=4"), "run/summary.json is a run"),
         (("run", "--set", "parts.0.segments=4"), "--set parts.0.segments=4: run is a run"),
         (("run", "--color", "blue"), "color = 'blue': must be one of film, "),
         (("nothing",), "scene 'nothing': is not built in"),
@@ -135,6 +142,39 @@ def test_the_command_saves_a_picture_of_a_run_or_a_scene(tmp_path: Path, monkeyp
         refused = view(*words)
         assert (refused.exit_code, error in refused.stderr) == (2, True), refused.stderr
     assert not Path("a.png").exists()
+
+
+@pytest.mark.filterwarnings("ignore:.*frames are not there")
+def test_a_frame_that_a_run_has_lost_is_named_with_what_to_do(tmp_path: Path) -> None:
+    membrane_rs.run("spinning-tether", 0.01, frames=3, out=tmp_path, pictures=False)
+    (tmp_path / "frames/frame-0001.vtu").unlink()
+    with pytest.raises(MissingFileError, match=r"frame-0001.vtu; .* put it back, or run the scene again"):
+        membrane_rs.view(tmp_path, where="picture")
+
+
+def test_real_keys_save_a_picture_and_close_the_window(screen: str, tmp_path: Path) -> None:
+    program = shutil.which("xdotool")
+    if program is None:
+        pytest.skip("xdotool is not installed")
+    membrane_rs.run("spinning-tether", 0.01, frames=3, out=tmp_path / "run", pictures=False)
+    environment = {**os.environ, "DISPLAY": screen}
+    command = [sys.executable, "-m", "membrane_rs", "view", "run/summary.json"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment) as window:
+        try:
+            found = [program, "search", "--sync", "--name", "membrane_rs: spinning-tether"]
+            subprocess.run(found, check=True, env=environment, timeout=120, stdout=subprocess.DEVNULL)
+            for key, end in (("Right", "0.005-s.png"), ("Right", "0.010-s.png"), ("Home", "0.000-s.png")):
+                subprocess.run([program, "key", key, "p"], check=True, env=environment)
+                saved = tmp_path / f"spinning-tether-{end}"
+                ends = time.monotonic() + 120.0
+                while not saved.exists():
+                    assert window.poll() is None
+                    assert time.monotonic() < ends, f"no {saved.name}; the window goes on"
+                    time.sleep(0.05)
+            subprocess.run([program, "key", "q"], check=True, env=environment)
+            assert window.wait(120) == 0
+        finally:
+            window.kill()
 
 
 def test_without_a_display_the_error_says_what_to_do(tmp_path: Path) -> None:

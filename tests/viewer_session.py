@@ -46,7 +46,7 @@ class Session:
         """A place is pressed."""
         self.mouse(("LeftButtonPressEvent", x, y), ("LeftButtonReleaseEvent", x, y))
 
-    def wait(self, until: Any, seconds: float = 20.0) -> None:
+    def wait(self, until: Any, seconds: float = 120.0) -> None:
         """The screen goes on."""
         end = time.monotonic() + seconds
         while not until() and time.monotonic() < end:

@@ -11,7 +11,10 @@ from membrane_rs.cli import completion
 from membrane_rs.cli.application import LOOKING, command, tell
 from membrane_rs.cli.options import path_option
 
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs.", autocompletion=completion.runs)]
+Runs = Annotated[
+    list[Path],
+    typer.Argument(metavar="RUN...", help="Folders of runs, or their summary.json.", autocompletion=completion.runs),
+]
 Data = Annotated[
     list[Path] | None,
     typer.Option(

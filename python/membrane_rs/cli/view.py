@@ -28,7 +28,7 @@ def view(
         str,
         typer.Argument(
             metavar="RUN",
-            help="A run's folder; or a scene, by its name or file: its start is shown.",
+            help="A run's folder, or its summary.json; or a scene, by its name or file: its start is shown.",
             autocompletion=completion.runs_and_scenes,
         ),
     ],
@@ -59,12 +59,13 @@ def view(
     from membrane_rs import view as look
     from membrane_rs._files import check_kind_of_file
     from membrane_rs.errors import InputError
+    from membrane_rs.results.summary import SUMMARY
 
     if picture is not None:
         if browser:
             raise InputError("--picture and --browser: a picture is saved, or a page served; give one of them")
         check_kind_of_file(picture, "image/png", "a picture is PNG", ".png")
-    is_run = Path(source).is_dir()
+    is_run = Path(source).name == SUMMARY or Path(source).is_dir()
     if is_run and set_:
         raise InputError(f"--set {set_[0]}: {source} is a run, which has its values; set them before it is run")
     shown = source if is_run else load(source, set_)

@@ -175,7 +175,8 @@ def _read(path: Path, most: int = MOST_BYTES) -> Any:
     import meshio
 
     if not path.is_file():
-        raise MissingFileError(f"no frame at {path}; name a .vtu file of a run's folder")
+        remedy = "name a .vtu file that is there; where a run has lost it, put it back, or run the scene again"
+        raise MissingFileError(f"no frame at {path}; {remedy}")
     check_regular(path, most)
     # Not meshio.read: that prints, and ends the process, where a file cannot be read.
     return meshio.vtu.read(path)

@@ -11,6 +11,7 @@ from membrane_rs import scenes
 from membrane_rs._files import path_of
 from membrane_rs.results.frame_fields import Frame, FrameFields
 from membrane_rs.results.run_history import RunHistory
+from membrane_rs.results.summary import SUMMARY
 from membrane_rs.runs.frames import KeptFrames
 from membrane_rs.runs.opening import open_run
 from membrane_rs.runs.result import Run
@@ -35,7 +36,8 @@ def view(
     Parameters
     ----------
     run : Run, Scene, str or Path
-        A run; its folder; or a scene, the name of a built-in one or a TOML file, of which the start is shown.
+        A run; its folder, or the summary.json in it; or a scene, the name of a built-in one or a TOML file, of which
+        the start is shown.
     color : str
         What the membrane is coloured by at first: "film", as in snapshots, or a field that the run has, such as
         "state", "speed" or "crease_angle".
@@ -81,8 +83,10 @@ def run_of(source: Run | Scene | str | Path) -> Run:
     """A run as it is, that of a folder, or the start of a scene."""
     if isinstance(source, Run):
         return source
-    if not isinstance(source, Scene) and path_of(source, "run").is_dir():
-        return open_run(source)
+    if not isinstance(source, Scene):
+        path = path_of(source, "run")
+        if path.name == SUMMARY or path.is_dir():
+            return open_run(path)
     return start_of(scenes.scene_of(source))
 
 

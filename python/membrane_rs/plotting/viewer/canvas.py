@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs.plotting.actors import FIELD_LIGHT, FILM_LIGHT, LIGHTS, MembraneActors, aim, silence_vtk
-from membrane_rs.plotting.camera import BAR_SHARE, Camera, bar_length
+from membrane_rs.plotting.camera import ANGLE_DEG, BAR_SHARE, Camera, bar_length
 from membrane_rs.plotting.columns import axis_label, prefixed
 from membrane_rs.plotting.fields import MISSING
 from membrane_rs.plotting.picture import Image
@@ -58,6 +58,7 @@ class Canvas:
         """Look from a camera."""
         aim(self.plotter, camera)
         self._camera = camera
+        self._fit(*self.plotter.window_size)
         self.plotter.renderer.ResetCameraClippingRange()
 
     def draw(self) -> None:
@@ -80,7 +81,6 @@ class Canvas:
         self._camera = other._camera
         ours, theirs = self.plotter.camera, other.plotter.camera
         ours.position, ours.focal_point, ours.up = theirs.position, theirs.focal_point, theirs.up
-        ours.view_angle = theirs.view_angle
 
     def image(self) -> Image:
         """The picture (height, width, 3)."""
@@ -122,11 +122,19 @@ class Canvas:
         distance = float(np.linalg.norm(position - focus))
         self._actors.lift(self._camera.reach, (position - focus) / max(distance, 1e-300))
         width, height = self.plotter.window_size
+        if (width, height) != self._laid_out[:2]:
+            self._fit(width, height)
         half = distance * float(np.tan(np.radians(0.5 * camera.view_angle)))
         state = (width, height, half, self._has_names)
         if state != self._laid_out:
             self._laid_out = state
             self._lay_out(width, height, 2.0 * half / height)
+
+    def _fit(self, width: int, height: int) -> None:
+        """Let the camera see its reach above the foot, and across a picture that is narrower than high."""
+        half = np.tan(np.radians(0.5 * ANGLE_DEG)) * height / max(1, min(width, height - self._foot))
+        self.plotter.camera.view_angle = 2.0 * float(np.degrees(np.arctan(half)))
+        self.plotter.camera.SetWindowCenter(0.0, -self._foot / height)
 
     def _lay_out(self, width: int, height: int, metres_per_pixel: float) -> None:
         zoom, margin = self._zoom, MARGIN * self._zoom
