@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -129,13 +132,18 @@ def test_nothing_is_replaced(folder: Path) -> None:
     ("words", "said"),
     [
         (["", "--from", "spinning-tether"], "must be the name of a file"),
-        (["a/b"], "there is no folder a; make it first"),
-        ([".toml"], "names no file"),
-        (["x" * 300], "must be at most 200 letters"),
-        (["a\nb"], "must be at most 200 letters that can be printed"),
+        (["a/b"], "its folder a: there is none; make it first"),
+        ([f"{__file__}/b"], "is no folder; choose one"),
+        (["a/"], "names no file; write one such as a/my-sail"),
+        ([".toml"], "names no file; write one such as my-sail"),
+        (["com1.toml"], "is a device of Windows"),
+        (["x" * 300], "must be at most 200 bytes"),
+        (["\u65e5" * 80], "must be at most 200 bytes"),
+        (["a\nb"], "must be at most 200 bytes that can be printed"),
         (["x" * 101], "must be 1 to 100 characters"),
         (["mine", "--from", "okuizumi-model-3"], "is not built in; did you mean 'okuizumi-model-"),
         (["mine", "--from", "none.toml"], "there is no such scene file"),
+        (["mine", "--from", "x" * 300 + ".toml"], "give another path"),
         (["mine", "--set", "laws.spin.frequency=3 m"], "is a length; must be a frequency"),
         (["mine", "--set", "laws.spin.frequenzy=3"], "did you mean 'laws.spin.frequency'"),
         (["mine", "--set", "x"], "must be KEY=VALUE"),
@@ -175,3 +183,33 @@ def test_a_table_whose_heading_is_not_found_is_left_out_all_the_same(folder: Pat
     code, shown = call("new", "mine", "--from", "odd.toml", "--set", "laws.air_drag=false")
     assert (code, "The comments of odd.toml are left out" in " ".join(shown.split())) == (0, True)
     assert "air_drag" not in (folder / "mine.toml").read_text()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the shell of POSIX, and names that Windows refuses")
+@pytest.mark.parametrize("name", ["-x", "a b", "a;b$(c)'", "plain"])
+def test_the_commands_of_a_hint_are_those_of_a_shell(name: str, folder: Path) -> None:
+    code, shown = call("new", "--from", "spinning-tether", "--", name)
+    assert code == 0, shown
+    (line,) = (line for line in shown.splitlines() if line.startswith("  membrane-rs check "))
+    _, _, word = shlex.split(line, comments=True)
+    assert (folder / word).samefile(folder / f"{name}.toml")
+    assert call("check", word, "--until", "1e-4")[0] == 0
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="a folder of Linux where nobody writes")
+def test_a_folder_that_takes_no_files() -> None:
+    code, shown = call("new", "/proc/mine", "--from", "spinning-tether", "--no-schema")
+    assert (code, shown.count("\n")) == (1, 1)
+    assert shown.startswith("Error: cannot write /proc/mine.toml: ")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
+def test_a_full_disk_leaves_nothing(folder: Path) -> None:
+    words = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (99, 99)); from membrane_rs.cli import main"
+    )
+    words += "; sys.argv = ['membrane-rs', 'new', 'mine', '--no-schema']; main()"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False, timeout=100)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "cannot write mine.toml: File too large; choose a folder" in done.stderr
+    assert list(folder.iterdir()) == []

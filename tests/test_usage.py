@@ -27,6 +27,7 @@ from typer.testing import CliRunner
         (["run", "fly", "-z"], "'-z': no such option of membrane-rs run; 'membrane-rs run --help' lists what it takes"),
         (["run", "fly", "--laws.spin.frequency=3"], "is set by '--set laws.spin.frequency=VALUE'"),
         (["run", "fly", "--\x1b[31m.x=3"], "'membrane-rs run --help' lists what it takes"),
+        (["run", "fly", "--laws.$(rm x)=3"], "'membrane-rs run --help' lists what it takes"),
         (["run", "fly", "--until"], "--until: needs a value: Simulated time at the end [s], or as 20ms."),
         (["run", "fly", "--json=3"], "--json: takes no value; write it alone"),
         (["run", "fly", "--frames", "1.5"], "--frames = '1.5': must be a whole number, such as 10"),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from membrane_rs.cli.application import SCENES, command, print_json, tell
+from membrane_rs.cli.application import SCENES, command, in_shell, print_json, tell
 from membrane_rs.cli.options import Set
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 
 SCHEMA_FILE = "membrane-rs.schema.json"
 """The JSON schema beside a new scene file."""
+OF_DEVICES = "CON|PRN|AUX|NUL|(COM|LPT)[0-9]"
+"""Names that Windows keeps for devices, whatever their ending."""
 From = Annotated[
     str, typer.Option("--from", metavar="SCENE", help="A built-in scene, or the path of a TOML file, to begin with.")
 ]
@@ -50,9 +54,11 @@ def new(
     if not kept:
         tell(f"The comments of {source} are left out, since its lines are not written as a key and a value each.")
     lines = [f"{SCHEMA_LINE}./{SCHEMA_FILE}"] if schema and _write_schema(path.with_name(SCHEMA_FILE)) else []
-    _write(path, "\n".join([*lines, f"# Made from {source}.", "#" if text.startswith("#") else "", text]))
+    lines += [f"# Made from {' '.join(source.split())}.", "#" if text.startswith("#") else "", text]
+    _write(path, "\n".join(lines))
     typer.echo(f"Wrote {path}, from {source}\n")
-    typer.echo(f"  membrane-rs check {path}    # faults and risks, step, cost\n  membrane-rs run {path}")
+    word = in_shell(path)
+    typer.echo(f"  membrane-rs check {word}    # faults and risks, step, cost\n  membrane-rs run {word}")
     _tell_of(made)
 
 
@@ -77,14 +83,18 @@ def _path(name: str) -> Path:
     from membrane_rs.errors import InputError
 
     path = path_of(name, "NAME")
-    if path.name in ("", ".toml", ".."):
-        raise InputError(f"NAME = {name!r}: names no file; write one such as my-sail")
-    if not path.name.isprintable() or len(path.name) > 200:
-        raise InputError(f"NAME = {show(name)}: must be at most 200 letters that can be printed; write my-sail")
+    if path.name in ("", ".toml", "..") or name.endswith(("/", os.sep)):
+        folder = path.parent if path.name == ".toml" else path
+        raise InputError(f"NAME = {name!r}: names no file; write one such as {(folder / 'my-sail').as_posix()}")
+    if not path.name.isprintable() or len(os.fsencode(path.name)) > 200:
+        raise InputError(f"NAME = {show(name)}: must be at most 200 bytes that can be printed; write my-sail")
+    if re.fullmatch(OF_DEVICES, path.name.partition(".")[0].rstrip(), re.IGNORECASE):
+        raise InputError(f"NAME = {name!r}: is a device of Windows, where no file has that name; write my-sail")
     if path.suffix != ".toml":
         path = path.with_name(f"{path.name}.toml")
     if not path.parent.is_dir():
-        raise InputError(f"NAME = {name!r}: there is no folder {path.parent}; make it first")
+        what = "is no folder; choose one" if path.parent.exists() else "there is none; make it first"
+        raise InputError(f"NAME = {name!r}: its folder {path.parent}: {what}")
     return path
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
+import subprocess
 import sys
 import traceback
 import warnings
@@ -68,6 +70,13 @@ def nothing(words: str) -> None:
     """In place of `typer.echo`, where the result is a JSON document."""
 
 
+def in_shell(path: os.PathLike[str]) -> str:
+    """A path as a word of a command line, which neither a space nor a hyphen at its beginning changes."""
+    word = os.fspath(path)
+    word = os.path.join(os.curdir, word) if word.startswith("-") else word  # noqa: PTH118 - which Path takes away
+    return subprocess.list2cmdline([word]) if os.name == "nt" else shlex.quote(word)
+
+
 def exit_code(stop: KeyboardInterrupt) -> int:
     """128 and the number of the signal, as a shell has it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP."""
     return 128 + int(getattr(stop, "signum", INTERRUPTED - 128))
@@ -101,6 +110,9 @@ def reported_errors() -> Iterator[None]:
         ):
             raise  # the last: of the standard output, which the program reports where it ends
         _show_traceback(error)
+        if isinstance(error, OSError):  # the system refuses a path that was given
+            show_error(f"{error.filename}: {error.strerror}; give another path")
+            raise typer.Exit(USAGE) from None
         known = explained(error) if isinstance(error, ImportError) else error
         if known is not error:
             show_error(str(known))

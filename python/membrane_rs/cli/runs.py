@@ -17,6 +17,7 @@ from membrane_rs.cli.application import (
     Json,
     command,
     exit_code,
+    in_shell,
     print_json,
     show_error,
     tell,
@@ -275,5 +276,5 @@ def _stopped(show: Bar, folder: Path) -> Iterator[None]:
             raise  # nothing was written yet
         typer.echo(f"Stopped at {summary.get('time', 0.0):.6g} s. The results so far are in {folder}", err=True)
         if summary["outcome"] != "finished":
-            typer.echo(f"Continue with: membrane-rs resume {folder}", err=True)
+            typer.echo(f"Continue with: membrane-rs resume {in_shell(folder)}", err=True)
         raise typer.Exit(exit_code(stop)) from None

@@ -7,6 +7,7 @@ known by what they hold.
 from __future__ import annotations
 
 import difflib
+import re
 from typing import Any
 
 import typer
@@ -62,7 +63,8 @@ def _unknown_option(option: str, params: list[Any], program: str) -> str:
     key = option.lstrip("-")
     near = difflib.get_close_matches(option, [name for name in names if name.startswith("--")], n=1)
     if "." in key and "--set" in names:
-        remedy = f"a value of the scene is set by '--set {key}=VALUE'" if key.isprintable() else see(program)
+        is_plain = re.fullmatch(r"[\w.-]+", key)
+        remedy = f"a value of the scene is set by '--set {key}=VALUE'" if is_plain else see(program)
     elif near:
         remedy = f"did you mean '{near[0]}'?"
     else:
