@@ -28,7 +28,7 @@ def completed(line: str, folder: Path) -> list[str]:
         timeout=100,
     )
     assert done.stderr == ""
-    return done.stdout.split()
+    return [line for line in done.stdout.splitlines() if line]
 
 
 @pytest.fixture
@@ -64,3 +64,9 @@ def test_all_is_offered(folder: Path) -> None:
     assert completion.methods("") == list(integrators())
     assert completion.runs("") == ["third", "runs/first", "runs/second"]
     assert completion.runs("nowhere/") == []
+
+
+def test_a_name_with_a_space_is_one_word_of_bash(folder: Path) -> None:
+    Path("odd one (1).toml").write_text("")
+    assert completed("membrane-rs run od", folder) == ["odd\\ one\\ \\(1\\).toml"]
+    assert ("odd one (1).toml", "scene file") in completion.scenes("")  # zsh and fish quote it themselves

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,7 +21,7 @@ def scenes(incomplete: str) -> list[tuple[str, str]]:
 
     found = [(name, built_in.describe(name)) for name in built_in.names() if name.startswith(incomplete)]
     if "/" not in incomplete:
-        found += [(path.name, "scene file") for path in _entries(Path()) if path.suffix == ".toml"]
+        found += [(_word(path), "scene file") for path in _entries(Path()) if path.suffix == ".toml"]
     return found
 
 
@@ -27,7 +29,7 @@ def runs(incomplete: str) -> list[str]:
     """Folders of runs in the folder that is begun, or here and in runs/."""
     begun = incomplete.rpartition("/")[0]
     places = [Path(begun)] if begun else [Path(), Path(RUNS)]
-    return [str(path) for place in places for path in _entries(place) if (path / "summary.json").is_file()]
+    return [_word(path) for place in places for path in _entries(place) if (path / "summary.json").is_file()]
 
 
 def runs_and_scenes(incomplete: str) -> list[tuple[str, str]]:
@@ -65,6 +67,12 @@ def keys(context: typer.Context, incomplete: str) -> list[str]:
     except (MembraneError, OSError):
         return []
     return [f"{key}=" for key in keys_of(scene) if key.startswith(incomplete)]
+
+
+def _word(path: Path) -> str:
+    """A path as the shell puts it on its line: bash takes what it is offered as it is, the others quote it."""
+    is_bash = os.environ.get("_MEMBRANE_RS_COMPLETE") == "complete_bash"
+    return re.sub(r"([^\w@%+=:,./-])", r"\\\1", str(path)) if is_bash else str(path)
 
 
 def _entries(place: Path) -> Iterator[Path]:
