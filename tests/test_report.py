@@ -146,6 +146,22 @@ def test_a_run_that_has_not_ended_as_planned_is_shown(tmp_path: Path, staged: Ru
     assert ("no space" in page) == outcome.startswith("failed")
 
 
+def test_a_killed_run_shows_how_far_it_has_come_and_no_costs_of_its_start(tmp_path: Path, staged: Run) -> None:
+    assert staged.path is not None
+    folder = shutil.copytree(staged.path, tmp_path / "run")
+    summary = json.loads((folder / "summary.json").read_text())
+    (folder / "summary.json").write_text(
+        json.dumps(summary | {"outcome": "running", "time": 0.0, "wall_time": 0.125, "steps": 0, "stages": []})
+    )
+    (one,) = labelled([open_run(folder)])
+    end = one.run.history["time"][-1]
+    assert end > 0.0
+    assert f"Simulated {end:.6g} s" in text_of(headline(one))
+    assert text_of(outcome_banner(one)).startswith(f"This run was killed at {end:.6g} s")
+    for words in ("0.125 s", "Steps", "Wall time"):
+        assert words not in text_of(headline(one)) + text_of(timing_section(one))
+
+
 @pytest.mark.parametrize("samples", [0, 1])
 def test_a_run_with_hardly_a_sample_is_shown(tmp_path: Path, staged: Run, samples: int) -> None:
     assert staged.path is not None

@@ -156,6 +156,8 @@ def test_every_field_has_colours_and_a_scale(browser: Browser, one: Path) -> Non
         assert differ(seen[name], seen[""]) > 500, name
         assert browser.find("#view-scale .bar").size["width"] > 100
         assert len(browser.find("#view-scale .ends").text.split()) >= 2
+        picture, scale = browser.find(STAGE).rect, browser.find("#view-scale").rect
+        assert scale["y"] > picture["y"] + picture["height"] - 2  # the film hides nothing of it, nor it the film
     assert differ(seen["von_mises"], seen["speed"]) > 500
     assert browser.find("#view-field").get_attribute("value") == "speed"
     before = browser.pixels("#view-canvas")

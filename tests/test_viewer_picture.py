@@ -66,3 +66,11 @@ def test_all_of_the_film_is_seen_above_the_foot(strip: Any, size: tuple[int, int
         assert long > 0.8 * min(size[0], size[1] - foot)
         canvas.aim(canvas.viewer.camera())  # and upright
     plotter.close()
+
+
+def test_the_legend_of_a_uniform_field_has_one_number_and_its_colour_in_the_middle(strip: Any) -> None:
+    shown = strip.view(color="speed", time=0.0, scale="frame", where="picture")
+    canvas = canvas_of(shown.viewer, (300, 200))
+    assert canvas._legend.GetNumberOfLabels() == 1
+    assert canvas._legend.GetLookupTable().GetTableRange() == (-1.0, 1.0)
+    canvas.plotter.close()

@@ -19,6 +19,7 @@ from membrane_rs.errors import OutputError
 from membrane_rs.mesh.queries import find_pairs
 from membrane_rs.plotting import picture
 from membrane_rs.plotting.animation import smoothed
+from membrane_rs.plotting.camera import ANGLE_DEG, MARGIN, Camera
 from membrane_rs.plotting.columns import axis_label, prefixed
 from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.fields import BARE, FIELDS, MISSING, SHARE, Field, range_with
@@ -49,7 +50,7 @@ LINE = "#3a3632"
 LINE_SHARE, CORD_SHARE, TIP_SHARE = 0.0016, 0.004, 0.011
 """Radii of lines, of those of a scene without a film, and of tip masses, over what the camera reaches."""
 CLOSER = 0.9
-"""Nearer than the camera of square pictures: the page is wider than high."""
+"""Nearer than the camera of square pictures, where all is still seen: the page is wider than high."""
 FOLLOWS = 1.5
 """The camera can follow the size of the shape where that grows by more."""
 _FAR = f"their positions are not finite, or beyond {FARTHEST:g} m"
@@ -224,7 +225,7 @@ def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) 
         "follows": bool(can_follow and names),
         "reaches": smoothed(reaches) if can_follow else [reach] * len(reaches),
         "reach": reach,
-        "distance": CLOSER * camera.distance * reach / camera.reach,
+        "distance": max(CLOSER * camera.distance, _nearest(camera, shapes, subject.has_hub)) * reach / camera.reach,
         "centre_of_view": camera.centre.tolist(),
         "view": camera.view.tolist(),
         "up": camera.up.tolist(),
@@ -237,8 +238,22 @@ def _shown(staged: Staged, frames: _Frames, fields: Sequence[Field], note: str) 
         "back": [_hex(_mixed(tone)) for tone in tones],
         "fields": described,
     }  # fmt: skip
-    rounded = f"Coordinates are rounded to {half / 32767 * 1e6:.2g} um, and interpolated between frames while it plays."
+    size, unit = prefixed("m", [np.array([half / 32767])])
+    rounded = (
+        f"Coordinates are rounded to {half / 32767 / size:.2g} {unit}, and interpolated between frames while it plays."
+    )
     return Shown(meta, data, f"{note}{rounded}")
+
+
+def _nearest(camera: Camera, shapes: Sequence[Floats], turns: bool) -> float:
+    """Distance from which the picture holds all shapes from top to bottom, also as they turn about z [m]."""
+    points = np.concatenate(shapes) - camera.centre
+    if turns:
+        ahead = camera.view if np.hypot(*camera.view[:2]) > 0.0 else camera.up
+        radii = np.hypot(points[:, :1], points[:, 1:2]) * ahead[:2] / np.hypot(*ahead[:2])
+        points = np.concatenate([np.hstack([side * radii, points[:, 2:]]) for side in (-1.0, 1.0)])
+    half = float(np.tan(np.radians(0.5 * ANGLE_DEG)))
+    return float((MARGIN * np.abs(points @ camera.up) / half + points @ camera.view).max())
 
 
 def _ends(field: Field, values: NDArray[np.float32]) -> tuple[float, float]:

@@ -26,10 +26,11 @@ _OUTCOMES = {
     "failed": "This run failed",
     "running": "This run still goes on",
 }
+_RESUME = "`membrane-rs resume` goes on with it."
 _REMEDIES = {
     "running": "A process goes on with it; make this page again when it has ended.",
-    "killed": "Its process was killed; go on with `membrane-rs resume`.",
-    "interrupted": "Go on with `membrane-rs resume`.",
+    "killed": _RESUME,
+    "interrupted": _RESUME,
 }
 _CURVES = {
     "final_rate": ("Final deployment rate", "", "{:.4f}"),
@@ -48,10 +49,7 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
         return None
     head, _, cause = outcome.partition(": ")
     words = _OUTCOMES.get(head, f"This run was {head}")
-    at, end = labelled.run.summary.get("time"), labelled.run.summary.get("until")
-    times = labelled.run.history["time"]
-    if head in ("running", "killed") and len(times):
-        at = float(times[-1])  # its summary is of its start
+    at, end = _reached(labelled), labelled.run.summary.get("until")
     when = f" at {at:.6g} s" if is_number(at) else ""
     when += f" of {end:.6g} s" if when and is_number(end) else ""
     kind = "fault" if head in ("unstable", "failed") else "unfinished"
@@ -65,6 +63,17 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
     )
 
 
+def _is_of_start(labelled: LabelledRun) -> bool:
+    """Whether the summary of a run is that of its start, since no end was written."""
+    return labelled.run.outcome in ("running", "killed")
+
+
+def _reached(labelled: LabelledRun) -> object:
+    """Time to which a run has come [s]."""
+    times = labelled.run.history["time"]
+    return float(times[-1]) if _is_of_start(labelled) and len(times) else labelled.run.summary.get("time")
+
+
 def headline(labelled: LabelledRun) -> Element:
     """The numbers of a run in short."""
     run, rows = labelled.run, []
@@ -76,9 +85,10 @@ def headline(labelled: LabelledRun) -> Element:
         rows.append(("Run", labelled.label))
     rows.append(("Scene", run.scene.name))
     rows.append(("Size", size))
-    time, wall = run.summary.get("time"), run.summary.get("wall_time")
+    time, wall = _reached(labelled), run.summary.get("wall_time")
     if is_number(time):
-        rows.append(("Simulated", f"{time:.6g} s" + (f" in {duration(wall)}" if is_number(wall) else "")))
+        took = f" in {duration(wall)}" if is_number(wall) and not _is_of_start(labelled) else ""
+        rows.append(("Simulated", f"{time:.6g} s{took}"))
     curves = table_of(run.summary, "curves")
     turns = changes("phase_difference_deg", run.history)
     for name, (words, unit, form) in _CURVES.items():
@@ -140,7 +150,8 @@ def audit_section(labelled: LabelledRun) -> Element:
 def timing_section(labelled: LabelledRun) -> Element:
     """What the run has cost, and each stage."""
     summary, section = labelled.run.summary, element("section", element("h2", "Timings"))
-    rows = [(words, form(summary[name])) for name, (words, form) in _COSTS.items() if _is_value(summary.get(name))]
+    costs = {name: cost for name, cost in _COSTS.items() if not (name in _COUNTED and _is_of_start(labelled))}
+    rows = [(words, form(summary[name])) for name, (words, form) in costs.items() if _is_value(summary.get(name))]
     wall, steps = summary.get("wall_time"), summary.get("steps")
     if is_number(wall) and isinstance(steps, int) and steps:
         rows.insert(2, ("Wall time of a step", f"{1e3 * wall / steps:.3g} ms"))
@@ -237,3 +248,5 @@ _COSTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "limiting_part": ("Set by", str),
 }
 """Entries of summary.json in words."""
+_COUNTED = ("wall_time", "steps", "evaluations", "rejected_steps", "newton_iterations", "factorisations")
+"""Those that grow with a run."""

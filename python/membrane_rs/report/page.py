@@ -114,7 +114,6 @@ def _viewer(shown: list[Shown]) -> Element:
         "div", element("div", id="view-canvas"), id="view-stage", hidden=all(one.meta is None for one in shown)
     )
     stage.append(element("div", id="view-label", class_="label", role="status"))
-    stage.append(element("div", id="view-scale", class_="scale", hidden=True))
     words = "The deployment in 3D. Space plays, arrows go from frame to frame, Home and End to the ends."
     failed = (
         "This browser shows no 3D picture, which needs WebGL and DecompressionStream. The contact sheet shows the run, "
@@ -123,6 +122,7 @@ def _viewer(shown: list[Shown]) -> Element:
     viewer = element(
         "figure", stage, id="view-view", tabindex="0", role="group", aria_label=words, data_state="loading"
     )
+    viewer.append(element("div", id="view-scale", class_="scale", hidden=True))
     viewer.append(element("p", failed, element("span", id="view-reason"), id="view-failed", hidden=True))
     viewer.append(element("noscript", element("p", _WITHOUT_SCRIPTS)))
     viewer.append(_controls())

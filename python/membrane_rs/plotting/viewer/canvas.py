@@ -112,7 +112,7 @@ class Canvas:
         else:
             self._legend.SetDrawTickLabels(True)
             self._legend.SetDrawAnnotations(False)
-            self._legend.SetNumberOfLabels(LABELS)
+            self._legend.SetNumberOfLabels(LABELS if scale.high > scale.low else 1)
             self._legend.SetLabelFormat(f"%.{digits_of(scale.low / factor, scale.high / factor)}g")
 
     def _before_render(self, *_: Any) -> None:
@@ -178,7 +178,7 @@ def _length(metres: float) -> str:
     for unit, size in (("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)):
         if metres >= size * (1.0 - 1e-9):
             return f"{metres / size:.12g} {unit}"
-    return f"{metres / 1e-6:g} um"
+    return f"{metres / 1e-6:.6g} µm"
 
 
 def _legend(plotter: Any, size: int) -> Any:
@@ -217,5 +217,6 @@ def _lookup_table(scale: Scale, factor: float = 1.0) -> Any:
             table.SetAnnotation(float(value), name)
     else:
         low, high = scale.low / factor, scale.high / factor
-        table.SetTableRange(low, max(high, np.nextafter(low, np.inf)))
+        around = 0.0 if high > low else abs(low) or 1.0  # a uniform field has the colour in the middle
+        table.SetTableRange(low - around, high + around)
     return table

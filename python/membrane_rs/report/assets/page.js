@@ -15,6 +15,8 @@ class Viewer {
     this.runs = runs;
     this.place = 0;
     this.playing = false;
+    this.turn = this.waiting = 0;
+    this.opening = Promise.resolve();
     this.controls = Object.fromEntries(
       ["run", "field", "frame", "speed", "follow", "play", "time", "home", "label", "scale", "view"].map((name) => [name, byId(`view-${name}`)]),
     );
@@ -41,11 +43,21 @@ class Viewer {
     dark.addEventListener("change", () => this.background());
   }
 
-  /** Show a run: its data are unpacked when it is chosen. */
+  /** Show a run, after those that were chosen before; one is left out where another was chosen meanwhile. */
   async open(index) {
-    const { run, meta, note } = this.runs[index], turn = (this.turn = (this.turn || 0) + 1);
-    this.pause();
+    const turn = (this.turn = this.turn + 1);
+    this.waiting += 1;
     this.controls.view.dataset.state = "loading";
+    this.opening = this.opening.then(() => (turn === this.turn ? this.change(index) : null));
+    await this.opening;
+    this.waiting -= 1;
+    this.done();
+  }
+
+  /** Show a run: its data are unpacked when it is chosen. */
+  async change(index) {
+    const { run, meta, note } = this.runs[index];
+    this.pause();
     this.meta = meta;
     byId("view-note").textContent = note;
     for (const id of ["view-stage", "view-controls", "view-help"]) byId(id).hidden = meta === null;
@@ -53,15 +65,14 @@ class Viewer {
     this.shape = null;
     byId("view-failed").hidden = true;
     try {
-      if (meta !== null) await this.load(index, turn);
+      if (meta !== null) await this.load(index);
     } catch (error) {
       this.fail(error);
     }
-    this.done();
   }
 
   /** Unpack the data of a run and draw it. */
-  async load(index, turn) {
+  async load(index) {
     const { meta } = this;
     if (this.failed && !this.K3D) throw this.failed;
     if (!this.K3D) {
@@ -70,7 +81,6 @@ class Viewer {
       this.background();
     }
     const buffer = await unpacked(byId(`data-${index}`).textContent.trim());
-    if (turn !== this.turn) return; // another run was chosen meanwhile
     this.shape = new Deployment(this.K3D, meta, arraysOf(buffer, meta.arrays), this.templates);
     const { field, frame, follow, time } = this.controls, before = field.value;
     field.replaceChildren(...[PLAIN, ...meta.fields].map((one) => new Option(one.title, one.name)));
@@ -98,7 +108,7 @@ class Viewer {
   }
 
   done() {
-    this.controls.view.dataset.state = "ready";
+    if (this.waiting === 0) this.controls.view.dataset.state = "ready";
   }
 
   background() {
@@ -119,7 +129,7 @@ class Viewer {
     this.done();
   }
 
-  /** The scale of colours beside the picture. */
+  /** The scale of colours below the picture. */
   scale() {
     const field = this.shape.field, { scale } = this.controls;
     scale.hidden = field === null;

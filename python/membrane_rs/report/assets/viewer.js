@@ -82,12 +82,23 @@ class Prisms {
   }
 }
 
+const LENGTHS = ["centre", "half", "spool", "reaches", "reach", "distance", "centre_of_view", "line_radius", "tip_radius"];
+
+/** A run with its reach as the unit of length: k3d shows what is about as large as 1, neither micrometres nor kilometres. */
+function scaled(meta, arrays) {
+  const divided = (value) => (value === null ? null : Array.isArray(value) ? value.map(divided) : value / meta.reach);
+  const lengths = Object.fromEntries(LENGTHS.map((name) => [name, divided(meta[name])]));
+  const solids = arrays.solids.map(divided), planes = arrays.planes.map(divided);
+  return { meta: { ...meta, ...lengths }, arrays: { ...arrays, solids, planes } };
+}
+
 const PLAIN = { name: "", title: "Film", place: "triangles", is_stepped: true };
 
 /** The scene of one run in k3d: `show` draws it at a place between two frames. */
 class Deployment {
   constructor(K3D, meta, arrays, templates) {
-    Object.assign(this, { K3D, meta, arrays });
+    Object.assign(this, { K3D, ...scaled(meta, arrays) });
+    meta = this.meta;
     this.templates = Object.fromEntries(templates.map((json) => [json.name, json]));
     this.field = null;
     this.points = new Float32Array(meta.node_count * 3);
@@ -298,9 +309,9 @@ class Deployment {
     this.K3D.setCamera(c);
   }
 
-  /** The camera of the pictures, for the size now; farther where the picture is higher than wide. */
+  /** The camera of the pictures, for the size now; farther where the picture is hardly wider than high. */
   aim() {
-    const { meta } = this, taller = Math.max(1, 1 / this.K3D.getWorld().camera.aspect);
+    const { meta } = this, taller = Math.max(1, 1.1 / this.K3D.getWorld().camera.aspect);
     const distance = (taller * meta.distance * (this.follows ? this.reach : meta.reach)) / meta.reach;
     this.K3D.setCamera([...meta.centre_of_view.map((c, k) => c + distance * meta.view[k]), ...meta.centre_of_view, ...meta.up]);
   }
