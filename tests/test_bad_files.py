@@ -48,7 +48,7 @@ def test_saved_states_that_are_none(blocked: Path, tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         Simulation.restore(tmp_path / "none.npz")
     refused(lambda: Simulation.restore(blocked), InputError, "is no saved state")
-    refused(lambda: Simulation.restore(tmp_path), InputError, "is no saved state")
+    refused(lambda: Simulation.restore(tmp_path), MissingFileError, "there is no such saved state")
     np.savez(tmp_path / "other.npz", a=1)
     refused(
         lambda: Simulation.restore(tmp_path / "other.npz"),

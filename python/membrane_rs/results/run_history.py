@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._read_only import ReadOnly
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError
@@ -20,7 +21,7 @@ class UnknownColumnError(InputError, KeyError):
     __str__ = InputError.__str__
 
 
-class RunHistory(Mapping[str, Floats]):
+class RunHistory(KnownAttributes, Mapping[str, Floats]):
     """The history of a run: a mapping from the names of its columns to (samples,) arrays, which are read only.
 
     Parameters
@@ -44,6 +45,9 @@ class RunHistory(Mapping[str, Floats]):
     >>> history.at(0.00025, "time")
     0.00025
     """
+
+    ONCE = ("units",)
+    INSTEAD = "run the scene again"
 
     def __init__(self, table: Mapping[str, Floats], recorded: Mapping[str, str] | None = None) -> None:
         self._table = {name: frozen(np.array(column, dtype=np.float64)) for name, column in table.items()}

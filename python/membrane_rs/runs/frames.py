@@ -12,6 +12,7 @@ from typing import Any, overload
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.mesh.triangulation import frozen
@@ -90,7 +91,7 @@ class RunFrame(FrameData):
         )
 
 
-class RunFrames(Sequence[RunFrame]):
+class RunFrames(KnownAttributes, Sequence[RunFrame]):
     """The frames of a run: a sequence, each made when it is asked for.
 
     Parameters
@@ -114,6 +115,9 @@ class RunFrames(Sequence[RunFrame]):
     >>> frames.near(6e-4).time
     0.0005
     """
+
+    ONCE = ("times",)
+    INSTEAD = "run the scene again"
 
     def __init__(self, times: Sequence[float], history: RunHistory) -> None:
         self.times: Floats = frozen(np.array(times, dtype=np.float64))

@@ -259,7 +259,7 @@ class Stepper(ShownMotion):
         time : float
             [s]
         seconds : float
-            Of wall time [s].
+            Of wall time [s]; infinity for no limit.
 
         Returns
         -------
@@ -269,11 +269,12 @@ class Stepper(ShownMotion):
         Raises
         ------
         InputError, InputTypeError
-            No finite number.
+            No number.
         UnstableError, KeyboardInterrupt
             As `step`.
         """
-        time, seconds = number_of("time", time), number_of("seconds", seconds)
+        time = number_of("time", time)
+        seconds = np.inf if seconds == np.inf else number_of("seconds", seconds)
         return seconds > 0.0 and self._reach(time, seconds) and self._is_at(time)
 
     def _is_at(self, time: float) -> bool:
