@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import membrane_rs
 import meshio
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from fake_simulation import small_sail
 from membrane_rs import Fixed, Scene, Simulation, Triangles
 from membrane_rs.folding import Strip
 from membrane_rs.plotting.fields import FIELDS, STEPS, Field, fields_of, value_ranges
+from membrane_rs.plotting.viewer import Viewer
 from membrane_rs.results.vtk import write_frame
 from numpy.typing import NDArray
 from small_scenes import RUBBER
@@ -139,3 +141,17 @@ def test_values_of_damaged_files_are_missing() -> None:
     assert values is not None
     assert np.isnan(values).tolist() == [True, True, True, False, False]
     assert FIELDS["crease_angle"].values(Frame(**SQUARE, on_lines={"crease_angle": np.full(5, 1e308)})) is None
+
+
+def test_a_field_is_chosen_by_the_array_of_frames_too_as_the_page_of_the_viewer_says() -> None:
+    run = membrane_rs.run("hanging-strip", 0.01, frames=2)
+    viewer, frame = Viewer(run), run.frames[1]
+    arrays = {"film_state", *frame.on_nodes, *frame.on_triangles, *frame.on_lines}  # the first with the law Triangles
+    page = (Path(__file__).parent.parent / "docs/viewer.md").read_text("utf-8")
+    for name, found in FIELDS.items():
+        array = found.array or name
+        assert array in arrays
+        assert f"| `{name}` | {found.title} | `{array}` |" in page
+        if name in viewer.colors:
+            viewer.choose(array)
+            assert viewer.color == name

@@ -1,4 +1,4 @@
-"""Make the list of keys and the pictures of docs/viewer.md: python tools/docs/viewer_page.py. Needs a display."""
+"""Make the lists of docs/viewer.md and its pictures: python tools/docs/viewer_page.py. Needs a display."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from pathlib import Path
 import membrane_rs
 from marked import DOCS, MarkedPart, copy_small
 from membrane_rs._markdown import table
+from membrane_rs.plotting.fields import FIELDS
 from membrane_rs.plotting.viewer.keys import KEYS
 from membrane_rs.plotting.viewer.viewer import Viewer
 from membrane_rs.plotting.viewer.window import Window
 
 KEYS_PART = MarkedPart(DOCS / "viewer.md", "viewer-keys")
+FIELDS_PART = MarkedPart(DOCS / "viewer.md", "viewer-fields")
 UNTIL, SHOWN, COLOR = 0.12, 0.06, "state"
 """End of the run, and time and field of the picture [s]."""
 
@@ -20,6 +22,12 @@ UNTIL, SHOWN, COLOR = 0.12, 0.06, "state"
 def keys() -> str:
     """The table of keys."""
     return table(["key", "what it does"], [[f"`{key.shown}`", key.words] for key in KEYS], words=(0, 1))
+
+
+def fields() -> str:
+    """The table of fields."""
+    rows = [[f"`{name}`", field.title, f"`{field.array or name}`"] for name, field in FIELDS.items()]
+    return table(["colour", "what it is", "array of frames"], rows, words=(0, 1, 2))
 
 
 def window(path: Path) -> None:
@@ -35,8 +43,9 @@ def window(path: Path) -> None:
 
 
 def main() -> None:
-    """Write both."""
+    """Write all."""
     KEYS_PART.write(keys())
+    FIELDS_PART.write(fields())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "window.png"
         window(path)

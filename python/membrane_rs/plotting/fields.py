@@ -83,6 +83,8 @@ class Field:
         What the whole numbers from 0 on mean; empty where the values are measured.
     colormap : str
         matplotlib's name of the scale of colours.
+    array : str
+        What frames call the array that it is read from; empty where that is its own name.
     """
 
     name: str
@@ -92,6 +94,7 @@ class Field:
     _read: Callable[[FieldFrame], Floats | None]
     categories: tuple[str, ...] = ()
     colormap: str = "viridis"
+    array: str = ""
 
     @property
     def title(self) -> str:
@@ -218,17 +221,38 @@ def _state(frame: FieldFrame) -> Floats | None:
 FIELDS: dict[str, Field] = {
     field.name: field
     for field in (
-        Field("largest_principal_stress", "Largest principal stress", "Pa", "triangles", _on_triangles("stress_1")),
+        Field(
+            "largest_principal_stress",
+            "Largest principal stress",
+            "Pa",
+            "triangles",
+            _on_triangles("stress_1"),
+            array="stress_1",
+        ),
         Field("von_mises", "Von Mises stress", "Pa", "triangles", _on_triangles("von_mises")),
         Field(
-            "largest_principal_strain", "Largest principal strain", "", "triangles", _on_triangles("triangle_strain")
+            "largest_principal_strain",
+            "Largest principal strain",
+            "",
+            "triangles",
+            _on_triangles("triangle_strain"),
+            array="triangle_strain",
         ),
-        Field("state", "State of the film", "", "triangles", _state, ("taut", "wrinkled", "slack"), "cividis_r"),
+        Field(
+            "state",
+            "State of the film",
+            "",
+            "triangles",
+            _state,
+            ("taut", "wrinkled", "slack"),
+            "cividis_r",
+            "film_state",
+        ),
         Field("spring_strain", "Strain of springs", "", "lines", _on_lines("spring_strain")),
         Field("buckled", "Buckled springs", "", "lines", _buckled, ("taut", "buckled"), "cividis_r"),
         Field("crease_angle", "Crease angle", "deg", "lines", _crease_angle, colormap="plasma"),
         Field("tension", "Tension of cords", "N", "lines", _on_lines("tension"), colormap="magma"),
-        Field("speed", "Speed", "m/s", "nodes", _speed, colormap="plasma"),
+        Field("speed", "Speed", "m/s", "nodes", _speed, colormap="plasma", array="velocity"),
     )
 }
 """The fields by their names, in the order in which they are offered."""

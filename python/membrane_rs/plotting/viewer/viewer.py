@@ -235,13 +235,14 @@ class Viewer:
         Parameters
         ----------
         color : str
-            One of `colors`.
+            One of `colors`; or what frames call the array of a field, such as "stress_1".
 
         Raises
         ------
         InputError
             It is none.
         """
+        color = next((name for name, field in FIELDS.items() if field.array and field.array == color), color)
         if color in FIELDS and color not in self.colors:
             raise InputError(
                 f"color = {color!r}: this run has no values of it; must be one of {', '.join(self.colors)}"
