@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, suppress
@@ -274,7 +275,7 @@ class Stepper(ShownMotion):
             As `step`.
         """
         time = number_of("time", time)
-        seconds = np.inf if seconds == np.inf else number_of("seconds", seconds)
+        seconds = math.inf if seconds == math.inf else number_of("seconds", seconds)
         return seconds > 0.0 and self._reach(time, seconds) and self._is_at(time)
 
     def _is_at(self, time: float) -> bool:
