@@ -52,7 +52,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("membrane-rs run spinning-tether --integrator leap", ["leapfrog"]),
         ("membrane-rs run spinning-tether --until 1 --set laws.spin.f", ["laws.spin.frequency="]),
         ("membrane-rs run nowhere --set laws.spin.f", []),
+        (f"membrane-rs run {'x' * 300}.toml --set laws.spin.f", []),
+        ("membrane-rs new own --from spinning-tether --set laws.spin.f", ["laws.spin.frequency="]),
         ("membrane-rs run spinning-tether --overw", ["--overwrite"]),
+        ("membrane-rs scenes too-many --js", ["--json"]),
     ],
 )
 def test_the_end_of_a_line(line: str, offered: list[str], folder: Path) -> None:

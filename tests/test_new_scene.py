@@ -39,6 +39,8 @@ def test_a_copy_of_a_built_in_scene(name: str, folder: Path) -> None:
     lines = text.splitlines()
     assert lines[:3] == [f"#:schema ./{SCHEMA_FILE}", f"# Made from {name}.", "#"]
     assert comments(scenes.text(name)) == comments(text)[3:]
+    for words in (["-q", "new", "quiet"], ["new", "quiet-too", "--quiet"]):
+        assert "Numbers are in SI units" not in call(*words, "--from", name)[1]
     assert Scene.from_toml("mine.toml").to_toml() == replace(scenes.load(name), name="mine").to_toml()
 
 

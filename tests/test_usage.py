@@ -55,6 +55,13 @@ def test_no_words_show_the_help() -> None:
         assert (result.exit_code, "Usage: membrane-rs [OPTIONS] COMMAND" in result.stdout) == (USAGE, True)
 
 
+def test_old_names_are_not_proposed() -> None:
+    hidden = [name for name, command in COMMANDS.items() if command.hidden]
+    text = CliRunner().invoke(app, ["nothing-like-it"]).stderr
+    assert not [name for name in hidden if f" {name}," in text]
+    assert "--short-steps" not in CliRunner().invoke(app, ["run", "fly", "--short-step", "3"]).stderr
+
+
 @pytest.mark.parametrize("name", [name for name in COMMANDS if has_json(name)])
 def test_a_failure_is_a_document_too(name: str) -> None:
     result = CliRunner().invoke(app, [name, "--json", "--nowhere"])
