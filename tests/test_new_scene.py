@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -13,10 +14,12 @@ from typing import Any
 
 import pytest
 from membrane_rs import Fixed, Scene, scenes
+from membrane_rs.cli import app
 from membrane_rs.cli.new import SCHEMA_FILE
 from membrane_rs.scene.commented import with_comments
 from small_scenes import RUBBER, hanging_strip, patch
 from test_cli import call
+from typer.testing import CliRunner
 
 STRIP = Path(__file__).parents[1] / "examples" / "strip_round_post.toml"
 
@@ -99,6 +102,11 @@ def test_stages_bodies_and_values_taken_away(folder: Path) -> None:
     assert code == 0, shown
     assert (folder / "again.toml").read_text().count("#:schema") == 1
     assert Scene.from_toml("again.toml").name == "again"
+
+
+def test_json_names_the_file() -> None:
+    result = CliRunner().invoke(app, ["new", "mine", "--from", "spinning-tether", "--json"])
+    assert json.loads(result.stdout) == {"file": "mine.toml", "source": "spinning-tether"}
 
 
 def test_a_file_in_another_style_is_written_anew(folder: Path) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from membrane_rs.cli.application import SCENES, command, in_shell, print_json, tell
+from membrane_rs.cli.application import SCENES, Json, command, in_shell, print_json, tell
 from membrane_rs.cli.options import Set
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def new(
     schema: Annotated[
         bool, typer.Option(help=f"Write {SCHEMA_FILE} beside it, by which editors check and help.")
     ] = True,
+    json: Json = False,
 ) -> None:
     """Write a commented scene file of your own, from a scene that is there."""
     from membrane_rs.cli.settings import values_of
@@ -56,6 +57,9 @@ def new(
     lines = [f"{SCHEMA_LINE}./{SCHEMA_FILE}"] if schema and _write_schema(path.with_name(SCHEMA_FILE)) else []
     lines += [f"# Made from {' '.join(source.split())}.", "#" if text.startswith("#") else "", text]
     _write(path, "\n".join(lines))
+    if json:
+        print_json({"file": str(path), "source": source})
+        return
     typer.echo(f"Wrote {path}, from {source}\n")
     word = in_shell(path)
     typer.echo(f"  membrane-rs check {word}    # faults and risks, step, cost\n  membrane-rs run {word}")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from membrane_rs.cli import completion
-from membrane_rs.cli.application import LOOKING, command, tell
+from membrane_rs.cli.application import LOOKING, Json, command, print_json, tell
 from membrane_rs.cli.options import path_option
 
 Runs = Annotated[
@@ -42,10 +42,14 @@ def report(
         str | None, typer.Option("--title", help="Default: the name of the scene, or of the runs.")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the file.")] = False,
+    json: Json = False,
 ) -> None:
     """Make one HTML page of runs: 3D, pictures, curves, energy, audit, timings, scene."""
     from membrane_rs.report import write_report
 
     file = write_report(list(runs), out, data=list(data or ()), ensemble=ensemble, title=title, overwrite=overwrite)
-    typer.echo(file)
+    if json:
+        print_json({"file": str(file)})
+    else:
+        typer.echo(file)
     tell(f"Open it in a browser: {file.resolve().as_uri()}")
