@@ -150,8 +150,8 @@ def test_a_field_is_chosen_by_the_array_of_frames_too_as_the_page_of_the_viewer_
     page = (Path(__file__).parent.parent / "docs/viewer.md").read_text("utf-8")
     for name, found in FIELDS.items():
         array = found.array or name
-        assert array in arrays
         assert f"| `{name}` | {found.title} | `{array}` |" in page
         if name in viewer.colors:
+            assert array in arrays
             viewer.choose(array)
             assert viewer.color == name
