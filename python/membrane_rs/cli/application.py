@@ -34,9 +34,9 @@ from membrane_rs.cli.reporting import (
     say_in,
     show_error,
     tell,
+    verbosity,
     warnings_of_run,
     widen,
-    wordiness,
 )
 from membrane_rs.cli.usage import UsageError, in_our_words, surplus, unknown_command
 
@@ -202,7 +202,7 @@ def _root(
     verbose: _Verbose = False,
     quiet: _Quiet = False,
 ) -> None:
-    wordiness.verbose, wordiness.quiet = verbose, quiet
+    verbosity.verbose, verbosity.quiet = verbose, quiet
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
         raise typer.Exit(USAGE)
@@ -229,8 +229,8 @@ def command(
     def register(function: Callable[..., None]) -> Callable[..., None]:
         @wraps(function)
         def call(*, verbose: bool, quiet: bool, **options: Any) -> None:
-            wordiness.verbose |= verbose
-            wordiness.quiet |= quiet
+            verbosity.verbose |= verbose
+            verbosity.quiet |= quiet
             with reported_errors():
                 function(**options)
 

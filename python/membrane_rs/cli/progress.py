@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from membrane_rs.cli.reporting import tell, wordiness
+from membrane_rs.cli.reporting import tell, verbosity
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -76,7 +76,7 @@ def run_counter() -> Iterator[Callable[[int, int, RunResult], None]]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = terminal()
-    is_bar = console.is_terminal and not wordiness.quiet
+    is_bar = console.is_terminal and not verbosity.quiet
     columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TextColumn("runs"), TimeRemainingColumn())
     with Progress(*columns, console=console, disable=not is_bar) as bar:
         task = bar.add_task("", total=None)

@@ -32,14 +32,14 @@ NARROWEST = 50
 
 
 @dataclass
-class Wordiness:
+class Verbosity:
     """How much a command says."""
 
     verbose: bool = False
     quiet: bool = False
 
 
-wordiness = Wordiness()
+verbosity = Verbosity()
 """Of the command that runs: there is one in a process."""
 
 
@@ -62,7 +62,7 @@ outcome = Outcome()
 
 def tell(words: str) -> None:
     """A remark on the standard error, apart from the results; nothing with `--quiet`."""
-    if not wordiness.quiet:
+    if not verbosity.quiet:
         typer.echo(words, err=True)
 
 
@@ -182,5 +182,5 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 def _show_traceback(error: Exception) -> None:
     """The lines of Python that led to an error, where they are asked for."""
-    if wordiness.verbose or os.environ.get(TRACEBACK):
+    if verbosity.verbose or os.environ.get(TRACEBACK):
         traceback.print_exception(error)
