@@ -27,8 +27,8 @@ from membrane_rs.results import CrossingCounts, read_crossings, read_history, re
 from membrane_rs.simulation.motion import Motion
 
 TIPS = "tips.npz"
-SHEET, COLOURS = 0.75, 64
-"""Width of a contact sheet over its own, and the colours of curves."""
+SHEET = 0.75
+"""Width of a contact sheet over its own."""
 BEGIN = 0.05
 """Up to where the first crossing is looked for at each sample [s]."""
 MEAN = 21
@@ -152,7 +152,7 @@ def copy_sheets(folder: Path, model: str) -> None:
         prefix = stage_prefix(index, stage["name"])
         name = f"deployment-{slug(model)}-{prefix}sheet.png"
         copy_small(folder / "snapshots" / f"{prefix}turning.png", name, share=SHEET)
-    copy_small(folder / "energy.png", f"deployment-{slug(model)}-energy.png", colours=COLOURS)
+    copy_small(folder / "energy.png", f"deployment-{slug(model)}-energy.png")
 
 
 def _mean(values: Floats) -> Floats:
