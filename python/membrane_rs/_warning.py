@@ -7,7 +7,7 @@ import warnings
 from pathlib import Path
 
 _PACKAGE = Path(__file__).parent
-_INNER = (__file__, *(f"{_PACKAGE / name}/" for name in ("check", "results", "runs", "simulation")))
+_INNER = (__file__, *(f"{_PACKAGE / name}/" for name in ("check", "report", "results", "runs", "simulation")))
 """The code through which a call goes to the place that warns."""
 
 
