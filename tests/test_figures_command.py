@@ -20,12 +20,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_figures_of_a_run(folder: Path, tmp_path: Path) -> None:
-    code, shown = call("figures", folder, "--format", "png,SVG", "--width", "60mm", "--out", tmp_path / "a" / "b")
+    words = ("--format", "png,SVG", "--format", "pdf", "--width", "60mm", "--out", tmp_path / "a" / "b")
+    code, shown = call("figures", folder, *words)
     names = ["deployment", "energy", "snapshots", "snapshots-turning"]
     assert code == 0
-    assert shown.count("Wrote ") == 8
+    assert shown.count("Wrote ") == 12
     assert sorted(file.name for file in (tmp_path / "a" / "b").iterdir()) == sorted(
-        f"{name}.{ending}" for name in names for ending in ("png", "svg")
+        f"{name}.{ending}" for name in names for ending in ("pdf", "png", "svg")
     )
     for name in names:
         with Image.open(tmp_path / "a" / "b" / f"{name}.png") as picture:

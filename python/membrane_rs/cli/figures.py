@@ -29,8 +29,13 @@ def figures(
         Path | None, path_option(help="Folder of the figures. Default: figures/ in that of the run.")
     ] = None,
     formats: Annotated[
-        str, typer.Option("--format", metavar="FORMATS", help="Of pdf, svg and png, separated by commas.")
-    ] = "pdf",
+        list[str] | None,
+        typer.Option(
+            "--format",
+            metavar="FORMATS",
+            help="Of pdf, svg and png, separated by commas. May be given several times. Default: pdf.",
+        ),
+    ] = None,
     style: Annotated[
         str, typer.Option(help="paper or screen; a style sheet of matplotlib by its name or its file.")
     ] = "paper",
@@ -54,7 +59,7 @@ def figures(
     files = save_run_figures(
         opened,
         out or (opened.path or run) / "figures",
-        [name.strip().lower() for name in formats.split(",")],
+        [name.strip().lower() for name in ",".join(formats or ["pdf"]).split(",")],
         style=style,
         width=width,
         times=snapshots,
