@@ -169,10 +169,11 @@ def test_settings_of_the_caller_stay_and_no_figure_stays_open(tmp_path: Path) ->
     from matplotlib import pyplot, rcParams
 
     pyplot.switch_backend("svg")
+    open_before = pyplot.get_fignums()
     before, table = dict(rcParams), {"time": [0.0, 1.0], "hub_torque": [0.0, 2.0]}
     for k in range(25):
         plot_history(table, ["hub_torque"], tmp_path / "a.png", style="paper" if k % 2 else {"font.size": 17.0})
     with pytest.raises(InputError, match="is no format of a figure"):
         plot_history(table, ["hub_torque"], tmp_path / "a.bmp")
     assert dict(rcParams) == before
-    assert pyplot.get_fignums() == []
+    assert pyplot.get_fignums() == open_before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import membrane_rs
 import pytest
 from browser import opened
+from membrane_rs.plotting.viewer.page import _is_of_note
 
 SCRIPT = "import membrane_rs; membrane_rs.view('run', color='speed', where='browser')"
 OPTIONS = ("--port", "none", "--host", "0.0.0.0")
@@ -76,3 +78,11 @@ def test_only_this_machine_is_served(served: subprocess.Popen[str]) -> None:
     hosts = {row[1].partition(":")[0] for row in rows if row[1].endswith(f":{port}") and row[3] == "0A"}  # listens
     assert hosts
     assert hosts <= {"0100007F", "00000000000000000000000001000000"}  # 127.0.0.1 and ::1
+
+
+def test_a_closed_browser_is_no_error_of_the_server() -> None:
+    def record(error: Exception) -> logging.LogRecord:
+        return logging.LogRecord("asyncio", logging.ERROR, "", 0, "never retrieved", None, (type(error), error, None))
+
+    assert not _is_of_note(record(ConnectionResetError("Cannot write to closing transport")))
+    assert _is_of_note(record(ValueError("anything else")))

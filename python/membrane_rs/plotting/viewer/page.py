@@ -5,6 +5,7 @@ colours.
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import sys
 import threading
@@ -163,9 +164,15 @@ class Page:
         return layout
 
 
+def _is_of_note(record: logging.LogRecord) -> bool:
+    """Whether a message of asyncio is more than that a browser was closed while a picture was on its way to it."""
+    return not (record.exc_info and isinstance(record.exc_info[1], ConnectionError))
+
+
 def serve(viewer: Viewer) -> None:
     """Serve the page to this machine, and open it in a browser where there is a display, until Ctrl-C."""
     page = Page(viewer)
+    logging.getLogger("asyncio").addFilter(_is_of_note)
 
     def tell(**_: Any) -> None:
         address = f"http://localhost:{page.server.port}/"
