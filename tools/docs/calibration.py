@@ -137,7 +137,7 @@ def main() -> None:
             table(head, rows, words=(0, 1, 6)),
             "\n".join(f"- {one}" for one in texts),
             "",
-            known[known.index("| column") :],
+            known[known.index("| column") :].partition("\n\n- ")[0],  # `texts` has its warnings
         ]
     )
     print(text)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from membrane_rs._validation import check_kind, show
+from membrane_rs._validation import check_kind
 from membrane_rs._warning import warn
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
@@ -31,10 +31,10 @@ from membrane_rs.check.step_accuracy import accuracy_of_step
 from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
 from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.check.supports import supports
-from membrane_rs.errors import AuditWarning, InputTypeError
+from membrane_rs.errors import AuditWarning
 from membrane_rs.mesh.findings import Audit, Finding
 from membrane_rs.scene import Scene
-from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.motion import Motion, check_simulation
 
 Check: TypeAlias = Callable[[Scene], Iterator[Finding]]
 """Yields what it finds in a scene, run settings included; nothing where all is well. It never raises."""
@@ -155,8 +155,7 @@ def audit_of_motion(sim: Motion) -> Audit:
     >>> audit_of_motion(Simulation(scenes.load("spinning-tether"))).ok
     True
     """
-    if not isinstance(getattr(sim, "scene", None), Scene):
-        raise InputTypeError(f"sim = {show(sim)}: must be a Simulation")
+    check_simulation(sim)
 
     def stepping_of(scene: Scene) -> Stepping:
         is_present = scene is (sim.stage_scene if sim.scene.stages else sim.scene)

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from membrane_rs._validation import show
 from membrane_rs.analysis import strain
 from membrane_rs.analysis.deployment import Corners
-from membrane_rs.errors import InputTypeError
-from membrane_rs.simulation.motion import Motion
-
-
-def check_simulation(sim: object) -> None:
-    """Refuse what has no assembly, and so is no simulation. Raises InputTypeError."""
-    if not hasattr(sim, "assembly"):
-        raise InputTypeError(f"sim = {show(sim)}: must be a Simulation")
+from membrane_rs.simulation.motion import Motion, check_simulation
 
 
 def deployment_rate(sim: Motion) -> float:

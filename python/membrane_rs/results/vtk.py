@@ -16,8 +16,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import MOST_BYTES, check_regular, path_of, reading_errors, replacing
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.results.frame_fields import ON_LINES, ON_NODES, ON_TRIANGLES, FieldTable, Frame, FrameData, FrameFields
-from membrane_rs.results.measures import check_simulation
-from membrane_rs.simulation.motion import Motion
+from membrane_rs.simulation.motion import Motion, check_simulation
 
 ORDER = (
     "spring_strain", "triangle_strain", "crease_angle", "buckled", "petal", "stress_1", "stress_2", "stress_direction",

@@ -362,3 +362,9 @@ def _step_of(dt: object) -> float | None:
     if number <= 0:
         raise InputError(f"dt = {number}: must be greater than 0 (s), or left out")
     return number
+
+
+def check_simulation(sim: object) -> None:
+    """Refuse what has no scene and no assembly, and so is no simulation. Raises InputTypeError."""
+    if not isinstance(getattr(sim, "scene", None), Scene) or not hasattr(sim, "assembly"):
+        raise InputTypeError(f"sim = {show(sim)}: must be a Simulation")

@@ -29,8 +29,9 @@ from membrane_rs.scene.staging import planned_starts
 from membrane_rs.study.calibration.analysis import analysed, jacobian
 from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, check_recorded, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
-from membrane_rs.study.common.many_runs import MOST_RUNS, ManyRuns, Progress, Where
-from membrane_rs.study.common.one_run import TIME_LIMIT, RunSetup
+from membrane_rs.study.common.many_runs import MOST_RUNS, Progress, Where
+from membrane_rs.study.common.one_run import TIME_LIMIT
+from membrane_rs.study.common.options import many_runs
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.scene_match import match_scene
@@ -152,11 +153,10 @@ def calibrate(
     check_recorded(curves_of_data, units)
     unused = sum(int(np.isfinite(measured.columns[one.name]).sum()) - len(one.time) for one in curves_of_data)
     wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
-    setup = RunSetup(end, samples, wanted, shift, time_limit)
     request = {"kind": "calibration", "vary": {one.key: one.as_table() for one in parameters}}
-    with ManyRuns(
-        chosen, setup, executor=executor, jobs=jobs, folder=out, request=request, outputs=OUTPUTS, overwrite=overwrite,
-        retry=retry,
+    with many_runs(
+        chosen, request, OUTPUTS, until=end, samples=samples, record=wanted, shift=shift, time_limit=time_limit,
+        executor=executor, jobs=jobs, out=out, overwrite=overwrite, retry=retry,
     ) as runs:  # fmt: skip
         model = FitModel(runs, parameters, curves_of_data, starts, most_runs, progress)
         first = np.array([_share_of(chosen, one) for one in parameters])
