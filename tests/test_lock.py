@@ -77,7 +77,8 @@ def test_a_folder_that_another_run_has_taken_stays_as_that_has_it(tmp_path: Path
         second.start(sim)
         second.sample(sim)
         second.frame(sim)
-        second._record.background.add(lambda: None)
+        while not second._record.background.is_idle:
+            time.sleep(0.001)
         if not goes_on:
             second.finish(sim, None)
         shutil.move(path, tmp_path / "first")
