@@ -158,7 +158,7 @@ def test_the_same_name_twice_is_told_by_its_path(runs: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
 def test_the_figure(ending: str, runs: Path, tmp_path: Path) -> None:
     found = compare({"fine": runs / "1e-06", "coarse": runs / "1e-05"})
-    figure = found.figure(tmp_path / f"curves.{ending}", style="paper")
+    figure = found.plot(tmp_path / f"curves.{ending}", style="paper")
     assert [axes.get_ylabel() for axes in figure.axes] == ["Deployment rate", "Phase difference [deg]"]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["fine", "coarse"]
     assert (tmp_path / f"curves.{ending}").stat().st_size > 1000

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, Mesh, RunSettings, Scene, SceneError, Simulation, scenes
 from membrane_rs._renamed import new_names
+from membrane_rs.results import Experiment
 from membrane_rs.simulation import Motion
-from membrane_rs.study import LengthScales, calibrate
+from membrane_rs.study import LengthScales, calibrate, compare
 
 
 def test_settle_is_now_relax() -> None:
@@ -24,6 +25,15 @@ def test_settle_is_now_relax() -> None:
     old = [warning for warning in warned if warning.category is DeprecationWarning]
     assert [warning.filename for warning in old] == [__file__]
     assert (by_old_name.positions == by_new_name.positions).all()
+
+
+def test_figure_of_a_comparison_is_now_plot() -> None:
+    times, values = np.arange(3.0), np.array([1.0, 2.0, 3.0])
+    found: Any = compare([Experiment(name, times, {"hub_force": values}, {"hub_force": "N"}) for name in "ab"])
+    with pytest.warns(DeprecationWarning, match=r"Comparison\.figure is deprecated .*; use plot") as warned:
+        figure = found.figure(title="forces")
+    assert [warning.filename for warning in warned] == [__file__]
+    assert len(figure.axes) == len(found.plot().axes) == 1
 
 
 @pytest.mark.parametrize("kind", [RunSettings, Simulation, Motion], ids=lambda kind: kind.__name__)

@@ -63,7 +63,7 @@ def compare(
         labels=None if labels is None else words(labels, "--labels"),
     )
     if not no_figure:
-        found.figure(out, title=title, dpi=dpi, style=style)
+        found.plot(out, title=title, dpi=dpi, style=style)
         tell(f"The figure is {out}")
     if json:
         print_json({**found.as_dict(), "figure": None if no_figure else str(out)})

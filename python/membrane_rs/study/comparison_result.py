@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._markdown import table
+from membrane_rs._renamed import Renamed
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.comparison import plot_comparison
@@ -98,7 +99,7 @@ class Comparison:
     True
     >>> found.table().splitlines()[0][:28], found.summary().splitlines()[0]
     ('| column | curve | instants ', 'Differences from a')
-    >>> found.as_dict()["columns"], len(found.figure().axes)
+    >>> found.as_dict()["columns"], len(found.plot().axes)
     (['kinetic_energy'], 1)
     """
 
@@ -182,7 +183,7 @@ class Comparison:
         found = {"reference": self.reference, "columns": list(self.columns)}
         return {**found, "differences": [asdict(difference) for difference in self.differences]}
 
-    def figure(
+    def plot(
         self,
         path: Path | str | None = None,
         *,
@@ -225,6 +226,8 @@ class Comparison:
             dpi=dpi,
             style=style,
         )
+
+    figure = Renamed("plot")
 
     def __repr__(self) -> str:
         """Labels and columns."""
