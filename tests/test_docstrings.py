@@ -12,11 +12,14 @@ import membrane_rs
 import pytest
 from docstring_rules import faults, lacks
 from membrane_rs._validation import number_of
+from membrane_rs.check.stepping import Stepping
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
 from membrane_rs.results import read_experiment
 from membrane_rs.runs.place import Place
 from membrane_rs.runs.running import _keep
+from membrane_rs.simulation.timeline import Timeline
 from raised_errors import raised
+from received_types import received, undescribed
 from website.public import PACKAGES, PublicName, members, public_names
 
 NAMES = [name for name in public_names() if name.kind != "data"]
@@ -42,6 +45,20 @@ def test_public_names_are_found() -> None:
 @pytest.mark.parametrize("name", NAMES, ids=lambda name: name.path)
 def test_docstrings_are_complete(name: PublicName) -> None:
     assert faults(name) == {}
+
+
+def test_types_that_users_receive_are_public() -> None:
+    assert undescribed() == {}
+
+
+def test_a_type_that_is_given_and_not_public_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(membrane_rs.Simulation.hub_load, "__annotations__", {"return": "Stepping"})
+    monkeypatch.setattr(membrane_rs.Simulation.step, "__annotations__", {"return": Timeline | None})
+    assert received(membrane_rs.Simulation) >= {Stepping, Timeline}
+    monkeypatch.setattr(membrane_rs.Mesh.areas, "__annotations__", {"return": "dict[str, list[Timeline]]"})
+    found = undescribed()
+    assert found["membrane_rs.check.stepping.Stepping"] == "membrane_rs.Simulation"
+    assert "membrane_rs.simulation.timeline.Timeline" in found
 
 
 @pytest.mark.parametrize("path", WITH_EXAMPLES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -32,8 +32,25 @@ BAR_SHARE = 0.3
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera that looks at `centre` (3,) [m] from the direction `view` (3,), with `up` (3,) upwards; points within
-    `reach` [m] of the centre are seen.
+    """From where a picture is taken.
+
+    Attributes
+    ----------
+    centre : (3,) float
+        The point that it looks at [m].
+    view, up : (3,) float
+        Unit vectors from there to the camera, and upwards in the picture [-].
+    reach : float
+        Points that are nearer to the centre are seen [m].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.plotting.viewer import Camera
+    >>> flat = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
+    >>> camera = Camera.of([flat], np.array([[0, 1, 2]]), about_axis=False)
+    >>> camera.centre, camera.view, camera.project(camera.centre[None])[0]
+    (array([1., 1., 0.]), array([0., 0., 1.]), array([[0., 0.]]))
     """
 
     centre: Floats
@@ -56,14 +73,40 @@ class Camera:
         return np.stack([np.cross(self.up, self.view), self.up, self.view])
 
     def project(self, points: Floats) -> tuple[Floats, Floats]:
-        """Place in the picture (n, 2), from -1 to 1 to the right and upwards, and nearness to the camera (n,) [m]."""
+        """Where points are in the picture.
+
+        Parameters
+        ----------
+        points : (n, 3) float
+            Positions [m].
+
+        Returns
+        -------
+        (n, 2) float, (n,) float
+            Place, from -1 to 1 to the right and upwards [-], and nearness to the camera [m].
+        """
         seen = (points - self.centre) @ self._axes.T
         scale = self.distance / np.maximum(self.distance - seen[:, 2], 1e-3 * self.distance) / self.half_width
         return seen[:, :2] * scale[:, None], seen[:, 2]
 
     @classmethod
     def of(cls, shapes: Sequence[Floats], triangles: Ints, *, about_axis: bool) -> Camera:
-        """The camera that sees all `shapes`, (N, 3) [m] each; `about_axis`: also as they turn about z."""
+        """The camera that sees all of some shapes.
+
+        Parameters
+        ----------
+        shapes : sequence of (N, 3) float
+            Positions [m].
+        triangles : (m, 3) int
+            Nodes of each triangle.
+        about_axis : bool
+            Whether it sees them as they turn about z, too.
+
+        Returns
+        -------
+        Camera
+            A new one.
+        """
         points = np.concatenate(shapes)
         view, up = direction_of(shapes, triangles, about_axis=about_axis)
         if about_axis:

@@ -18,7 +18,25 @@ SPREADS = ("std", "range")
 
 @dataclass(frozen=True)
 class Band:
-    """Mean and spread at some times [s], (samples,) each; NaN where no member, or one alone, has come so far."""
+    """Mean and spread of a column over the members of an ensemble; NaN where no member, or one alone, came so far.
+
+    Attributes
+    ----------
+    time : (samples,) float
+        Times [s].
+    mean : (samples,) float
+        In the unit of the column.
+    low, high : (samples,) float
+        The ends of the spread, in the unit of the column.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> from membrane_rs.study import ensemble
+    >>> band = ensemble(scenes.load("spinning-tether"), 2, until=1e-3, samples=3).band("kinetic_energy")
+    >>> band.time.shape, bool((band.low <= band.high).all())
+    ((3,), True)
+    """
 
     time: Floats
     mean: Floats

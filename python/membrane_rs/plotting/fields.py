@@ -85,6 +85,15 @@ class Field:
         matplotlib's name of the scale of colours.
     array : str
         What frames call the array that it is read from; empty where that is its own name.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> from membrane_rs.plotting.viewer import Viewer
+    >>> run = membrane_rs.run("hanging-strip", until=0.02, frames=3)
+    >>> field = Viewer(run, color="speed").scale().field
+    >>> field.title, field.place, field.colors(2).shape, field.values(run.frames[0]).max().item()
+    ('Speed [m/s]', 'nodes', (2, 3), 0.0)
     """
 
     name: str
@@ -102,15 +111,36 @@ class Field:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def colors(self, steps: int = STEPS) -> NDArray[np.uint8]:
-        """(k, 3) colours from the lowest to the highest value: one for each category, else so many steps."""
+        """Colours from the lowest to the highest value.
+
+        Parameters
+        ----------
+        steps : int
+            How many, where the values are measured; else there is one for each category.
+
+        Returns
+        -------
+        (k, 3) uint8
+            Red, green, blue.
+        """
         from matplotlib import colormaps
 
         shares = np.linspace(0.0, 1.0, len(self.categories) or steps)
         return np.round(255.0 * np.asarray(colormaps[self.colormap](shares))[:, :3]).astype(np.uint8)
 
     def values(self, frame: FieldFrame) -> Floats | None:
-        """(n,) values on the nodes, triangles or lines of a frame, NaN where there is none; None where the frame has
-        none at all.
+        """The values of a frame.
+
+        Parameters
+        ----------
+        frame : RunFrame
+            Of a run.
+
+        Returns
+        -------
+        (n,) float or None
+            On its nodes, triangles or lines, in the unit of the field; NaN where there is none. None where the frame
+            has none at all.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             found = self._read(frame)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from membrane_rs.scene.assembly import Assembly
+from membrane_rs.scene.plausible import Doubt
 from membrane_rs.scene.scene import Scene
+from membrane_rs.scene.spool import Spool
 
-__all__ = ["Scene"]
+__all__ = ["Assembly", "Doubt", "Scene", "Spool"]

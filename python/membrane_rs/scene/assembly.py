@@ -14,31 +14,54 @@ class Assembly(Component):
     """A scene as read-only arrays; N nodes.
 
     Nodes of the membrane come first, in the order of the mesh; nodes of the cords follow, cord after cord.
+
+    Attributes
+    ----------
+    node_count : int
+        N, of the membrane and of the cords.
+    reference : (N, 3) float
+        The flat shape, cords straight [m].
+    positions : (N, 3) float
+        The shape at the start [m].
+    triangles : (m, 3) int
+        Nodes of each triangle.
+    creases : Creases
+        Those of the membrane.
+    extra_masses : (N,) float
+        What tip masses and cords add to each node [kg].
+    tips : (t,) int
+        Nodes that carry a mass of their own beside those of film and cords; a node may stand there twice.
+    fixed : (k,) int
+        Nodes held at rest, or moved as prescribed, ascending.
+    cords : Cords
+        Segments of all cords.
+    bridges : Links
+        Node pairs joined by a link of no length.
+    contacts : ContactSet
+        Nodes that the spool keeps outside.
+    node_sets : mapping of str to (k,) int
+        The mesh's node sets and the cords' own.
+    motions : sequence of Motion
+        Of the nodes that move as prescribed.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> found = scenes.load("spinning-tether").assemble()
+    >>> found.node_count, len(found.cords), found.fixed
+    (11, 10, array([0]))
     """
 
     node_count: int
-    """N, of the membrane and of the cords."""
     reference: Floats
-    """(N, 3) the flat shape, cords straight [m]."""
     positions: Floats
-    """(N, 3) the shape at the start [m]."""
     triangles: Ints
-    """(m, 3) nodes of each triangle."""
     creases: Creases
-    """Those of the membrane."""
     extra_masses: Floats
-    """(N,) what tip masses and cords add to each node [kg]."""
     tips: Ints
-    """(t,) nodes that carry a mass of their own beside those of film and cords; a node may stand there twice."""
     fixed: Ints
-    """(k,) nodes held at rest, or moved as prescribed, ascending."""
     cords: Cords
-    """Segments of all cords."""
     bridges: Links
-    """Node pairs joined by a link of no length."""
     contacts: ContactSet
-    """Nodes that the spool keeps outside."""
     node_sets: Mapping[str, Ints]
-    """The mesh's node sets and the cords' own."""
     motions: Sequence[Motion] = ()
-    """Of the nodes that move as prescribed."""

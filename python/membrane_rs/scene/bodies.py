@@ -26,7 +26,7 @@ from membrane_rs.scene.schedule import Schedule
 from membrane_rs.scene.solid import Solid
 from membrane_rs.scene.spool import Spool
 
-__all__ = ["BODIES", "CORE_KINDS", "Body", "Cylinder", "Plane"]
+__all__ = ["BODIES", "CORE_KINDS", "Body", "Cylinder", "Plane", "Solid"]
 
 CORE_KINDS = ("body", "body_friction")
 """The laws of the core that bodies become."""

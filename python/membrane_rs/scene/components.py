@@ -11,6 +11,8 @@ import numpy as np
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.scene.schedule import Schedule
 
+__all__ = ["ContactSet", "Cords", "Creases", "Links", "Motion"]
+
 
 @dataclass(frozen=True, eq=False)
 class Component:
@@ -72,12 +74,25 @@ class Film(Component):
 
 @dataclass(frozen=True, eq=False)
 class Creases(Component):
-    """Lines along which the film is folded."""
+    """Lines along which the film is folded.
+
+    Attributes
+    ----------
+    nodes : (c, 2) int
+        The two nodes of each.
+    fold_signs : (c,) float
+        +1 for a valley or a flat crease, -1 for a mountain [-].
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> creases = scenes.load("single-crease").assemble().creases
+    >>> len(creases), creases.fold_signs[0].item()
+    (2, 1.0)
+    """
 
     nodes: Ints
-    """(c, 2) the two nodes of each."""
     fold_signs: Floats
-    """(c,) +1 for a valley or a flat crease, -1 for a mountain."""
 
     def __len__(self) -> int:
         """How many creases."""
@@ -86,16 +101,31 @@ class Creases(Component):
 
 @dataclass(frozen=True, eq=False)
 class Cords(Component):
-    """Cord segments, one after the other; each bears tension alone."""
+    """Cord segments, one after the other; each bears tension alone.
+
+    Attributes
+    ----------
+    nodes : (s, 2) int
+        The two nodes of each.
+    stiffness : (s,) float
+        EA / l [N/m].
+    rest_length : (s,) float
+        l, without load [m].
+    strain_limit : (s,) float
+        Strain at which a run stops [-].
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> cords = scenes.load("spinning-tether").assemble().cords
+    >>> len(cords), cords.nodes.shape
+    (10, (10, 2))
+    """
 
     nodes: Ints
-    """(s, 2) the two nodes of each."""
     stiffness: Floats
-    """(s,) EA / l [N/m]."""
     rest_length: Floats
-    """(s,) l, without load [m]."""
     strain_limit: Floats
-    """(s,) strain at which a run stops."""
 
     def __len__(self) -> int:
         """How many segments."""
@@ -104,12 +134,28 @@ class Cords(Component):
 
 @dataclass(frozen=True, eq=False)
 class Links(Component):
-    """Links of no length, all of one stiffness: bridges between petals."""
+    """Links of no length, all of one stiffness: bridges between petals.
+
+    Attributes
+    ----------
+    nodes : (b, 2) int
+        The two nodes of each.
+    stiffness : float
+        Of each link [N/m]; 0 without links.
+
+    Examples
+    --------
+    >>> from membrane_rs import Bridges, Material, Mesh, Scene, Springs
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> mesh = Mesh(points, [[0, 1, 2], [3, 4, 5]], bridges=[[1, 3], [2, 5]])
+    >>> scene = Scene(mesh, Material(3.2e9, 0.34, 1420.0, 7.5e-6), [Springs()], [Bridges(100.0)])
+    >>> bridges = scene.assemble().bridges
+    >>> len(bridges), bridges.stiffness
+    (2, 100.0)
+    """
 
     nodes: Ints
-    """(b, 2) the two nodes of each."""
     stiffness: float
-    """Of each link [N/m]; 0 without links."""
 
     def __len__(self) -> int:
         """How many links."""
@@ -118,10 +164,22 @@ class Links(Component):
 
 @dataclass(frozen=True, eq=False)
 class ContactSet(Component):
-    """What a surface keeps outside."""
+    """What a surface keeps outside.
+
+    Attributes
+    ----------
+    nodes : (k,) int
+        Ascending; empty without contact.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> contacts = scenes.load("hanging-strip").assemble().contacts
+    >>> len(contacts)
+    0
+    """
 
     nodes: Ints
-    """(k,) nodes, ascending; empty without contact."""
 
     def __len__(self) -> int:
         """How many nodes."""
@@ -130,18 +188,33 @@ class ContactSet(Component):
 
 @dataclass(frozen=True, eq=False)
 class Motion(Component):
-    """How some nodes move in the turning frame; None: not at all along or about that axis."""
+    """How some nodes move in the turning frame.
+
+    Attributes
+    ----------
+    nodes : (k,) int
+        Those that follow it.
+    x, y, z : Schedule or None
+        Displacement [m]; None: not at all along that axis.
+    turn : Schedule or None
+        Turn about the axis of the hub [rad]; None: not at all.
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> from membrane_rs import Moved, Schedule, scenes
+    >>> scene = scenes.load("hanging-strip")
+    >>> lifted = Moved([0], z=Schedule([0.0, 1.0], [0.0, 0.1]))
+    >>> motion = dataclasses.replace(scene, parts=[lifted]).assemble().motions[0]
+    >>> motion.nodes, motion.z.at(0.5), motion.x
+    (array([0]), 0.05, None)
+    """
 
     nodes: Ints
-    """(k,) those that follow it."""
     x: Schedule | None
-    """Displacement [m]."""
     y: Schedule | None
-    """[m]."""
     z: Schedule | None
-    """[m]."""
     turn: Schedule | None
-    """Turn about the axis of the hub [rad]."""
 
 
 @dataclass(frozen=True, eq=False)

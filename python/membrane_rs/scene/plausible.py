@@ -20,17 +20,39 @@ class Doubt(Finding):
 
     Attributes
     ----------
+    severity, kind, count, message, remedy, where
+        As `membrane_rs.mesh.Finding` has them.
     place : str
         Its key in a scene file.
     derived_from : tuple of str
         Beginnings of the keys of other values by which it is judged; what follows a "*" is their end.
+
+    Examples
+    --------
+    >>> from membrane_rs.scene import Doubt
+    >>> doubt = Doubt("warning", "implausible_value", 1, "a film of 7.5 m", "was 7.5 um meant?", place="thickness")
+    >>> doubt.place, doubt.rests_on("material.density")
+    ('thickness', False)
+    >>> doubt.as_dict()["remedy"]
+    'was 7.5 um meant?'
     """
 
     place: str = ""
     derived_from: tuple[str, ...] = ()
 
     def rests_on(self, place: str) -> bool:
-        """Whether it is judged by the value of this key."""
+        """Whether it is judged by the value of a key.
+
+        Parameters
+        ----------
+        place : str
+            The key.
+
+        Returns
+        -------
+        bool
+            Whether it is.
+        """
         ends = (key.partition("*")[::2] for key in self.derived_from)
         return any(place.startswith(first) and place.endswith(last) for first, last in ends)
 

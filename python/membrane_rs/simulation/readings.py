@@ -101,6 +101,15 @@ class BodyLoad:
         to hold against [N m].
     contact : float
         Sum of the magnitudes of the forces on the nodes [N].
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> from membrane_rs import Plane, Simulation, scenes
+    >>> scene = dataclasses.replace(scenes.load("hanging-strip"), bodies=[Plane("floor", centre=(0.0, 0.0, -1.0))])
+    >>> load = Simulation(scene).body_loads()["floor"]
+    >>> load.force, load.contact
+    (array([-0., -0., -0.]), 0.0)
     """
 
     force: Floats

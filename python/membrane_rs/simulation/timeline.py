@@ -43,9 +43,19 @@ class StageRecord:
     reference_energy : float
         The largest change of a single term of its energy balance [J].
     error : float
-        Residual of its balance, as a share of its reference energy.
+        Residual of its balance, as a share of its reference energy [-].
     motor_work : float or None
         Work of the motor that turns the hub in this stage [J]; None where a saved state of an earlier version lacks it.
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> from membrane_rs import Simulation, Stage, scenes
+    >>> stages = [Stage("first", 0.001), Stage("second", 0.001)]
+    >>> sim = Simulation(dataclasses.replace(scenes.load("spinning-tether"), stages=stages))
+    >>> sim.run(0.002)
+    >>> [(stage.name, stage.end, stage.ended_by) for stage in sim.stages]
+    [('first', 0.001, 'duration'), ('second', 0.002, 'duration')]
     """
 
     name: str

@@ -6,18 +6,26 @@ import warnings
 
 from membrane_rs._moved import Moved
 from membrane_rs.errors import AuditWarning
+from membrane_rs.plotting.ensemble import Band
 from membrane_rs.study.ablation import ablate
-from membrane_rs.study.ablation_result import Ablation
+from membrane_rs.study.ablation_result import Ablation, Change, Item
 from membrane_rs.study.accuracy import work_precision
+from membrane_rs.study.calibration.analysis import Analysis, FittedParameter
 from membrane_rs.study.calibration.fitting import calibrate
+from membrane_rs.study.calibration.model import DataColumn
 from membrane_rs.study.calibration.result import Calibration
+from membrane_rs.study.common.one_run import RunPoint
+from membrane_rs.study.common.vary import Parameter
+from membrane_rs.study.compared_curves import Curves
 from membrane_rs.study.comparison import compare
 from membrane_rs.study.comparison_result import Comparison, Difference
+from membrane_rs.study.convergence import Density
 from membrane_rs.study.ensembles import Ensemble, ensemble, open_ensemble
 from membrane_rs.study.length_scales import FORMS, LengthScales, agreeing
-from membrane_rs.study.mesh import MeshRun, jobs_of, mesh_study
+from membrane_rs.study.mesh import Job, MeshRun, jobs_of, mesh_study
 from membrane_rs.study.mesh_report import write_mesh_study
-from membrane_rs.study.scene_match import SceneMatch, match_scene
+from membrane_rs.study.refinement import Best, Point
+from membrane_rs.study.scene_match import SceneMatch, Tried, match_scene
 from membrane_rs.study.sweep_result import Sweep
 from membrane_rs.study.sweeping import open_sweep, sweep
 from membrane_rs.study.work_precision_result import WorkPrecision
@@ -25,14 +33,28 @@ from membrane_rs.study.work_precision_result import WorkPrecision
 __all__ = [
     "FORMS",
     "Ablation",
+    "Analysis",
+    "Band",
+    "Best",
     "Calibration",
+    "Change",
     "Comparison",
+    "Curves",
+    "DataColumn",
+    "Density",
     "Difference",
     "Ensemble",
+    "FittedParameter",
+    "Item",
+    "Job",
     "LengthScales",
     "MeshRun",
+    "Parameter",
+    "Point",
+    "RunPoint",
     "SceneMatch",
     "Sweep",
+    "Tried",
     "WorkPrecision",
     "ablate",
     "agreeing",

@@ -25,13 +25,20 @@ class Change:
     Attributes
     ----------
     rate : float
-        Largest difference in the deployment rate.
+        Largest difference in the deployment rate [-].
     phase : float
         Largest difference in the phase [deg].
     strain : float
-        Difference between the largest strains of any spring at any instant.
+        Difference between the largest strains of any spring at any instant [-].
     stress : float
         Difference between the largest stresses in the film at any instant [Pa]; NaN without film.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Change
+    >>> found, allowed = Change(0.001, 0.2, 0.0), Change(0.01, 1.0, 1e-5)
+    >>> found.within(allowed), found.largest_share(allowed)
+    (True, 0.2)
     """
 
     rate: float
@@ -40,12 +47,34 @@ class Change:
     stress: float = math.nan
 
     def within(self, allowed: Change) -> bool:
-        """Whether no component exceeds the allowed one; NaN (no corners, no film) is ignored."""
+        """Whether no component exceeds the allowed one.
+
+        Parameters
+        ----------
+        allowed : Change
+            NaN (no corners, no film) is ignored.
+
+        Returns
+        -------
+        bool
+            Whether all are within.
+        """
         pairs = zip(vars(self).values(), vars(allowed).values(), strict=True)
         return not any(abs(found) > most for found, most in pairs)
 
     def largest_share(self, allowed: Change) -> float:
-        """The largest ratio of a component to the allowed one."""
+        """The largest ratio of a component to the allowed one.
+
+        Parameters
+        ----------
+        allowed : Change
+            NaN is ignored.
+
+        Returns
+        -------
+        float
+            [-]; infinite where nothing is allowed and something changed.
+        """
         pairs = list(zip(vars(self).values(), vars(allowed).values(), strict=True))
         known = [(abs(a), b) for a, b in pairs if not math.isnan(a + b)]
         return max((a / b if b else (math.inf if a else 0.0) for a, b in known), default=0.0)
@@ -60,12 +89,20 @@ class Item:
     name : str
         Name of the variant.
     time_per_step, step_limit, cost : float
-        Ratios of this scene to the complete one; cost is the first over the second. NaN for a scene that did not run.
+        Ratios of this scene to the complete one [-]; cost is the first over the second. NaN for a scene that did not
+        run.
     change : Change or None
         None for a run that did not reach its end.
     verdict : str
         "can be omitted", "can be omitted: change within the spread", "needed", or the reason why it cannot be left
         out. For a denser mesh: whether the scene's mesh is dense enough.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Change, Item
+    >>> row = Item("law air_drag", 0.75, 1.0, 0.75, Change(0.001, 0.2, 0.0), "can be omitted")
+    >>> row.may_go, row.share
+    (True, 0.25)
     """
 
     name: str
@@ -82,7 +119,7 @@ class Item:
 
     @property
     def share(self) -> float:
-        """Share of the time of a step that is saved; NaN for a scene that did not run."""
+        """Share of the time of a step that is saved [-]; NaN for a scene that did not run."""
         return 1.0 - self.time_per_step
 
 

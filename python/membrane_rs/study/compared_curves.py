@@ -37,6 +37,16 @@ class Curves:
         The columns by name, (samples,) each, "time" [s] among them, with their units.
     is_measured : bool
         Whether it is an experiment.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.results import Experiment
+    >>> from membrane_rs.study import compare
+    >>> both = [Experiment(name, np.arange(3.0), {"hub_force": np.ones(3)}, {"hub_force": "N"}) for name in "ab"]
+    >>> curves = compare(both).curves[0]
+    >>> curves.label, curves.columns, curves.is_measured, curves.curve("hub_force")[1]
+    ('a', ['hub_force'], True, array([1., 1., 1.]))
     """
 
     label: str
@@ -49,7 +59,23 @@ class Curves:
         return [name for name in self.table if name != "time"]
 
     def curve(self, name: str) -> tuple[Floats, Floats]:
-        """Times [s] and values of a column, where there are any."""
+        """Times and values of a column, where there are any.
+
+        Parameters
+        ----------
+        name : str
+            Of the column.
+
+        Returns
+        -------
+        (n,) float, (n,) float
+            [s], and in the unit of the column.
+
+        Raises
+        ------
+        InputError
+            No such column.
+        """
         time, values = self.table["time"], self.table[name]
         known = np.isfinite(values)
         return time[known], values[known]

@@ -26,12 +26,33 @@ CURVES = COLUMNS[1:]
 
 @dataclass(frozen=True)
 class Density:
-    """All runs of one form on one mesh."""
+    """All runs of one form on one mesh.
+
+    Attributes
+    ----------
+    form : str
+        Name of the length scales.
+    rows : int
+        Rows of cells from the inner to the outer edge.
+    cell : float
+        Height of a cell [m].
+    runs : tuple of MeshRun
+        One for each start.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.study import Density, MeshRun
+    >>> tables = [{"time": np.array([0.0, 1.0]), "deployment_rate": np.array([0.0, end])} for end in (0.8, 1.0)]
+    >>> runs = tuple(MeshRun("paper", 8, 0.02, k, 99, 1e-5, 0.0, 1.0, None, tables[k]) for k in (0, 1))
+    >>> mesh = Density("paper", 8, 0.02, runs)
+    >>> mesh.until, mesh.mean("deployment_rate", np.array([0.5])), round(mesh.spread("deployment_rate", 1.0), 4)
+    (1.0, array([0.45]), 0.0817)
+    """
 
     form: str
     rows: int
     cell: float
-    """Height of a cell [m]."""
     runs: tuple[MeshRun, ...]
 
     @property
@@ -40,18 +61,65 @@ class Density:
         return min(float(run.table["time"][-1]) for run in self.runs)
 
     def mean(self, column: str, times: Floats) -> Floats:
-        """(n,) mean over the starts of a curve at the given times."""
+        """Mean over the starts of a curve.
+
+        Parameters
+        ----------
+        column : str
+            Name of the curve.
+        times : (n,) float
+            Where [s].
+
+        Returns
+        -------
+        (n,) float
+            In the unit of the column.
+        """
         return np.asarray(self._curves(column, times).mean(axis=0))
 
     def spread(self, column: str, until: float) -> float:
-        """Standard deviation over the starts, root mean square over the time; NaN from one start."""
+        """Standard deviation over the starts, root mean square over the time.
+
+        Parameters
+        ----------
+        column : str
+            Name of the curve.
+        until : float
+            Time up to which it is taken [s].
+
+        Returns
+        -------
+        float
+            In the unit of the column; NaN from one start.
+        """
         if len(self.runs) < 2:
             return math.nan
         curves = self._curves(column, np.linspace(0.0, until, POINTS))
         return float(np.sqrt(np.mean(curves.var(axis=0, ddof=1))))
 
     def feature(self, key: str) -> tuple[float, float]:
-        """Mean over the starts of a feature of a curve, and its standard deviation; NaN where it is undefined."""
+        """Mean over the starts of a feature of a curve, and its standard deviation.
+
+        Parameters
+        ----------
+        key : str
+            Name of the feature, as `Sweep.rows` has it, such as "first_peak_rate".
+
+        Returns
+        -------
+        (float, float)
+            In the unit of the feature; NaN where it is undefined.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from membrane_rs.study import Density, MeshRun
+        >>> names = ("time", "deployment_rate", "phase_difference_deg")
+        >>> table = dict(zip(names, np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 0.5], [0.0, 5.0, -5.0]])))
+        >>> run = MeshRun("paper", 8, 0.02, 0, 99, 1e-5, 0.0, 1.0, None, table)
+        >>> Density("paper", 8, 0.02, (run,)).feature("first_peak_rate")
+        (1.0, nan)
+        """
         found = [run_features(run)[key] for run in self.runs]
         known = [value for value in found if value is not None]
         if len(known) < len(found):

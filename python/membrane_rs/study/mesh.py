@@ -91,7 +91,28 @@ class MeshRun:
 
 @dataclass(frozen=True)
 class Job:
-    """A run to be made."""
+    """A run of a mesh study that is to be made.
+
+    Attributes
+    ----------
+    form : str
+        Name of its length scales.
+    length_scales : LengthScales
+        The length scales themselves.
+    rows : int
+        Rows of cells from the inner to the outer edge.
+    member : int
+        0: from the unperturbed start; else from a perturbed one.
+    until : float or None
+        Time at the end [s]; None: the scene's.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import jobs_of
+    >>> job = jobs_of([8], ["paper"], until=0.1)[0]
+    >>> job.name, job.rows, job.until
+    ('paper-8-0', 8, 0.1)
+    """
 
     form: str
     length_scales: LengthScales

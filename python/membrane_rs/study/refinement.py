@@ -42,9 +42,40 @@ class RefinementLevel:
 class Point:
     """The result of one method at one step or tolerance.
 
-    `dt` is the mean step of an adaptive method, and `rejected` counts its rejected steps. `share` is `dt` over the
-    method's stability limit at the start, 0 without limit. If the monitor stopped the run, or its cost exceeded the
-    budget, `errors` are NaN, `failure` is the reason, and `evaluations` and `seconds` count the part that was run.
+    If the monitor stopped the run, or its cost exceeded the budget, `errors` are NaN, `failure` is the reason, and
+    `evaluations` and `seconds` count the part that was run.
+
+    Attributes
+    ----------
+    integrator : str
+        The method.
+    dt : float
+        Step [s]; the mean step of an adaptive method.
+    share : float
+        `dt` over the method's stability limit at the start [-]; 0 without limit.
+    steps, evaluations : int
+        Steps, and evaluations of the forces.
+    seconds : float
+        Processor time of the stepping [s].
+    errors : dict of str to float
+        By name, in the unit that the label of `WorkPrecision.labels` says.
+    failure : str or None
+        Why the run has no errors.
+    failed_at : float or None
+        When the monitor stopped it [s].
+    tolerance : float or None
+        Of a method that chooses its steps [-].
+    rejected : int
+        Rejected steps of such a method.
+    density : float
+        Of the mesh, as a multiple of the scene's [-].
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Point
+    >>> point = Point("rk4", 1e-5, 0.5, 100, 400, 0.02, {"position": 1e-6}, None, None)
+    >>> point.line, point.is_stable, point.words()
+    ('rk4', True, '400 evaluations, 0.02 s, error 1.00e-06')
     """
 
     integrator: str
@@ -76,7 +107,13 @@ class Point:
         return self.tolerance is not None or self.share <= 1.0
 
     def words(self) -> str:
-        """The result as text."""
+        """The result as text.
+
+        Returns
+        -------
+        str
+            In one line.
+        """
         if self.failed_at is not None:
             return f"stopped at {self.failed_at:.3g} s"
         error = self.failure or f"error {next(iter(self.errors.values())):.2e}"
@@ -85,7 +122,27 @@ class Point:
 
 @dataclass(frozen=True)
 class Best:
-    """The method that reaches the target error at least cost, with its interpolated step or tolerance."""
+    """The method that reaches the target error at least cost, with its interpolated step or tolerance.
+
+    Attributes
+    ----------
+    integrator : str
+        The method.
+    dt : float
+        Its step [s]; the mean one of an adaptive method.
+    cost : float
+        Evaluations of the forces [-], or processor time [s], as the key of `WorkPrecision.best` says.
+    tolerance : float or None
+        Of a method that chooses its steps [-].
+    density : float
+        Of the mesh, as a multiple of the scene's [-].
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Best
+    >>> Best("rk4", 1e-5, 400.0).words()
+    'rk4 with dt = 1e-05 s'
+    """
 
     integrator: str
     dt: float
@@ -94,7 +151,13 @@ class Best:
     density: float = 1.0
 
     def words(self) -> str:
-        """The method with its step or tolerance as text."""
+        """The method with its step or tolerance as text.
+
+        Returns
+        -------
+        str
+            In one line.
+        """
         name = line_name(self.integrator, self.density)
         if self.tolerance is not None:
             return f"{name} with tolerance = {self.tolerance:.2g}"

@@ -25,12 +25,30 @@ from membrane_rs.study.mesh import jobs_of, mesh_study
 
 @dataclass(frozen=True)
 class Tried:
-    """One value, and the distance of its curves from the target's."""
+    """One value that was tried, and the distance of its curves from the target's.
+
+    Attributes
+    ----------
+    value : float
+        In the unit of the parameter.
+    density : Density
+        Its runs.
+    distance : dict of str to float
+        Root mean square distance of the mean curves, by column, in its unit.
+    misfit : float
+        Root mean square over the columns of the distance over the spread of the target's starts [-].
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Density, Tried
+    >>> tried = Tried(10.0, Density("paper", 16, 0.011, ()), {"deployment_rate": 0.01}, 2.5)
+    >>> tried.value, tried.misfit
+    (10.0, 2.5)
+    """
 
     value: float
     density: Density
     distance: dict[str, float]
-    """Root mean square distance of the mean curves, by column."""
     misfit: float
 
 

@@ -27,6 +27,7 @@ PACKAGES = (
     "membrane_rs.scene.laws",
     "membrane_rs.scene.parts",
     "membrane_rs.scene.bodies",
+    "membrane_rs.scene.components",
     "membrane_rs.simulation",
     "membrane_rs.runs",
     "membrane_rs.results",

@@ -14,7 +14,23 @@ from membrane_rs.plotting.fields import MISSING, Field
 
 @dataclass(frozen=True)
 class Scale:
-    """The colours of a field between two values, `low` and `high`; what lies beyond has the colour of the end."""
+    """The colours of a field between two values; what lies beyond has the colour of the end.
+
+    Attributes
+    ----------
+    field : Field
+        The field.
+    low, high : float
+        The two values, in the unit of the field.
+
+    Examples
+    --------
+    >>> import membrane_rs, numpy as np
+    >>> from membrane_rs.plotting.viewer import Viewer
+    >>> scale = Viewer(membrane_rs.run("hanging-strip", until=0.02, frames=3), color="speed").scale()
+    >>> scale.low, scale.field.unit, scale.color(np.array([scale.low, np.nan])).shape
+    (0.0, 'm/s', (2, 3))
+    """
 
     field: Field
     low: float
@@ -26,7 +42,18 @@ class Scale:
         return self.field.colors()
 
     def color(self, values: Floats) -> Colors:
-        """(n, 3) of n values; `MISSING` for NaN."""
+        """The colours of values.
+
+        Parameters
+        ----------
+        values : (n,) float
+            In the unit of the field; grey for NaN.
+
+        Returns
+        -------
+        (n, 3) uint8
+            Red, green, blue.
+        """
         colors = np.vstack([self.colors, np.array([MISSING], np.uint8)])
         last = len(colors) - 2
         span = self.high - self.low

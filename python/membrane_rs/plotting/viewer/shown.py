@@ -25,11 +25,19 @@ class Shown:
     upper, lower : (m, 3) uint8
         Colours of both sides of the film.
     node_values : (N,) float64 or None
-        By which the film is coloured in their place, between the nodes as well.
+        By which the film is coloured in their place, between the nodes as well, in the unit of the field.
     lines, line_colors : (k, 2) int64, (k, 3) uint8
         Lines with colours of their own; none for a field on the film.
     scale : Scale or None
         For the legend.
+
+    Examples
+    --------
+    >>> import membrane_rs
+    >>> from membrane_rs.plotting.viewer import Viewer
+    >>> shown = Viewer(membrane_rs.run("hanging-strip", until=0.02, frames=3)).shown()
+    >>> shown.positions.shape[1], shown.solids, shown.hub_angle
+    (3, (), 0.0)
     """
 
     positions: Floats

@@ -41,20 +41,26 @@ SMALLEST = 1e-12
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """One parameter.
+    """One parameter of a calibration.
 
     Attributes
     ----------
     key, unit : str
         Of the scene.
     start, value : float
-        Before and after.
+        Before and after, in its unit.
     low, high : float
-        One standard deviation to both sides; beyond the range where the data leave it open.
+        One standard deviation to both sides, in its unit; beyond the range where the data leave it open.
     error : float
-        The standard deviation as a share of the range.
+        The standard deviation as a share of the range [-].
     end : str
         "lower" or "upper" where the value is at that end of the range, else empty.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import FittedParameter
+    >>> FittedParameter("laws.creases.stiffness", "", 10.0, 20.0, 18.0, 22.0, 0.02, "").is_determined
+    True
     """
 
     key: str
@@ -79,15 +85,22 @@ class Analysis:
     Attributes
     ----------
     errors : (p,) float
-        Standard deviation of each, as a share of its range.
+        Standard deviation of each, as a share of its range [-].
     correlation : (p, p) float
-        Of their errors.
+        Of their errors [-].
     undetermined : sequence of str
         Parameters, or combinations of several, that the data do not determine.
     sensitivity : (columns, p) float
         Root mean square change of each column, in its unit, for a tenth of the range of each parameter.
     is_hidden : bool
         Whether the spread of the starts hides one of the undetermined.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.study import Analysis
+    >>> Analysis(np.array([0.02]), np.eye(1), [], np.ones((1, 1)), is_hidden=False).errors
+    array([0.02])
     """
 
     errors: Floats

@@ -33,18 +33,25 @@ class BudgetSpent(Exception):  # noqa: N818 - no error: the best values so far a
 
 @dataclass(frozen=True)
 class DataColumn:
-    """One measured curve.
+    """One measured curve of a calibration.
 
     Attributes
     ----------
     name, unit : str
         Of the column.
     time, values : (n,) float
-        Where it was measured [s], and what.
+        When it was measured [s], and what, in its unit.
     scale : (n,) float
-        Standard deviation of each value; without one given, that of all values.
+        Standard deviation of each value, in its unit; without one given, that of all values.
     has_deviation : bool
         Whether the standard deviations were given.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from membrane_rs.study import DataColumn
+    >>> DataColumn("hub_force", "N", np.arange(2.0), np.ones(2), np.full(2, 0.1), True).unit
+    'N'
     """
 
     name: str

@@ -45,7 +45,21 @@ _stopped: set[str] = set()
 
 @dataclass(frozen=True)
 class RunPoint:
-    """Which of the runs: its values by dotted key, and its start, of which 0 is the scene's own."""
+    """Which of the runs of a sweep, an ensemble or a calibration.
+
+    Attributes
+    ----------
+    values : mapping of str to object
+        Those that are varied, by dotted key.
+    start : int
+        0: from the scene's own start; else from a perturbed one.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import RunPoint
+    >>> RunPoint({"laws.creases.stiffness": 10.0}, start=1).values
+    {'laws.creases.stiffness': 10.0}
+    """
 
     values: Mapping[str, Any]
     start: int = 0

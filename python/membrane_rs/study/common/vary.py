@@ -53,6 +53,15 @@ class Parameter:
         Whether the values are spaced evenly by their logarithms.
     is_whole : bool
         Whether it is a whole number.
+
+    Examples
+    --------
+    >>> from membrane_rs.study import Parameter
+    >>> range_of = Parameter("laws.creases.stiffness", "", (1.0, 100.0), is_range=True, is_log=True)
+    >>> range_of.at(0.5), range_of.spaced(3)
+    (10.0, (1.0, 10.0, 100.0))
+    >>> range_of.as_table()["values"]
+    [1.0, 100.0]
     """
 
     key: str
@@ -63,13 +72,35 @@ class Parameter:
     is_whole: bool = False
 
     def at(self, share: float) -> Any:
-        """The value at a share of the range or of the list, from 0 to below 1."""
+        """The value at a share of the range or of the list.
+
+        Parameters
+        ----------
+        share : float
+            From 0 to below 1 [-].
+
+        Returns
+        -------
+        object
+            In the unit of the parameter.
+        """
         if not self.is_range:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         return self._tidy(self._between(share))
 
     def spaced(self, count: int) -> tuple[Any, ...]:
-        """So many values of the range, each once."""
+        """Evenly spaced values of the range.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+
+        Returns
+        -------
+        tuple
+            Each value once: of a whole number there may be fewer.
+        """
         shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.0]
         values = [self._tidy(self._between(float(share))) for share in shares]
         return tuple(dict.fromkeys(values))
@@ -90,7 +121,13 @@ class Parameter:
         return round(value) if self.is_whole else float(f"{value:.12g}")
 
     def as_table(self) -> dict[str, Any]:
-        """The same as plain values."""
+        """The same as plain values, without the key.
+
+        Returns
+        -------
+        dict of str to object
+            By the names of the attributes.
+        """
         flags = {name: getattr(self, name) for name in FLAGS}
         return {"unit": self.unit, "values": list(self.values), **flags}
 
