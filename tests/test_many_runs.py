@@ -210,6 +210,29 @@ def test_another_request_in_a_folder_is_refused_with_the_difference(tmp_path: Pa
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
+def test_an_overwrite_removes_nothing_behind_a_link(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "sweep", tmp_path / "elsewhere"
+    with ManyRuns(falling(), SETUP, folder=folder) as runs:
+        runs.all_results(POINTS[:1])
+    (folder / "runs").rename(elsewhere)
+    (folder / "runs").symlink_to(elsewhere)
+
+    def overwritten() -> None:
+        with ManyRuns(falling(), replace(SETUP, samples=7), folder=folder, overwrite=True):
+            pass
+
+    refused(overwritten, OutputError, f"{folder / 'runs'} is a link to {elsewhere}")
+    assert len(list(elsewhere.glob("*.npz"))) == 1
+    assert (folder / "request.json").is_file()
+    with ManyRuns(falling(), SETUP, folder=folder) as runs:  # nothing is removed where the request is the same
+        runs.all_results(POINTS[:2])
+    assert len(list(elsewhere.glob("*.npz"))) == 2
+    (folder / "runs").unlink()
+    folder.rename(tmp_path / "moved")
+    folder.symlink_to("moved")  # the folder itself may be one
+    overwritten()
+
+
 def test_the_arrays_of_a_mesh_are_part_of_a_request(tmp_path: Path) -> None:
     film = scenes.load("single-crease").material
 

@@ -83,6 +83,18 @@ def test_an_overwrite_removes_no_pipe(name: str, tmp_path: Path) -> None:
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
+def test_an_overwrite_removes_no_frames_behind_a_link(tmp_path: Path) -> None:
+    folder, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
+    run(RunFolder(folder, pictures=False), [0.0, 0.05])
+    (folder / "frames").rename(elsewhere)
+    (folder / "frames").symlink_to(elsewhere)
+    before = sorted(elsewhere.iterdir())
+    words = f"{folder / 'frames'} is a link to {elsewhere}"
+    refused(lambda: RunFolder(folder, overwrite=True, pictures=False), OutputError, words)
+    assert sorted(elsewhere.iterdir()) == before != []
+    assert (folder / "summary.json").is_file()
+
+
 def test_an_interrupted_run_reads_no_pipe(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "summary.json")
     readers: list[Callable[[Any], object]] = [resume, read_history]

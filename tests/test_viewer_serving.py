@@ -13,6 +13,7 @@ from pathlib import Path
 import membrane_rs
 import pytest
 from browser import opened
+from membrane_rs.plotting.viewer.launcher import messages_of
 from membrane_rs.plotting.viewer.page import _is_of_note
 
 SCRIPT = "import membrane_rs; membrane_rs.view('run', color='speed', where='browser')"
@@ -64,6 +65,7 @@ def test_a_browser_shows_it_and_ctrl_c_ends_it(served: subprocess.Popen[str]) ->
         browser.find(".v-slider-thumb").send_keys("\ue010")  # End
         browser.wait(lambda: browser.find(".words").text == "0.040 s", "the slider leads to the end")
         browser.wait(lambda: browser.pixels()[100:-220, 200:-160].std() > 5.0, "the picture is drawn")
+        assert browser.console() == []
         assert browser.requests() <= {"http", "ws"}
     assert served.poll() is None  # the next browser may come
     served.send_signal(signal.SIGINT)
@@ -80,9 +82,37 @@ def test_only_this_machine_is_served(served: subprocess.Popen[str]) -> None:
     assert hosts <= {"0100007F", "00000000000000000000000001000000"}  # 127.0.0.1 and ::1
 
 
+@pytest.mark.parametrize(
+    ("page", "messages"),
+    [
+        ("http://localhost:8080/index.html?ui=main", "ws://localhost:8080/ws"),
+        ("http://localhost:8080/", "ws://localhost:8080/ws"),
+        ("https://hub.example.org/user/ada/proxy/41/index.html", "wss://hub.example.org/user/ada/proxy/41/ws"),
+        ("http://[::1]:80/index.html", "ws://[::1]:80/ws"),
+        ("https://hub.example.org/user/Ada/proxy/41/index.html", None),  # the client would write it small
+        ("http://[::1/index.html", None),
+        ("http:///index.html", None),
+        ("file:///index.html", None),
+        ("", None),
+    ],
+)
+def test_messages_lie_beside_their_page(page: str, messages: str | None) -> None:
+    assert messages_of(page) == messages
+
+
 def test_a_closed_browser_is_no_error_of_the_server() -> None:
     def record(error: Exception) -> logging.LogRecord:
         return logging.LogRecord("asyncio", logging.ERROR, "", 0, "never retrieved", None, (type(error), error, None))
 
     assert not _is_of_note(record(ConnectionResetError("Cannot write to closing transport")))
     assert _is_of_note(record(ValueError("anything else")))
+
+
+def test_what_the_server_reports_without_its_error_is_known_by_it() -> None:
+    report = logging.LogRecord("wslink.protocol", logging.ERROR, "", 0, "Exception raised", None, None)
+    assert _is_of_note(report)
+    for error, is_of_note in ((ConnectionResetError("Cannot write to closing transport"), False), (OSError(), True)):
+        try:
+            raise error
+        except OSError:
+            assert _is_of_note(report) is is_of_note

@@ -6,7 +6,7 @@ import errno
 import mimetypes
 import os
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
@@ -71,6 +71,22 @@ def check_writable(path: Path) -> None:
     """
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise OutputError(f"cannot write {path}: {_SPECIAL}; choose another name, or remove it")
+
+
+def check_unlinked(folder: Path, files: Iterable[Path]) -> None:
+    """Refuse to remove files that a link in `folder` leads to: what it leads to is not of this folder alone.
+
+    The folder itself may be a link. Raises OutputError, which names the link.
+    """
+    for inner in dict.fromkeys(file.parent for file in files):
+        for place in (inner, *inner.parents):
+            if place == folder:
+                break
+            if place.is_symlink():
+                raise OutputError(
+                    f"cannot overwrite {folder}: {place} is a link to {place.readlink()}, and files behind a link are "
+                    "not removed; remove the link, or choose another folder"
+                )
 
 
 def check_kind_of_file(path: Path, kind: str, words: str, ending: str) -> None:

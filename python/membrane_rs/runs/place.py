@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
-from membrane_rs._files import PART, output_errors, sync
+from membrane_rs._files import PART, check_unlinked, output_errors, sync
 from membrane_rs.errors import MembraneError, OutputError
 from membrane_rs.results.lock import LOCK, FolderLock, is_locked
 from membrane_rs.results.summary import SUMMARY, read_summary
@@ -54,6 +54,7 @@ class Place:
         if own and not names & {LOCK, SUMMARY}:
             raise self._refusal(f"{own[0]} is there, but no {SUMMARY}, so no run wrote it; choose another folder")
         self._check_files(own)
+        check_unlinked(self.path, own)
         return own
 
     def _check_files(self, own: Sequence[Path]) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 from membrane_rs._extras import need
 from membrane_rs.errors import MembraneError
 from membrane_rs.plotting.viewer.canvas import canvas_of
+from membrane_rs.plotting.viewer.launcher import answer_at
 from membrane_rs.plotting.viewer.viewer import Viewer
 
 SIZE = (960, 600)
@@ -25,6 +26,8 @@ TICK = 0.05
 HEIGHT = "640px"
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 """Variables of the environment that say that a browser can be seen; without one a browser would take the terminal."""
+LOGGERS = ("asyncio", "aiohttp.server", "wslink.protocol")
+"""Of those that send pictures."""
 _NUMBERS = count(1)
 
 
@@ -63,6 +66,7 @@ class Page:
         ):
             state.change(name)(lambda name=name, take=take, **values: self._take(take, values[name]))
         state.change("playing")(lambda playing, **_: self._play(bool(playing)))
+        self.server.controller.on_server_bind.add(answer_at)
         self._task: Any = None
 
     def refresh(self) -> None:
@@ -165,14 +169,16 @@ class Page:
 
 
 def _is_of_note(record: logging.LogRecord) -> bool:
-    """Whether a message of asyncio is more than that a browser was closed while a picture was on its way to it."""
-    return not (record.exc_info and isinstance(record.exc_info[1], ConnectionError))
+    """Whether a message is more than that a browser was closed while a picture was on its way to it."""
+    error = (record.exc_info or sys.exc_info())[1]  # wslink reports what it handles without it
+    return not isinstance(error, ConnectionError)
 
 
 def serve(viewer: Viewer) -> None:
     """Serve the page to this machine, and open it in a browser where there is a display, until Ctrl-C."""
     page = Page(viewer)
-    logging.getLogger("asyncio").addFilter(_is_of_note)
+    for name in LOGGERS:
+        logging.getLogger(name).addFilter(_is_of_note)
 
     def tell(**_: Any) -> None:
         address = f"http://localhost:{page.server.port}/"

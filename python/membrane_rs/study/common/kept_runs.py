@@ -19,7 +19,16 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._archives import read_arrays
-from membrane_rs._files import PART, made_folder, output_errors, read_text, reading_errors, replacing, write_text
+from membrane_rs._files import (
+    PART,
+    check_unlinked,
+    made_folder,
+    output_errors,
+    read_text,
+    reading_errors,
+    replacing,
+    write_text,
+)
 from membrane_rs._validation import show
 from membrane_rs.errors import MissingFileError, OutputError
 from membrane_rs.mesh.file import ARRAYS
@@ -108,10 +117,12 @@ class KeptRuns:
 
     def _clear(self) -> None:
         """Remove the files of other runs, the request last: until then the folder is known as theirs."""
-        for pattern in reversed(self._own):
-            for path in [*self.path.glob(pattern), *self.path.glob(pattern + PART)]:
-                with output_errors(path):
-                    path.unlink(missing_ok=True)
+        names = [name for pattern in reversed(self._own) for name in (pattern, pattern + PART)]
+        files = [file for name in names for file in self.path.glob(name)]
+        check_unlinked(self.path, files)
+        for file in files:
+            with output_errors(file):
+                file.unlink(missing_ok=True)
 
     def get(self, point: RunPoint) -> RunResult | None:
         """A run that was made, or None. Raises OutputError for a damaged file."""
