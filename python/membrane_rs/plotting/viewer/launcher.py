@@ -23,7 +23,7 @@ def answer_at(server: Any) -> None:
 def messages_of(page: str) -> str | None:
     """The address of the messages of a page, which lies beside it: as the browser sees both, behind a proxy as well.
 
-    None where that cannot be told: for an address that is none, and one with capitals in its path, since the client
+    None where that is not known: for an address that is none, and one with capitals in its path, since the client
     writes the address it is given in small letters.
     """
     try:
