@@ -13,21 +13,23 @@ from membrane_rs._arrays import Floats
 from membrane_rs.results import Experiment
 from membrane_rs.study.calibration.analysis import FINEST, Analysis, analysed
 from membrane_rs.study.calibration.model import Curves, DataColumn, data_columns
+from membrane_rs.study.common.one_run import RunPoint, RunResult
 from membrane_rs.study.common.vary import Parameter
 
 
 class Linear:
     """Residuals that are a matrix times the shares: what a fit sees of its runs, with a known Jacobian."""
 
-    def __init__(self, matrix: list[list[float]], noise: float = math.nan) -> None:
+    def __init__(self, matrix: list[list[float]], noise: float = math.nan, starts: int = 1) -> None:
         self.matrix, self.noise = np.array(matrix), noise
+        self.runs = [RunResult(RunPoint({}, k), "finished") for k in range(starts)]
         count = len(matrix)
         deviations = np.ones(count)
         self.columns = [DataColumn("force", "N", np.arange(count, dtype=float), np.zeros(count), deviations, True)]
         self.parameters = [Parameter(name, "", (1.0, 10.0), True) for name in ("a", "b", "c")[: self.matrix.shape[1]]]
 
     def curves(self, shares: list[Floats]) -> list[Curves]:
-        return [Curves(self.matrix @ one, np.full(len(self.matrix), self.noise), ()) for one in shares]
+        return [Curves(self.matrix @ one, np.full(len(self.matrix), self.noise), self.runs) for one in shares]
 
     def analysis(self) -> Analysis:
         shares = np.full(len(self.parameters), 0.5)
@@ -173,9 +175,11 @@ def test_data_up_to_the_end_of_the_runs_count() -> None:
     assert column.time.tolist() == [0.0, 1.0]
 
 
-def test_noise_of_the_means_adds_to_given_deviations() -> None:
-    """Noise of 2 standard deviations, in derivatives that it hides by little: sqrt(1 + 4) times those of M alone."""
+def test_noise_of_the_means_and_of_the_measured_motion_adds_to_given_deviations() -> None:
+    """Means over 4 starts with noise of 2 standard deviations: one start has a variance of 4 * 2^2, and so has the
+    measured motion; the derivatives have noise that hides little.
+    """
     matrix, noise = np.full((100, 1), 1e4), 2.0
     bias = 2.0 * 100 * noise**2 / 0.02**2
-    expected = math.sqrt((1.0 + noise**2) / (100 * 1e8 - bias))
-    assert Linear(matrix.tolist(), noise).analysis().errors == pytest.approx([expected], rel=1e-6)
+    expected = math.sqrt((1.0 + noise**2 + 4 * noise**2) / (100 * 1e8 - bias))
+    assert Linear(matrix.tolist(), noise, starts=4).analysis().errors == pytest.approx([expected], rel=1e-6)

@@ -109,8 +109,8 @@ WRONG = [
     ({"time": [0.0, np.nan, 1.0], "a": TIMES}, "a time is missing"),
     ({"time": [0.0, 1.0, 1.0], "a": TIMES}, "time 1 s comes after 1 s; order the values by time"),
     ({"time": [], "a": []}, "time: holds no values"),
-    ({"time": TIMES, "a [N]": TIMES, "a [mN]": TIMES}, "column 'a' is there twice"),
-    ({"time": TIMES, 3: TIMES}, "column 3 is no name"),
+    ({"time": TIMES, "a [N]": TIMES, "a [mN]": TIMES}, "data, column 3: 'a' is there already"),
+    ({"time": TIMES, 3: TIMES}, "data, column 2: 3 is no name"),
     ({"time [kg]": TIMES, "a": TIMES}, "column 'time': 'kg' is a mass"),
     ({"time": TIMES, "hub_force [m]": TIMES}, "column 'hub_force': 'm' is a length; must be a unit of a force"),
     ({"time": TIMES, "deployment_rate (1/s)": TIMES}, "'1/s' is no unit of a plain number; leave it out"),
@@ -132,7 +132,7 @@ def test_a_frame_of_other_things_is_refused() -> None:
         with pytest.raises(InputTypeError, match="column 'a' has dtype"):
             experiment_of(pandas.DataFrame({"time": TIMES, "a": column}))
     twice = pandas.DataFrame([[0.0, 1.0, 2.0]], columns=["time", "a", "a"])
-    with pytest.raises(InputError, match="'a' is there twice"):
+    with pytest.raises(InputError, match="'a' is there already"):
         experiment_of(twice)
 
 

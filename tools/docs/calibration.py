@@ -1,14 +1,15 @@
-"""The paper's three parameters, found again from noisy curves: the table and the figure of docs/calibration.md; and
+"""The paper's three parameters, found again from noisy curves: the tables and the figure of docs/calibration.md; and
 how often the intervals that a fit gives hold the true values.
 
 The sail is that of model 1 on a coarse mesh, so that a fit takes minutes. The data are one of its runs with the paper's
-parameters, from a start that no fit has, with noise; the fits begin elsewhere. Two data sets are used: both curves of
-the deployment, and the rate alone.
+parameters, from a start that no fit has, with noise. A rough fit of one start begins elsewhere; fits of several starts
+go on from it: to the rate alone, to both curves of the deployment, and to both, measured more accurately.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from membrane_rs import Scene, run, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.results import Experiment
-from membrane_rs.study import Calibration, calibrate
+from membrane_rs.study import Calibration, calibrate, sweep
 from membrane_rs.study.common.many_runs import ManyRuns
 from membrane_rs.study.common.one_run import RunPoint, RunSetup
 
@@ -28,45 +29,122 @@ REPEATS = 40
 NORMAL_95 = 1.96
 """Standard deviations to both sides of the mean that hold 95 % of a normal distribution."""
 FIGURE = "calibration.png"
-COARSE = {"mesh.rows": 8, "mesh.columns": 6}
+COARSE = {"mesh.rows": 8, "mesh.columns": 6, "run.integrator": "leapfrog"}
 UNTIL, SAMPLES, EVERY = 0.15, 151, 5
 """Time of the data [s], rows of a run, and rows from one datum to the next."""
 NOISE = {"deployment_rate": 0.003, "phase_difference_deg": 0.5}
+ACCURATE = {"deployment_rate": 0.001, "phase_difference_deg": 0.05}
 """Standard deviations of the data."""
+UNITS = {
+    "deployment_rate": "",
+    "phase_difference_deg": "deg",
+    "hub_torque": "N m",
+    "hub_force": "N",
+    "largest_cord_tension": "N",
+}
+FITS = (
+    ("rate", {"deployment_rate": NOISE["deployment_rate"]}, 8),
+    ("rate, phase", NOISE, 8),
+    ("both, accurate", ACCURATE, 4),
+    ("both, accurate", ACCURATE, 8),
+)
+"""What is fitted: its name, the standard deviation of the data by column, and starts of each set of values."""
 RANGES = {
     "laws.springs.buckling": "10:1000:log",
     "laws.creases.stiffness": "1:100:log",
     "laws.creases.contact_penalty": "10:1000:log",
 }
+ROUGH = 30
+"""Runs of the fit by which the others begin, from one start."""
 BEGIN = {"laws.springs.buckling": 300.0, "laws.creases.stiffness": 4.0, "laws.creases.contact_penalty": 30.0}
-OTHER_START, STARTS, SHIFT, STEP = 9, 3, 1e-7, 0.05
-"""The start of the run that the data come from; starts of each set of a fit, their perturbation [m], and the step of
-differences. A perturbation of 1e-12 m would not have grown by the end of the data."""
+OTHER_START, SHIFT, STEP = 99, 1e-7, 0.1
+"""The start of the run that the data come from; the perturbation of starts [m], and the step of differences. A
+perturbation of 1e-12 m would not have grown by the end of the data."""
 SYMBOLS = dict(zip(RANGES, ("alpha", "beta", "gamma"), strict=True))
+MEASURES = tuple(UNITS)
+"""Of which the table says how far each parameter changes them."""
+APART, MEASURED = 10**0.2, 8
+"""Factor to both sides by which a parameter is changed there, twice a tenth of its range in all; and starts."""
 
 
-def synthetic(scene: Scene) -> Experiment:
-    """Both curves of one run, with noise."""
-    random = np.random.default_rng(2012)
+def synthetic(scene: Scene) -> Mapping[str, Floats]:
+    """The curves of one run."""
     with ManyRuns(scene, RunSetup(UNTIL, SAMPLES, shift=SHIFT)) as runs:
         (run,) = runs.all_results([RunPoint({}, OTHER_START)])
-    history, rows = run.history, slice(None, None, EVERY)
-    time = history["time"][rows]
-    curves = {name: history[name][rows] + sigma * random.standard_normal(len(time)) for name, sigma in NOISE.items()}
-    return Experiment("synthetic", time, curves, {"deployment_rate": "", "phase_difference_deg": "deg"})
+    return {name: run.history[name][::EVERY] for name in ("time", *UNITS)}
 
 
-def rows_of(found: Calibration, scene: Scene) -> list[tuple[str, ...]]:
+def noisy(curves: Mapping[str, Floats], noise: Mapping[str, float]) -> Experiment:
+    """Some of the curves with noise of these standard deviations."""
+    random = np.random.default_rng(2012)
+    columns = {
+        name: curves[name] + sigma * random.standard_normal(len(curves["time"])) for name, sigma in noise.items()
+    }
+    return Experiment("synthetic", curves["time"], columns, {name: UNITS[name] for name in noise})
+
+
+def fitted(
+    begin: Scene, curves: Mapping[str, Floats], noise: Mapping[str, float], starts: int, folder: Path
+) -> Calibration:
+    """Fit the three parameters to some of the curves with noise."""
+    return calibrate(
+        begin, noisy(curves, noise), RANGES, starts=starts, uncertainty=noise, samples=SAMPLES, shift=SHIFT, step=STEP,
+        most_runs=ROUGH if starts == 1 else 1000, executor="processes", out=folder,
+        progress=lambda *now: print(folder.name, *now[:2], flush=True),
+    )  # fmt: skip
+
+
+def rows_of(name: str, found: Calibration, scene: Scene) -> list[tuple[str, ...]]:
     """The parameters of a fit beside the true ones."""
-    data = "both curves" if len(found.columns) == len(NOISE) else "the rate alone"
     rows: list[tuple[str, ...]] = []
     for one in found.parameters:
-        verdict = "determined" if one.is_determined else "not determined"
-        span = f"{one.low:.3g} to {one.high:.3g}"
-        rows.append(
-            (data, SYMBOLS[one.key], f"{one.start:g}", f"{scene.value(one.key):g}", f"{one.value:.3g}", span, verdict)
-        )
+        values = f"{one.start:.3g}", f"{scene.value(one.key):g}", f"{one.value:.3g}"
+        span, verdict = "-", "-"
+        if found.analysis is not None:
+            span = f"{one.low:.3g} to {one.high:.3g}"
+            verdict = "determined" if one.is_determined else "**not determined**"
+        rows.append((name, str(starts_of(found)), SYMBOLS[one.key], *values, span, verdict))
     return rows
+
+
+def starts_of(found: Calibration) -> int:
+    """Runs of each set of values."""
+    return found.runs // len(found.trials)
+
+
+def line_of(name: str, found: Calibration) -> str:
+    """How a fit went, and how alike beta and gamma change its curves."""
+    alike = "" if found.analysis is None else f"; correlation of beta and gamma {found.analysis.correlation[1, 2]:+.2f}"
+    misfits = f"misfit {found.first_misfit:.2f} at the start, {found.misfit:.2f} at the end"
+    return f"- {name}, {starts_of(found)} starts: {misfits}, {found.runs} runs{alike}."
+
+
+def felt(scene: Scene, out: Path) -> str:
+    """How far a tenth of each range changes some measures, and starts differ, as a table."""
+    time = slice(None, None, EVERY)
+    changes: dict[str, list[float]] = {name: [] for name in MEASURES}
+    variances: dict[str, list[Floats]] = {name: [] for name in MEASURES}
+    for key in RANGES:
+        values = [scene.value(key) / APART, scene.value(key) * APART]
+        found = sweep(
+            scene, {key: values}, starts=MEASURED, until=UNTIL, samples=SAMPLES, shift=SHIFT, executor="processes",
+            out=out / f"measures-{SYMBOLS[key]}", table="csv",
+        )  # fmt: skip
+        histories = [found.history(k) for k in range(len(found.rows))]
+        for name in MEASURES:
+            low, high = np.array([one[name][time] for one in histories]).reshape(2, MEASURED, -1)
+            own = np.var(low, axis=0, ddof=1) + np.var(high, axis=0, ddof=1)
+            square = np.mean((high.mean(axis=0) - low.mean(axis=0)) ** 2 - own / MEASURED)
+            changes[name].append(0.5 * float(np.sqrt(max(square, 0.0))))
+            variances[name].append(own / 2)
+    rows = []
+    for name in MEASURES:
+        unit = f" [{UNITS[name]}]" if UNITS[name] else ""
+        noise = [f"{one[name]:g}" if name in one else "-" for one in (NOISE, ACCURATE)]
+        numbers = [float(np.sqrt(np.mean(variances[name]))), *changes[name]]
+        rows.append((name + unit, *noise, *(f"{number:.2g}" for number in numbers)))
+    changes_of = [f"a tenth of {one}" for one in SYMBOLS.values()]
+    return table(("measure", "noise of the data", "of accurate data", "one start", *changes_of), rows)
 
 
 def coverage() -> str:
@@ -111,39 +189,31 @@ def main() -> None:
             COVERAGE.write(held)
     if given.only == "coverage":
         return
-    scene = scenes.load("okuizumi-model-1").with_values(COARSE)
-    data, begin = synthetic(scene), scene.with_values(BEGIN)
-    rows: list[tuple[str, ...]] = []
-    texts: list[str] = []
-    for columns in (list(NOISE), ["deployment_rate"]):
-        sigmas = {name: NOISE[name] for name in columns}
-        found = calibrate(
-            begin, data, RANGES, columns=columns, starts=STARTS, uncertainty=sigmas, samples=SAMPLES, most_runs=300,
-            shift=SHIFT, step=STEP,
-            out=given.out / "-".join(columns), progress=lambda *now: print(*now[:2], flush=True),
-        )  # fmt: skip
-        rows += rows_of(found, scene)
-        texts.append(
-            f"{found.columns[0].name if len(columns) == 1 else 'Both curves'}: misfit {found.first_misfit:.2f} at the "
-            f"start, {found.misfit:.2f} at the end, {found.runs} runs."
-        )
-        texts += found.warnings
-        if len(columns) > 1:
-            found.plot(given.out / FIGURE, style="paper")
-            known = found.table()
-    head = ("data", "parameter", "start", "true", "fitted", "one standard deviation", "")
-    text = "\n".join(
-        [
-            table(head, rows, words=(0, 1, 6)),
-            "\n".join(f"- {one}" for one in texts),
-            "",
-            known[known.index("| column") :].partition("\n\n- ")[0],  # `texts` has its warnings
-        ]
-    )
+    text = paper(given.out)
     print(text)
     if given.write:
         PART.write(text)
         copy_small(given.out / FIGURE, FIGURE)
+
+
+def paper(out: Path) -> str:
+    """The tables of the worked example; its figure is written into `out`."""
+    scene = scenes.load("okuizumi-model-1").with_values(COARSE)
+    measures, curves = felt(scene, out), synthetic(scene)
+    rough = fitted(scene.with_values(BEGIN), curves, NOISE, 1, out / "rough")
+    rows, texts = rows_of("rate, phase", rough, scene), [line_of("rate, phase", rough)]
+    for name, noise, starts in FITS:
+        found = fitted(rough.scene, curves, noise, starts, out / "-".join(noise))
+        rows += rows_of(name, found, scene)
+        texts += [line_of(name, found), *(f"  - {warning}" for warning in found.warnings)]
+    found.plot(out / FIGURE, style="paper")
+    known = found.table()
+    head = ("data", "starts", "parameter", "begins at", "true", "fitted", "one standard deviation", "")
+    parts = [
+        measures, table(head, rows, words=(0, 2, 7)), "\n".join(texts) + "\n",
+        known[known.index("| column") :].partition("\n\n- ")[0],  # `texts` has its warnings
+    ]  # fmt: skip
+    return "\n".join(parts)
 
 
 if __name__ == "__main__":

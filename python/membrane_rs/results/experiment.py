@@ -7,7 +7,7 @@ own.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -69,11 +69,7 @@ class Experiment:
         time = _values(self.time, f"{self.name}: time", None)
         if not np.isfinite(time).all():
             raise InputError(f"{self.name}: a time is missing; give one for each value, or leave the value out")
-        late = np.flatnonzero(np.diff(time) <= 0.0)
-        if len(late):
-            k = int(late[0])
-            what = f"time {time[k + 1]:g} s comes after {time[k]:g} s"
-            raise InputError(f"{self.name}: {what}; order the values by time, each time once")
+        check_ascends(time, self.name)
         if not isinstance(self.columns, Mapping) or not all(isinstance(name, str) for name in self.columns):
             raise InputTypeError(f"{self.name}: columns = {show(self.columns)}: must be a mapping of names to arrays")
         if not 1 <= len(self.columns) <= MOST_COLUMNS:
@@ -162,6 +158,31 @@ def header(text: str) -> tuple[str, str] | None:
     """Name and unit of a column from "hub_torque [mN m]" or "rate (1/s)"; None where there is no name."""
     found = _HEADER.fullmatch(text)
     return (found["name"], (found["unit"] or found["round"] or "").strip()) if found and found["name"] else None
+
+
+def headings(texts: Iterable[object], where: str) -> dict[str, str]:
+    """The unit of each column by its name, in their order; empty without one. Raises InputError and InputTypeError."""
+    units: dict[str, str] = {}
+    for k, text in enumerate(texts, start=1):
+        if not isinstance(text, str) or (found := header(text)) is None:
+            kind = InputError if isinstance(text, str) else InputTypeError
+            raise kind(f"{where}, column {k}: {show(text)} is no name; write one such as 'hub_torque [N m]'")
+        name, unit = found
+        if name in units:
+            raise InputError(f"{where}, column {k}: {show(name)} is there already; give each a name of its own")
+        units[name] = unit
+    check_has_time(units, where)
+    return units
+
+
+def check_ascends(time: Floats, where: str, lines: Sequence[int] | None = None) -> None:
+    """Refuse times [s] that do not ascend; of a file with the line of the first such. Raises InputError."""
+    late = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(late):
+        k = int(late[0])
+        place = where if lines is None else f"{where}, line {lines[k + 1]}"
+        what = f"time {time[k + 1]:g} s comes after {time[k]:g} s"
+        raise InputError(f"{place}: {what}; order the values by time, each time once")
 
 
 def converted(values: Floats, unit: str, wanted: str, place: str, *, is_difference: bool = False) -> Floats:

@@ -20,11 +20,10 @@ from pathlib import Path
 
 import numpy as np
 
-from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of, read_text
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, MissingFileError
-from membrane_rs.results.experiment import MOST_COLUMNS, TIME, Experiment, check_has_time, converted, header
+from membrane_rs.results.experiment import MOST_COLUMNS, TIME, Experiment, check_ascends, converted, headings
 
 MOST_BYTES = 2**26
 """A longer file is not read: it has a million lines of eight columns."""
@@ -90,7 +89,7 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     time = columns.pop(TIME)
     if unit and unit != "s":
         time = converted(time, unit, "s", f"{where}, column 'time'")
-    _check_times(path, time, numbers)
+    check_ascends(time, str(path), numbers)
     return replace(Experiment(where, time, columns, given).in_units(units or {}), name=path.stem)
 
 
@@ -123,19 +122,9 @@ def _columns(path: Path, place: int, header_cells: list[str]) -> dict[str, str]:
         raise InputError(
             f"{where} names {len(header_cells)} columns, and at most {MOST_COLUMNS} are read; leave some out"
         )
-    units: dict[str, str] = {}
-    for k, cell in enumerate(header_cells, start=1):
-        found = header(cell)
-        if found is None:
-            raise InputError(f"{where}, column {k}: {show(cell)} is no name; write one such as hub_torque [N m]")
-        name, unit = found
-        if name in units:
-            raise InputError(f"{where}, column {k}: {show(name)} is there already; give each a name of its own")
-        units[name] = unit
     if all(_is_number(cell) for cell in header_cells):
         raise InputError(f"{where} holds numbers; the first line must name the columns, one of them 'time'")
-    check_has_time(units, where)
-    return units
+    return headings(header_cells, where)
 
 
 def _numbers(path: Path, number: int, cells: list[str], names: list[str], header: int) -> list[float]:
@@ -160,15 +149,6 @@ def _numbers(path: Path, number: int, cells: list[str], names: list[str], header
             raise InputError(f"{where}: the time is missing; give one, or leave the line out")
         values.append(value)
     return values
-
-
-def _check_times(path: Path, time: Floats, numbers: list[int]) -> None:
-    """Refuse times that do not ascend. Raises InputError."""
-    steps = np.flatnonzero(np.diff(time) <= 0.0)
-    if len(steps):
-        k = int(steps[0])
-        what = f"time {time[k + 1]:g} s comes after {time[k]:g} s"
-        raise InputError(f"{path}, line {numbers[k + 1]}: {what}; order the lines by time, each time once")
 
 
 def _number(cell: str) -> float:

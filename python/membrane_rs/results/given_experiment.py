@@ -10,8 +10,8 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 
 from membrane_rs._validation import show
-from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.results.experiment import TIME, Experiment, check_has_time, converted, header
+from membrane_rs.errors import InputTypeError
+from membrane_rs.results.experiment import TIME, Experiment, converted, header, headings
 from membrane_rs.results.experiment_file import read_experiment
 
 
@@ -86,18 +86,11 @@ def experiment_of(
 
 def _from_columns(given: list[tuple[Any, Any]], known: object, place: str, name: str) -> Experiment:
     """Curves of columns by names with units. Raises InputError and InputTypeError."""
-    columns: dict[str, Any] = {}
-    units: dict[str, str] = {}
-    for key, values in given:
-        found = header(key) if isinstance(key, str) else None
-        if found is None:
-            raise InputTypeError(f"{place}: column {show(key)} is no name; write one such as 'hub_torque [N m]'")
-        own, unit = found
-        if own in columns:
-            raise InputError(f"{place}: column {show(own)} is there twice; give each a name of its own")
-        columns[own] = values
-        units[own] = unit or (str(known.get(key) or "") if isinstance(known, Mapping) else "")
-    check_has_time(columns, place)
+    keys, values = [key for key, _ in given], [one for _, one in given]
+    units = headings(keys, place)
+    columns = dict(zip(units, values, strict=True))
+    if isinstance(known, Mapping):
+        units = {own: unit or str(known.get(key) or "") for key, (own, unit) in zip(keys, units.items(), strict=True)}
     time, unit = columns.pop(TIME), units.pop(TIME)
     made = Experiment(name, time, columns, units)
     if not unit or unit == "s":

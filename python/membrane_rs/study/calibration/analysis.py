@@ -9,8 +9,9 @@ over starts have standard errors e, which differences magnify: J^T J is too larg
 C is the covariance of the shares, M_c the part of M of the column c: residuals are taken for independent errors of one
 size in each column. Where all sigma_c are one sigma, C = sigma^2 M^-1. A direction v_k with lambda_k below v_k^T D v_k
 is hidden by the spread of the starts: nothing is known along it but the range, whose length stands for its standard
-deviation. sigma_c^2 is 1 + mean e^2 where the standard deviations of the column are given, else the sum of its squared
-residuals over its share of the degrees of freedom. The linear form holds near the best values alone.
+deviation. Where the standard deviations of the column are given, sigma_c^2 is 1 + (n + 1) mean e^2: n e^2 is the
+variance of one of n starts, and the measured motion is such a one. Else it is the sum of the squared residuals of the
+column over its share of the degrees of freedom. The linear form holds near the best values alone.
 
 J. Nocedal, S. Wright, Numerical Optimization (2006), chapter 10; G. Seber, C. Wild, Nonlinear Regression (1989),
 section 2.1.2. C is that of least squares whose weights are not those of the errors: H. White, Econometrica 48 (1980),
@@ -180,7 +181,7 @@ def _variances(model: FitModel, best: Curves, noise: Floats, count: int) -> list
     found = []
     for column, rows in zip(model.columns, _rows(model), strict=True):
         if column.has_deviation:
-            found.append(1.0 + float(np.mean(noise[rows] ** 2)))
+            found.append(1.0 + (len(best.runs) + 1) * float(np.mean(noise[rows] ** 2)))
         else:
             found.append(float(np.mean(best.residuals[rows] ** 2)) / freedom if freedom > 0.0 else math.inf)
     return found

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from typing_extensions import Unpack
 
 from membrane_rs import scenes
 from membrane_rs._arrays import Floats
@@ -21,7 +22,7 @@ from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.results.given_experiment import ExperimentLike, experiment_of
 from membrane_rs.results.history_table import HistoryTable, column_units
-from membrane_rs.results.recorded import Recorded, RecordTable, record_table
+from membrane_rs.results.recorded import RecordTable, record_table
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.scene.stage import MEASURE_UNITS
@@ -29,10 +30,9 @@ from membrane_rs.scene.staging import planned_starts
 from membrane_rs.study.calibration.analysis import analysed, jacobian
 from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, check_recorded, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
-from membrane_rs.study.common.many_runs import MOST_RUNS, Progress, Where
+from membrane_rs.study.common.many_runs import MOST_RUNS, Progress
 from membrane_rs.study.common.one_run import TIME_LIMIT
-from membrane_rs.study.common.options import many_runs
-from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.options import RunOptions, many_runs, takes_run_options
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.scene_match import match_scene
 
@@ -46,6 +46,7 @@ NEAR_END = 0.02
 
 
 @takes_name_of(match_scene)
+@takes_run_options
 def calibrate(
     scene: Scene | str | Path,
     data: ExperimentLike,
@@ -56,18 +57,9 @@ def calibrate(
     columns: Sequence[str] | None = None,
     uncertainty: Mapping[str, float | str] | None = None,
     step: float | None = None,
-    until: float | None = None,
-    samples: int | None = None,
-    record: Recorded | None = None,
-    shift: float = SHIFT,
-    time_limit: float | None = None,
     most_runs: int = 500,
-    executor: Where = "threads",
-    jobs: int | None = None,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    retry: bool = False,
     progress: Progress | None = None,
+    **options: Unpack[RunOptions],
 ) -> Calibration:
     """Fit parameters of a scene to measured curves; `match_scene` fits one to the curves of another scene.
 
@@ -93,6 +85,8 @@ def calibrate(
         each column then counts by its own spread.
     step : float, optional
         Of the differences, as a share of the ranges [-]. Default: 0.02; with nelder-mead 0.05.
+    most_runs : int
+        Runs at most; the best values so far are the result.
     until : float, optional
         Time up to which curves are compared [s]. Default: of the last datum, or the scene's end if that is earlier.
     samples : int, optional
@@ -103,8 +97,6 @@ def calibrate(
         Standard deviation of the perturbation of each coordinate of a start [m].
     time_limit : float, optional
         Wall time after which a run is ended [s]; its values then count as ones that fail.
-    most_runs : int
-        Runs at most; the best values so far are the result.
     executor, jobs, out, overwrite, retry, progress
         As in `sweep`. Runs that are in the folder are not made again.
 
@@ -144,20 +136,19 @@ def calibrate(
         if isinstance(count, bool) or not isinstance(count, int) or not least <= count <= most:
             raise InputError(f"{name} = {show(count)}: must be a whole number from {least} to {most}")
     parameters = _ranges(chosen, vary)
-    wanted = dict(record_table(record))
+    wanted = dict(record_table(options.get("record")))
     units = _units(chosen, wanted)
     measured = experiment_of(data, units)
     planned = planned_starts(chosen.stages)[-1] if chosen.stages else chosen.run.until
+    until = options.get("until")
     end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
     curves_of_data = data_columns(measured, columns, uncertainty, end)
     check_recorded(curves_of_data, units)
     unused = sum(int(np.isfinite(measured.columns[one.name]).sum()) - len(one.time) for one in curves_of_data)
     wanted |= {one.name: None for one in curves_of_data if one.name in MEASURE_UNITS and one.name not in wanted}
     request = {"kind": "calibration", "vary": {one.key: one.as_table() for one in parameters}}
-    with many_runs(
-        chosen, request, OUTPUTS, until=end, samples=samples, record=wanted, shift=shift, time_limit=time_limit,
-        executor=executor, jobs=jobs, out=out, overwrite=overwrite, retry=retry,
-    ) as runs:  # fmt: skip
+    options |= {"until": end, "record": wanted}
+    with many_runs(chosen, request, OUTPUTS, **options) as runs:
         model = FitModel(runs, parameters, curves_of_data, starts, most_runs, progress)
         first = np.array([_share_of(chosen, one) for one in parameters])
         (begun,) = _first_curves(model, first)

@@ -31,18 +31,21 @@ def table_of_parameters(parameters: Sequence[FittedParameter]) -> str:
 def table_of_columns(
     columns: Sequence[DataColumn],
     residuals: Mapping[str, float],
+    spreads: Mapping[str, float],
     parameters: Sequence[FittedParameter],
     analysis: Analysis | None,
 ) -> str:
-    """How far the curves are from the data, and how much a tenth of each range changes them."""
-    head = ["column", "data", "residual (RMS)", *(f"a tenth of {one.key}" for one in parameters)]
+    """How far the curves are from the data, starts from each other, and how much a tenth of each range changes them."""
+    head = ["column", "data", "residual (RMS)", "one start (RMS)", *(f"a tenth of {one.key}" for one in parameters)]
     rows = []
     for k, column in enumerate(columns):
         unit = f" [{column.unit}]" if column.unit else ""
         changes = ["-"] * len(parameters)
         if analysis is not None:
             changes = [f"{value:.3g}" for value in analysis.sensitivity[k]]
-        rows.append((column.name + unit, str(len(column.time)), f"{residuals[column.name]:.3g}", *changes))
+        spread = f"{spreads[column.name]:.3g}" if math.isfinite(spreads[column.name]) else "-"
+        size = f"{residuals[column.name]:.3g}"
+        rows.append((column.name + unit, str(len(column.time)), size, spread, *changes))
     return table(head, rows)
 
 

@@ -107,6 +107,12 @@ class Calibration:
         return {one.key: one.value for one in self.parameters}
 
     @cached_property
+    def spreads(self) -> dict[str, float]:
+        """By column, standard deviation of one start at the fitted values, RMS in its unit; NaN with one start."""
+        single = self._best.noise * math.sqrt(len(self._best.runs))
+        return _rms_by_column(self.columns, single)
+
+    @cached_property
     def scene(self) -> Scene:
         """The scene with the fitted values."""
         return self._scene.with_values(self.values)
@@ -148,7 +154,7 @@ class Calibration:
         """
         parts = [
             table_of_parameters(self.parameters),
-            table_of_columns(self.columns, self.residuals, self.parameters, self.analysis),
+            table_of_columns(self.columns, self.residuals, self.spreads, self.parameters, self.analysis),
         ]
         if self.analysis is not None and len(self.parameters) > 1:
             parts.append(table_of_correlation([one.key for one in self.parameters], self.analysis.correlation))
@@ -222,6 +228,7 @@ class Calibration:
             "first_misfit": self.first_misfit,
             "parameters": {one.key: {**_plain(one), "is_determined": one.is_determined} for one in self.parameters},
             "residuals": dict(self.residuals),
+            "spreads": {name: _known(value) for name, value in self.spreads.items()},
             "correlation": None if known is None else _finite(known.correlation),
             "sensitivity": None if known is None else _finite(known.sensitivity),
             "undetermined": self.undetermined,
@@ -253,17 +260,22 @@ def calibration_of(
         fitted.append(
             FittedParameter(one.key, one.unit, one.at(float(first)), one.at(float(share)), *around, float(error), end)
         )
-    parts = np.split(best[1].residuals, np.cumsum([len(column.time) for column in model.columns])[:-1])
-    in_units = {
-        column.name: float(np.sqrt(np.mean((part * column.scale) ** 2)))
-        for column, part in zip(model.columns, parts, strict=True)
-    }
+    in_units = _rms_by_column(model.columns, best[1].residuals)
     trials = [(model.values(key), None if one.failure else one.misfit) for key, one in model.known.items()]
     failures = [one.failure for one in model.known.values() if one.failure]
     return Calibration(
         fitted, model.columns, best[1].misfit, start[1].misfit, in_units, known, method, outcome, trials,
         len(model.known) * model.starts, failures, unused, scene, start[1], best[1], path,
     )  # fmt: skip
+
+
+def _rms_by_column(columns: Sequence[DataColumn], scaled: Floats) -> dict[str, float]:
+    """Root mean square of each column, in its unit, of values of all columns in their scales."""
+    parts = np.split(scaled, np.cumsum([len(column.time) for column in columns])[:-1])
+    return {
+        column.name: float(np.sqrt(np.mean((part * column.scale) ** 2)))
+        for column, part in zip(columns, parts, strict=True)
+    }
 
 
 def _plain(one: FittedParameter) -> dict[str, Any]:
