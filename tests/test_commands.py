@@ -57,6 +57,7 @@ def test_help_of_a_command(name: str) -> None:
     for option in COMMANDS[name].params:
         assert option.help, option.name
         assert option.help.endswith("."), option.help
+    assert "<str>" not in text.partition("Options")[2], "a type of Python in place of a word"
     assert COMMANDS[name].rich_help_panel in PANELS
     assert {"verbose", "quiet"} <= {option.name for option in COMMANDS[name].params}
 

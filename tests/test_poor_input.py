@@ -28,6 +28,7 @@ def said(*words: str, code: int) -> str:
         ("chek", "COMMAND = 'chek': no such command; did you mean 'check'"),
         ("run folder", "scene 'folder': is a folder; name a scene file, such as folder/scene.toml"),
         ("run fly", "scene 'fly': is not built in; known are: .*; a file is named by its path, with .toml"),
+        ("run okuizumi-model-3", "did you mean 'okuizumi-model-2'? A file is named by its path, with .toml"),
         ("run ./folder", "scene 'folder': is a folder; name a scene file, such as folder/scene.toml"),
         ("report ../data.csv", "is no folder of a run; measured curves are given as data (data=, --data)"),
         ("check spinning-tether --set laws.spn=3", "did you mean 'laws.spin' or "),

@@ -124,6 +124,25 @@ def test_the_slider_and_keys_move_it(browser: Browser, one: Path) -> None:
     assert browser.console() == []
 
 
+def test_space_plays_a_page_that_was_just_opened(browser: Browser, one: Path) -> None:
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ready(browser, one)
+    choose(browser, "view-speed", "4")
+    browser.run("document.activeElement.blur()")
+    for key, expected in (("\ue012", FRAMES - 2), (" ", FRAMES - 1)):  # left, space
+        ActionChains(browser.driver).send_keys(key).perform()
+        browser.wait(partial(is_at, browser, expected), f"frame {expected}")
+    assert browser.run("return scrollY") == 0
+    browser.run("scrollTo(0, document.body.scrollHeight)")
+    assert browser.run("return document.getElementById('view-view').getBoundingClientRect().bottom < 0")
+    ActionChains(browser.driver).send_keys("\ue012").perform()
+    ActionChains(browser.driver).send_keys("\ue011").perform()  # Home scrolls
+    browser.wait(lambda: browser.run("return scrollY") == 0, "the page is at its head")
+    assert place(browser) == FRAMES - 1, "the picture was out of sight"
+    assert browser.console() == []
+
+
 def test_it_plays_to_the_end(browser: Browser, one: Path) -> None:
     ready(browser, one)
     first = go_to(browser, 0)

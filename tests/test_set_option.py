@@ -128,6 +128,13 @@ def test_wrong_values_are_refused(words: list[str], said: str, tmp_path: Path) -
         ("25 rpm", "25 rpm"),
         ("a=b", "a=b"),
         ("01", "01"),
+        (".3", 0.3),
+        ("-1.", -1.0),
+        ("1.e-3", 1e-3),
+        ("True", True),
+        ("False", False),
+        (".", "."),
+        (".3.", ".3."),
     ],
 )
 def test_values_are_of_toml_or_plain_text(text: str, value: object) -> None:

@@ -86,11 +86,11 @@ _Quiet = Annotated[
 ]
 
 
-def _flags_without_type(params: list[Any]) -> list[Any]:
-    """Parameters whose help does not say `<bool>` beside a flag, as if it took a value."""
+def _without_types_of_python(params: list[Any]) -> list[Any]:
+    """Parameters whose help says neither `<bool>` beside a flag, as if it took a value, nor `<str>` beside a text."""
     for param in params:
-        if getattr(param, "is_flag", False) and param.metavar is None:
-            param.metavar = ""
+        if param.param_type_name == "option" and param.metavar is None:
+            param.metavar = "" if param.is_flag else "TEXT"  # numbers, paths and quantities have words of their own
     return params
 
 
@@ -109,7 +109,7 @@ class Command(TyperCommand):
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Its arguments and options."""
-        return _flags_without_type(super().get_params(ctx))
+        return _without_types_of_python(super().get_params(ctx))
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Take its words; an error knows the command, and a word too many is refused here."""
@@ -153,7 +153,7 @@ class Commands(TyperGroup):
 
     def get_params(self, ctx: Any) -> list[Any]:
         """The options before a command."""
-        return _flags_without_type(super().get_params(ctx))
+        return _without_types_of_python(super().get_params(ctx))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names."""

@@ -35,7 +35,7 @@ def new(
     ] = True,
     json: Json = False,
 ) -> None:
-    """Write a commented scene file of your own, from a scene that is there."""
+    """Write a commented scene file of your own, from a built-in one or from another file."""
     from membrane_rs.cli.settings import values_of
     from membrane_rs.errors import InputError
     from membrane_rs.scene.commented import SCHEMA_LINE, with_comments

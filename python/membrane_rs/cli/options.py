@@ -131,9 +131,6 @@ RecordNames = Annotated[
     ),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an earlier run in the same folder.")]
-Ensemble = Annotated[
-    int | None, count_option(help="Number of runs from perturbed starts; 0: none. Default: depends on the study.")
-]
 Rows = Annotated[str, typer.Option(help="Mesh densities: rows of cells of a petal, separated by commas.")]
 Jobs = Annotated[int | None, count_option(help="Number of parallel runs. Default: one on each core.")]
 Checkpoint = Annotated[

@@ -42,6 +42,7 @@ from membrane_rs.cli.options import (
     Until,
     load,
     path,
+    path_option,
     quantity_option,
     report,
     simulation_of,
@@ -131,8 +132,12 @@ def resume(
         ),
     ],
     *,
-    until: Until = None,
-    out: Out = None,
+    until: Annotated[
+        float | None, quantity_option("s", help="Simulated time at the end [s], or as 20ms. Default: the run's.")
+    ] = None,
+    out: Annotated[
+        Path | None, path_option(help="Folder of a run from a saved state. Default: beside its own, FOLDER-continued.")
+    ] = None,
     frames: Frames = None,
     samples: Samples = None,
     every: Every = None,

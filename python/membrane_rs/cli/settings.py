@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable
 from importlib import import_module
@@ -14,6 +15,10 @@ tomllib = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 
 LONGEST = 10_000
 """Letters of the longest value that is read."""
+_OTHER_NUMBER = re.compile(r"[+-]?([0-9]+\.|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+"""Numbers that TOML has not, since digits are missing before or after their point: .3, 1."""
+_OTHER_WORDS = {"True": True, "False": False}
+"""Truth as Python writes it."""
 
 
 def values_of(texts: Iterable[str], option: str = "--set") -> dict[str, Any]:
@@ -39,6 +44,8 @@ def values_of(texts: Iterable[str], option: str = "--set") -> dict[str, Any]:
 def value_of(text: str, name: str) -> Any:
     """A value as TOML has it, or a plain text: 20, true, [0, 0, -9.81], {stiffness = 20}, "cross", cross, 25 rpm.
 
+    Numbers such as .3 and 1. are numbers as well, True and False are true and false.
+
     Raises
     ------
     InputError
@@ -47,6 +54,10 @@ def value_of(text: str, name: str) -> Any:
     text = text.strip()
     if len(text) > LONGEST:
         raise InputError(f"{name} = {show(text)}: has {len(text)} letters; must have at most {LONGEST}")
+    if _OTHER_NUMBER.fullmatch(text):
+        return float(text)
+    if text in _OTHER_WORDS:
+        return _OTHER_WORDS[text]
     try:
         table = tomllib.loads(f"value = {text}")
         if len(table) == 1 and "\n" not in text:

@@ -12,7 +12,6 @@ from membrane_rs._extras import need
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli.application import STUDIES, Json, command, print_json, tell
 from membrane_rs.cli.options import (
-    Ensemble,
     Integrator,
     Jobs,
     Out,
@@ -97,12 +96,16 @@ def work_precision(
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
-    ensemble: Ensemble = None,
+    ensemble: Annotated[
+        int | None, count_option(help="Number of runs from perturbed starts. Default: 0; 4 with --curves.")
+    ] = None,
     density: Annotated[
         str, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
     ] = "",
     error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
-    repeats: Annotated[int | None, count_option(help="Runs of which the time is the median. Default: 3, or 1.")] = None,
+    repeats: Annotated[
+        int | None, count_option(help="Runs of which the time is the median. Default: 3; 1 with --curves.")
+    ] = None,
     budget: Annotated[
         float | None, quantity_option("s", help="Leave out runs that take longer on one core [s].")
     ] = None,
@@ -151,7 +154,7 @@ def ablate(
         float,
         numeric_option(help="Allowed change: of the rate, of the phase (turns), of the peaks."),
     ] = 0.01,
-    ensemble: Ensemble = None,
+    ensemble: Annotated[int, count_option(help="Number of runs from perturbed starts; 0: none.")] = 5,
     integrator: Integrator = None,
     share: Annotated[float | None, numeric_option(help="Steps in multiples of the stability limit.")] = None,
     dense_until: Annotated[float | None, quantity_option("s", help="End of the run on the denser mesh [s].")] = None,
@@ -162,10 +165,10 @@ def ablate(
     """Leave out each law and part in turn, and write the smallest scene that keeps the tolerance."""
     from membrane_rs.study import ablate as study
 
-    chosen, members = load(scene, set_), 5 if ensemble is None else ensemble
+    chosen = load(scene, set_)
     report_audit(chosen)
     found = study(
-        chosen, until, tolerance=tolerance, members=members, integrator=integrator, share=share,
+        chosen, until, tolerance=tolerance, members=ensemble, integrator=integrator, share=share,
         dense_until=dense_until, jobs=jobs, progress=tell,
     )  # fmt: skip
     _save(found, out or Path("runs") / f"{chosen.name}-ablation", json=json)

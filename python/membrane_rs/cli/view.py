@@ -60,6 +60,7 @@ def view(
     from membrane_rs._files import check_kind_of_file
     from membrane_rs.errors import InputError
     from membrane_rs.results.summary import SUMMARY
+    from membrane_rs.runs.viewing import check_is_there
 
     if picture is not None:
         if browser:
@@ -68,6 +69,8 @@ def view(
     is_run = Path(source).name == SUMMARY or Path(source).is_dir()
     if is_run and set_:
         raise InputError(f"--set {set_[0]}: {source} is a run, which has its values; set them before it is run")
+    if not is_run:
+        check_is_there(source)
     shown = source if is_run else load(source, set_)
     where = "picture" if picture is not None else "browser" if browser else "window"
     view_of_run = look(shown, color=color, camera=camera, scale=scale, time=time, where=where)

@@ -1,4 +1,6 @@
-"""Pictures and curves. pyvista, matplotlib and Pillow are imported where they are used, not here."""
+"""Figures of runs: curves, energy balance, snapshots, comparisons, sweeps; their style, and the files they go into."""
+
+# pyvista, matplotlib and Pillow are imported where they are used, not here.
 
 from __future__ import annotations
 

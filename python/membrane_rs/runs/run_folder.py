@@ -138,7 +138,7 @@ class RunFolder(KnownAttributes, Recorder):
     ) -> None:
         self.path = path_of(path, "out")
         if pictures:
-            need("matplotlib", "PIL", use="pictures of a run (none: pictures=False, --no-pictures)")
+            need("matplotlib", "PIL", use="the pictures of a run, which --no-pictures (pictures=False) leaves out")
         self.pictures, self.crossings = pictures, crossings
         self._place = Place(self.path, own_files(), overwrite=overwrite)
         self._record = Record(self.path, progress, Background(self._place.check_held))

@@ -9,6 +9,8 @@ import numpy as np
 
 from membrane_rs import scenes
 from membrane_rs._files import path_of
+from membrane_rs._messages import nearest, show
+from membrane_rs.errors import MissingFileError
 from membrane_rs.results.frame_fields import Frame, FrameFields
 from membrane_rs.results.run_history import RunHistory
 from membrane_rs.results.summary import SUMMARY
@@ -87,7 +89,18 @@ def run_of(source: Run | Scene | str | Path) -> Run:
         path = path_of(source, "run")
         if path.name == SUMMARY or path.is_dir():
             return open_run(path)
+        check_is_there(source)
     return start_of(scenes.scene_of(source))
+
+
+def check_is_there(source: str | Path) -> None:
+    """Raise MissingFileError for what names neither the folder of a run nor a scene, with the nearest name."""
+    path, built_in = path_of(source, "run"), scenes.names()
+    if str(source) in built_in or path.exists():
+        return
+    runs = [str(summary.parent) for place in (path.parent, Path("runs")) for summary in place.glob(f"*/{SUMMARY}")]
+    meant = nearest(str(source), {*built_in, *runs})
+    raise MissingFileError(f"{show(str(source))}: is neither the folder of a run nor a scene; {meant}")
 
 
 def start_of(scene: Scene) -> Run:

@@ -157,9 +157,9 @@ def text(name: str) -> str:
     if name not in known:
         if isinstance(name, str) and name.strip():
             _refuse_folder(Path(name))
-        raise SceneError(
-            f"scene {show(name)}: is not built in; {nearest(str(name), known)}; a file is named by its path, with .toml"
-        )
+        meant = nearest(str(name), known)
+        file = " A file" if meant.endswith("?") else "; a file"
+        raise SceneError(f"scene {show(name)}: is not built in; {meant}{file} is named by its path, with .toml")
     return (resources.files(__name__) / f"{name}.toml").read_text(encoding="utf-8")
 
 

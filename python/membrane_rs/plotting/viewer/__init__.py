@@ -1,4 +1,6 @@
-"""Looking at a run: in a window, or in a notebook. viewer.py says what is shown, without either; canvas.py draws it."""
+"""Looking at a run: in a window with a slider for the time, in a notebook, or as a picture."""
+
+# viewer.py says what is shown, without any of these; canvas.py draws it.
 
 from __future__ import annotations
 

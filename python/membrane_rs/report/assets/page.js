@@ -32,9 +32,13 @@ class Viewer {
     play.onclick = () => (this.playing ? this.pause() : this.play());
     time.oninput = () => { this.pause(); this.seek(Number(time.value)); };
     home.onclick = () => { this.shape.aim(); this.redraw(); };
-    view.onkeydown = (event) => {
+    document.onkeydown = (event) => {
       const steps = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
-      if (event.target !== view || event.ctrlKey || event.altKey || event.metaKey || !this.shape) return;
+      if (event.ctrlKey || event.altKey || event.metaKey || event.shiftKey || !this.shape) return;
+      // Where no control has the focus and the picture is in sight: all but Home and End, which scroll the page.
+      const isPage = event.target === document.body && !["Home", "End"].includes(event.key)
+        && view.getBoundingClientRect().bottom > 0;
+      if (event.target !== view && !isPage) return;
       if (event.key === " ") play.click();
       else if (event.key in steps) { this.pause(); this.seek(Math.round(this.place) + steps[event.key]); }
       else return;
