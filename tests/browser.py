@@ -12,7 +12,7 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 DRIVER = "chromedriver"
-SECONDS = 120.0
+SECONDS = 240.0
 """A page that takes longer for what is waited for fails its test; software draws slowly on a busy machine."""
 GRAPHICS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 """WebGL by software."""
@@ -88,11 +88,31 @@ class Browser:
         return list(self.driver.find_elements("css selector", selector))
 
     def wait(self, holds: Callable[[], object], what: str) -> None:
-        """Wait until something holds; fail by its name."""
+        """Wait until something holds; fail by its name. What is asked of an element that the page replaces meanwhile,
+        or of one that still moves or is covered, is asked again.
+        """
+        from selenium.common import exceptions
+
+        passing = (
+            exceptions.StaleElementReferenceException, exceptions.NoSuchElementException,
+            exceptions.ElementNotInteractableException, exceptions.ElementClickInterceptedException,
+        )  # fmt: skip
         end = time.monotonic() + SECONDS
-        while not holds():
+        while True:
+            with suppress(*passing):
+                if holds():
+                    return
             assert time.monotonic() < end, f"waited {SECONDS:g} s until {what}; the console says {self.console()}"
             time.sleep(0.02)
+
+    def click(self, element: Callable[[], Any], what: str) -> None:
+        """Click on an element once that is possible; `element` finds it."""
+
+        def clicked() -> bool:
+            element().click()
+            return True
+
+        self.wait(clicked, f"{what} can be clicked on")
 
     def pixels(self, selector: str = "") -> Pixels:
         """What an element shows, or the window, (height, width, 3)."""

@@ -8,6 +8,14 @@ from typing import Any
 
 import pytest
 from browser import browser  # noqa: F401 - the fixture
+from hypothesis import HealthCheck, settings
+
+# The same examples each time, and none that fails since the machine is slow. Others, to search for what fails:
+# pytest --hypothesis-profile=default.
+settings.register_profile(
+    "same", derandomize=True, deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("same")
 
 
 @pytest.fixture(scope="session", autouse=True)

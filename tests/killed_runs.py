@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import time
 from pathlib import Path
 from typing import Any
 
+from child_processes import wait_until
 from membrane_rs import Simulation
 from membrane_rs.runs import RunFolder
 
@@ -24,8 +24,7 @@ class Copies:
     def sample(self, sim: Simulation) -> None: ...
 
     def frame(self, sim: Simulation) -> None:
-        while not self._results._record.background.is_idle:
-            time.sleep(0.001)
+        wait_until(lambda: self._results._record.background.is_idle, "what was begun is written")
         shutil.copytree(self._results.path, self._results.path.with_name(f"left-{self._count}"))
         self._count += 1
 

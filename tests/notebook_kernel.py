@@ -18,7 +18,7 @@ class Kernel:
     def __init__(self, client: Any) -> None:
         self._client = client
 
-    def run(self, code: str, until: str = "status", seconds: float = 120.0) -> list[dict[str, Any]]:
+    def run(self, code: str, until: str = "status", seconds: float = 300.0) -> list[dict[str, Any]]:
         """The messages of a cell: until it is idle, or until one of a kind has come."""
         asked = self._client.execute(code)
         end, messages = time.monotonic() + seconds, []
@@ -41,7 +41,7 @@ def kernel(folder: Path) -> Iterator[Kernel]:
     """A kernel that works in a folder. Skips where Jupyter is missing."""
     pytest.importorskip("ipykernel")
     manager = pytest.importorskip("jupyter_client.manager")
-    process, client = manager.start_new_kernel(kernel_name="python3", cwd=str(folder), startup_timeout=120)
+    process, client = manager.start_new_kernel(kernel_name="python3", cwd=str(folder), startup_timeout=300)
     try:
         yield Kernel(client)
     finally:

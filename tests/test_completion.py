@@ -25,7 +25,7 @@ def completed(line: str, folder: Path) -> list[str]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=100,
+        timeout=300,
     )
     assert done.stderr == ""
     return [line for line in done.stdout.splitlines() if line]

@@ -115,7 +115,7 @@ def test_ctrl_c_before_a_command_begins_gives_its_exit_code() -> None:
         "scenes.names = lambda: signal.raise_signal(signal.SIGINT); "
         "from membrane_rs.cli import main; sys.argv = ['membrane-rs', 'scenes']; main()"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=120)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 130, done.stderr
     assert "Traceback" not in done.stderr
     assert scenes.names()

@@ -130,7 +130,7 @@ def run(
     *words: str | bytes | Path, stdout: int = subprocess.PIPE, **environment: str
 ) -> subprocess.CompletedProcess[bytes]:
     command = [os.fsencode(sys.executable), b"-m", b"membrane_rs.cli", *map(os.fsencode, words)]
-    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, check=False, timeout=100)
+    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, check=False, timeout=300)
 
 
 def test_a_file_name_that_is_no_text(scene: Path) -> None:

@@ -13,7 +13,7 @@ HEAVY = ("scipy", "meshio", "typer", "rich", *DRAWING)
 def loaded(code: str, names: tuple[str, ...]) -> set[str]:
     """Those of some modules that a fresh process has after this code."""
     code += f"\nimport sys\nprint(*[name for name in {names!r} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
     return set(done.stdout.split())
 
 
@@ -40,12 +40,12 @@ def test_packages_are_imported_when_they_are_named() -> None:
     assert not loaded("import membrane_rs", ("membrane_rs.study",))
     assert loaded("import membrane_rs; membrane_rs.study.sweep", ("membrane_rs.study",))
     words = [sys.executable, "-c", "import membrane_rs; membrane_rs.sweep"]
-    failed = subprocess.run(words, check=False, capture_output=True, text=True, timeout=60)
+    failed = subprocess.run(words, check=False, capture_output=True, text=True, timeout=300)
     assert "has no attribute 'sweep'" in failed.stderr
 
 
 def test_packages_that_are_not_imported_yet_are_listed() -> None:
     words = [sys.executable, "-c", "import membrane_rs; print(*dir(membrane_rs))"]
-    listed = subprocess.run(words, check=True, capture_output=True, text=True, timeout=60).stdout.split()
+    listed = subprocess.run(words, check=True, capture_output=True, text=True, timeout=300).stdout.split()
     assert {"study", "report", "units", "run", "Scene", "__version__"} <= set(listed)
     assert "import_module" not in listed

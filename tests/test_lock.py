@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from child_processes import started, wait_until
 from fake_simulation import FakeSimulation, run, summary
 from membrane_rs import OutputError, Simulation, scenes
 from membrane_rs.results import read_summary
@@ -28,13 +27,9 @@ def run_with(path: Path, act: Callable[[], object]) -> None:
 
 def test_a_second_run_is_refused_by_the_process_that_holds_the_folder(tmp_path: Path) -> None:
     path = tmp_path / "run"
-    words = [sys.executable, "-m", "membrane_rs.cli", "run", "okuizumi-model-1", "--no-pictures", "--out", str(path)]
-    with subprocess.Popen(words) as process:
-        deadline = time.monotonic() + 60.0
-        while not (path / "frames.pvd").exists():
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+    words = [sys.executable, "-m", "membrane_rs.cli", "run", "okuizumi-model-1", "--until", "1000", "--no-pictures"]
+    with started([*words, "--out", str(path)]) as process:  # it goes on until it is killed
+        wait_until((path / "frames.pvd").exists, "a frame is written", process)
         found = read_summary(path)
         assert (found["outcome"], found["process"]["pid"]) == ("running", process.pid)
         refusal = rf"another run goes on there \(process {process.pid} on .*, since 20.*\); wait for its end"
@@ -43,7 +38,6 @@ def test_a_second_run_is_refused_by_the_process_that_holds_the_folder(tmp_path: 
                 Simulation(SCENE).run(0.001, out=path, overwrite=overwrite, pictures=False)
         with pytest.raises(OutputError, match=refusal):
             resume(path)
-        process.kill()
     assert (summary(path)["outcome"], read_summary(path)["outcome"]) == ("running", "killed")
     Simulation(SCENE).run(0.001, out=path, overwrite=True, pictures=False)
     assert read_summary(path)["outcome"] == "finished"
@@ -77,8 +71,7 @@ def test_a_folder_that_another_run_has_taken_stays_as_that_has_it(tmp_path: Path
         second.start(sim)
         second.sample(sim)
         second.frame(sim)
-        while not second._record.background.is_idle:
-            time.sleep(0.001)
+        wait_until(lambda: second._record.background.is_idle, "the second run has written its frame")
         if not goes_on:
             second.finish(sim, None)
         shutil.move(path, tmp_path / "first")

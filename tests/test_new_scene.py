@@ -219,7 +219,7 @@ def test_a_full_disk_leaves_nothing(folder: Path) -> None:
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (99, 99)); from membrane_rs.cli import main"
     )
     words += "; sys.argv = ['membrane-rs', 'new', 'mine', '--no-schema']; main()"
-    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False, timeout=100)
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False, timeout=300)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert "cannot write mine.toml: File too large; choose a folder" in done.stderr
     assert list(folder.iterdir()) == []

@@ -26,7 +26,8 @@ def test_a_notebook_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     notebook: Any = jupytext.read(FOLDER / f"{name}.md")
     assert not any(cell.get("outputs") for cell in notebook.cells)
     resources = {"metadata": {"path": str(tmp_path)}}
-    nbclient.NotebookClient(notebook, timeout=SECONDS, kernel_name="python3", resources=resources).execute()
+    waits: Any = {"timeout": SECONDS, "startup_timeout": SECONDS}
+    nbclient.NotebookClient(notebook, kernel_name="python3", resources=resources, **waits).execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     warned = [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
     assert warned == []

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -81,7 +82,7 @@ def test_quiet_leaves_out_remarks_alone(tmp_path: Path) -> None:
 def program(*words: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
     """The program in a process of its own."""
     command = [sys.executable, "-m", "membrane_rs", *words]
-    return subprocess.run(command, env=os.environ | environment, capture_output=True, check=False, timeout=100)
+    return subprocess.run(command, env=os.environ | environment, capture_output=True, check=False, timeout=300)
 
 
 @pytest.mark.parametrize("columns", ["0", "1", "20"])
@@ -104,8 +105,11 @@ def test_colours(environment: dict[str, str], is_red: bool) -> None:
     ours, theirs = pty.openpty()
     plain = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "FORCE_COLOR")}
     command = [sys.executable, "-m", "membrane_rs", "run", "fly"]
-    done = subprocess.run(command, env=plain | {"TERM": "xterm"} | environment, stderr=theirs, check=False, timeout=100)
+    done = subprocess.run(command, env=plain | {"TERM": "xterm"} | environment, stderr=theirs, check=False, timeout=300)
     os.close(theirs)
-    shown = os.read(ours, 4096)
+    shown = b""
+    with suppress(OSError):  # how Linux says the end
+        while part := os.read(ours, 4096):
+            shown += part
     os.close(ours)
     assert (done.returncode, b"\x1b[31mError: " in shown, b"Error: " in shown) == (USAGE, is_red, True)

@@ -6,7 +6,6 @@ import csv
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
+from child_processes import started, wait_until
 from fake_simulation import FakeSimulation, run, summary
 from membrane_rs import (
     InputError,
@@ -122,18 +122,10 @@ def test_folder_of_a_killed_process_can_be_read(tmp_path: Path) -> None:
     path = tmp_path / "run"
     code = (
         "import sys; from membrane_rs import Simulation, scenes; "
-        "Simulation(scenes.load('single-crease')).run(frames=2001, out=sys.argv[1])"
+        "Simulation(scenes.load('single-crease')).run(200.0, frames=10**6, out=sys.argv[1])"
     )
-    process = subprocess.Popen([sys.executable, "-c", code, str(path)])
-    try:
-        deadline = time.monotonic() + 60.0
-        while not (path / "frames" / "frame-0020.vtu").exists():
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.001)
-    finally:
-        process.kill()
-        process.wait()
+    with started([sys.executable, "-c", code, str(path)]) as process:  # it goes on until it is killed
+        wait_until((path / "frames" / "frame-0020.vtu").exists, "some frames are written", process)
     frames = read_pvd(path / "frames.pvd")
     assert len(frames) >= 20
     assert {read_frame(file).shape for _, file in frames} == {read_frame(frames[0][1]).shape}

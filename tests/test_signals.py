@@ -8,11 +8,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from child_processes import SECONDS, started, wait_until
 from fake_simulation import summary
 from membrane_rs import Simulation, scenes
 from membrane_rs.errors import Interrupted
@@ -24,7 +24,6 @@ from small_scenes import hanging_strip
 
 COMMAND = [sys.executable, "-m", "membrane_rs.cli"]
 SCENE = scenes.load("single-crease")
-SECONDS = 60.0
 ENDING = pytest.mark.parametrize(
     "number",
     [
@@ -39,20 +38,11 @@ ENDING = pytest.mark.parametrize(
 )
 
 
-def waiting_for(condition: Callable[[], bool], process: subprocess.Popen[Any]) -> None:
-    """Wait until a process has come to where `condition` holds."""
-    deadline = time.monotonic() + SECONDS
-    while not condition():
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 @ENDING
 def test_a_command_ends_by_a_signal_as_by_ctrl_c(tmp_path: Path, number: signal.Signals) -> None:
-    words = [*COMMAND, "run", "okuizumi-model-1", "--no-pictures", "--out", str(tmp_path / "run")]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
-        waiting_for((tmp_path / "run" / "frames.pvd").exists, process)
+    words = [*COMMAND, "run", "okuizumi-model-1", "--until", "1000", "--no-pictures", "--out", str(tmp_path / "run")]
+    with started(words, stderr=subprocess.PIPE, text=True) as process:
+        wait_until((tmp_path / "run" / "frames.pvd").exists, "a frame is written", process)
         process.send_signal(number)
         _, shown = process.communicate(timeout=SECONDS)
     assert process.returncode == 128 + number
@@ -67,8 +57,8 @@ def test_an_ignored_signal_stays_ignored(tmp_path: Path) -> None:
     code = "import signal, sys; signal.signal(signal.SIGHUP, signal.SIG_IGN); sys.argv[0] = 'membrane-rs'; "
     code += "from membrane_rs.cli import main; main()"
     words = [sys.executable, "-c", code, "run", "single-crease", "--no-pictures", "--out", str(tmp_path / "run")]
-    with subprocess.Popen(words) as process:
-        waiting_for((tmp_path / "run" / "frames.pvd").exists, process)
+    with started(words) as process:
+        wait_until((tmp_path / "run" / "frames.pvd").exists, "a frame is written", process)
         process.send_signal(signal.SIGHUP)
         assert process.wait(SECONDS) == 0
     assert summary(tmp_path / "run")["outcome"] == "finished"
@@ -78,8 +68,8 @@ def test_while_the_start_is_relaxed(tmp_path: Path) -> None:
     text = hanging_strip().to_toml().replace("relax = 0.0", "relax = 1e6")
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     words = [*COMMAND, "run", str(tmp_path / "scene.toml"), "--until", "0.01", "--out", str(tmp_path / "run")]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
-        waiting_for((tmp_path / "run" / "summary.json").exists, process)
+    with started(words, stderr=subprocess.PIPE, text=True) as process:
+        wait_until((tmp_path / "run" / "summary.json").exists, "a summary is written", process)
         process.send_signal(signal.SIGTERM)
         assert process.wait(SECONDS) == 143
     assert summary(tmp_path / "run")["outcome"] == "interrupted"
@@ -87,11 +77,13 @@ def test_while_the_start_is_relaxed(tmp_path: Path) -> None:
 
 
 def test_while_pictures_are_drawn(tmp_path: Path) -> None:
-    run = ["run", "single-crease", "--until", "0.02", "--frames", "101", "--out", str(tmp_path / "run")]
-    with subprocess.Popen([*COMMAND, *run]) as process:
-        waiting_for(lambda: any((tmp_path / "run" / "snapshots").glob("*.png")), process)
-        process.send_signal(signal.SIGTERM)
-        assert process.wait(SECONDS) == 143
+    # The signal is sent by the process itself, as it begins to draw the last of its pictures.
+    code = "import signal, sys; from membrane_rs.plotting.animation import Animation; draw = Animation.finish; "
+    code += "Animation.finish = lambda *words: signal.raise_signal(signal.SIGTERM) or draw(*words); "
+    code += "sys.argv[0] = 'membrane-rs'; from membrane_rs.cli import main; main()"
+    run = ["run", "single-crease", "--until", "0.02", "--frames", "3", "--out", str(tmp_path / "run")]
+    assert subprocess.run([sys.executable, "-c", code, *run], check=False, timeout=SECONDS).returncode == 143
+    assert any((tmp_path / "run" / "snapshots").glob("*.png"))
     found = summary(tmp_path / "run")
     assert (found["outcome"], found["signal"]) == ("interrupted", "SIGTERM")
     assert not (tmp_path / "run" / "animation.gif").exists()
@@ -108,7 +100,7 @@ def test_a_signal_in_a_finalizer_is_not_lost() -> None:
     @signals.interruptible()
     def run() -> None:
         Finalised()
-        time.sleep(SECONDS)
+        wait_until(lambda: False, "the signal is raised")
 
     with pytest.raises(Interrupted, match="SIGTERM"):
         run()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +27,7 @@ plot_snapshots: Any = plotting.plot_snapshots
 def painter(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """Each of the two that draw."""
     if request.param == "matplotlib":
-        monkeypatch.setattr("membrane_rs.plotting.painter.PROBE_SECONDS", 0.0)
+        monkeypatch.setattr("membrane_rs.plotting.process.COMMAND", [sys.executable, "-c", ""])
         forget_probe()
     elif not pyvista_works():
         pytest.skip("pyvista cannot render here")

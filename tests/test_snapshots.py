@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -162,7 +163,7 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
 
 
 def test_without_graphics_matplotlib_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("membrane_rs.plotting.painter.PROBE_SECONDS", 0.0)
+    monkeypatch.setattr("membrane_rs.plotting.process.COMMAND", [sys.executable, "-c", ""])
     forget_probe()
     try:
         folder = RunFolder(tmp_path / "run")

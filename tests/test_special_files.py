@@ -67,7 +67,7 @@ def test_a_run_that_goes_on_opens_no_pipe(name: str, tmp_path: Path) -> None:
     os.mkfifo(folder / name)
     code = "import sys; from membrane_rs.runs import resume; resume(sys.argv[1], 0.002)"
     words = [sys.executable, "-c", code, str(folder)]
-    done = subprocess.run(words, check=False, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(words, check=False, capture_output=True, text=True, timeout=300)
     assert "OutputError" in done.stderr or "MissingFileError" in done.stderr or "InputError" in done.stderr
     assert name in done.stderr
     assert stat.S_ISFIFO((folder / name).stat().st_mode)

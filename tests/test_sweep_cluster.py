@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from child_processes import SECONDS, wait_until
 from membrane_rs import ExecutorError, InputError, scenes
 from membrane_rs.cli import app
 from membrane_rs.runs import Simulation
@@ -28,6 +29,8 @@ Client = pytest.importorskip("distributed").Client
 
 BEGUN = "MEMBRANE_RS_TEST_BEGUN"
 """The environment variable of the folder in which workers note the runs that they begin."""
+HELD = "MEMBRANE_RS_TEST_HELD"
+"""The environment variable of a worker that comes to the end of no run that it notes: until it is killed."""
 VARY = {"laws.spin.frequency": [1.0, 1.5, 2.0, 2.5]}
 
 
@@ -40,11 +43,17 @@ class Cluster:
     folder: Path
 
 
+def noted(folder: Path) -> dict[str, int]:
+    """The process that has begun a run, by the name of its note."""
+    return {file.name: int(file.name.partition("-")[0]) for file in folder.glob("[0-9]*-*")}
+
+
 def begun(sim: Simulation) -> float:
-    """Notes by which process a run is begun, and takes a while."""
+    """Notes by which process a run is begun."""
     if sim.time == 0.0:
         (Path(os.environ[BEGUN]) / f"{os.getpid()}-{time.monotonic_ns()}").touch()
-    time.sleep(0.02)
+        if HELD in os.environ:
+            time.sleep(1e6)
     return sim.time
 
 
@@ -63,13 +72,15 @@ def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
     try:
         start("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
-        workers = [start("dask_worker", "--nthreads", "1", "--no-nanny", "--name", name) for name in "ab"]
-        until = time.monotonic() + 120.0
-        while not file.is_file() and time.monotonic() < until:
-            time.sleep(0.05)
+        workers = []
+        for name, more in (("a", {HELD: "1"}), ("b", {})):
+            here.update(more)
+            workers.append(start("dask_worker", "--nthreads", "1", "--no-nanny", "--name", name))
+            here.pop(HELD, None)
+        wait_until(lambda: file.is_file() and file.read_text().endswith("}"), "the scheduler has begun", started[0])
         address = json.loads(file.read_text())["address"]
-        with Client(address, timeout=120.0, set_as_default=False) as client:
-            client.wait_for_workers(len(workers), timeout=120.0)  # one that is killed is to have begun a run
+        with Client(address, timeout=SECONDS, set_as_default=False) as client:
+            client.wait_for_workers(len(workers), timeout=SECONDS)  # one that is killed is to have begun a run
         yield Cluster(address, workers, folder)
     finally:
         for process in reversed(started):
@@ -104,13 +115,14 @@ def test_a_killed_worker_loses_no_run_and_makes_none_twice(
     def kill(done: int, total: int, result: RunResult) -> None:
         assert (total, result.outcome) == (12, "finished")
         if done == 3:
+            wait_until(lambda: workers[0].pid in noted(processes.folder).values(), "the other worker has begun a run")
             workers[0].send_signal(signal.SIGKILL)
 
     with cluster(address) as executor:
         found = sweep(
             "spinning-tether", VARY, out=tmp_path / "out", table="csv", executor=executor, progress=kill, **options
         )
-        notes = {file.name: int(file.name.partition("-")[0]) for file in processes.folder.glob("[0-9]*-*")}
+        notes = noted(processes.folder)
     assert workers[0].wait() == -signal.SIGKILL
     # Both have begun runs, and more were begun than there are: one was cut off, and made again by the other.
     assert set(notes.values()) == {worker.pid for worker in workers}

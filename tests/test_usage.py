@@ -93,7 +93,7 @@ def test_errors_of_every_kind_are_documents(tmp_path: Path, monkeypatch: pytest.
 def program(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """The program in a process of its own."""
     command = [sys.executable, "-m", "membrane_rs", *words]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
 
 
 def test_exit_codes_of_processes(tmp_path: Path) -> None:
@@ -119,6 +119,6 @@ def test_a_signal_before_any_result(name: str, code: int) -> None:
     words = "import os, signal; from membrane_rs import scenes; from membrane_rs.cli import main; import sys\n"
     words += f"scenes.scene_of = lambda name: os.kill(os.getpid(), signal.{name}) or __import__('time').sleep(60)\n"
     words += "sys.argv = ['membrane-rs', 'check', 'spinning-tether', '--json']; main()"
-    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False, timeout=100)
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=False, timeout=300)
     assert (done.returncode, done.stderr) == (code, "Stopped.\n")
     assert document(done.stdout) == {"error": f"ended by {name}", "exit_code": code}
