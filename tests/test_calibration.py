@@ -194,6 +194,10 @@ WRONG = [
     (RANGES, {"uncertainty": {"phase_difference_deg": -1.0}}, "above 0"),
     (RANGES, {"uncertainty": {"largest_cord_tension": "2 m"}}, "N"),
     (RANGES, {"until": -1.0}, "no value from 0"),
+    (RANGES, {"columns": 3}, "must be a list"),
+    (RANGES, {"record": {"hub_force": float}}, r"^record\['hub_force'\]: is the name of a column"),
+    (RANGES, {"record": {"own": lambda sim: math.nan}}, r"= nan: must be finite$"),
+    ({"laws.spin.frequency": "-1e308:1e308"}, {}, "must be finite; give the scene values that run"),
 ]
 
 
@@ -209,6 +213,19 @@ def test_data_that_no_run_records_are_refused(scene: Scene) -> None:
     data = Experiment("data", np.array([0.0, 0.1]), {"tension": np.array([1.0, 2.0])}, {"tension": ""})
     with pytest.raises(InputError, match=r"'tension' of the data: no run records it.*hub_force.*record it \(record\)"):
         calibrate(scene, data, RANGES, samples=SAMPLES, until=0.1)
+
+
+def test_data_that_end_before_the_runs_begin_are_refused(scene: Scene) -> None:
+    for time in (0.0, -1.0):
+        with pytest.raises(InputError, match=r"measured: ends at -?\d s, and runs begin at 0 s; give data of later"):
+            calibrate(scene, {"time": [time], "hub_force": [1.0]}, RANGES, samples=SAMPLES)
+
+
+def test_runs_end_with_the_data(scene: Scene) -> None:
+    """A time of 30 years would run for ever."""
+    found = calibrate(scene, measured(scene), {"laws.spin.frequency": "2:5"}, samples=SAMPLES, until=1e9, most_runs=1)
+    assert found.runs == 1
+    assert not found.unused
 
 
 def test_the_command(scene: Scene, begin: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -200,7 +200,8 @@ def check_has_time(names: Mapping[str, Any], place: str) -> None:
     """Refuse columns without one of times, or without others. Raises InputError."""
     if TIME not in names:
         near = "" if len(names) > MOST_COLUMNS else f"; {nearest(TIME, names)}" if names else ""
-        raise InputError(f"{place}: no column is named 'time'; the columns are {show(', '.join(names))}{near}")
+        there = f"the columns are {show(', '.join(names))}" if names else "there are no columns"
+        raise InputError(f"{place}: no column is named 'time'; {there}{near}")
     if len(names) == 1:
         raise InputError(f"{place}: 'time' is the only column; add one that is named as in history.csv")
 

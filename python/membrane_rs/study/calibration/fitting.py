@@ -20,18 +20,20 @@ from membrane_rs._arrays import Floats
 from membrane_rs._renamed import takes_name_of
 from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError
+from membrane_rs.results.experiment import Experiment
 from membrane_rs.results.given_experiment import ExperimentLike, experiment_of
 from membrane_rs.results.history_table import HistoryTable, column_units
-from membrane_rs.results.recorded import RecordTable, record_table
+from membrane_rs.results.recorded import Measures, RecordTable, record_table
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.run_settings import SHORTEST
 from membrane_rs.scene.stage import MEASURE_UNITS
 from membrane_rs.scene.staging import planned_starts
 from membrane_rs.study.calibration.analysis import analysed, jacobian
 from membrane_rs.study.calibration.model import BudgetSpent, Curves, FitModel, check_recorded, data_columns
 from membrane_rs.study.calibration.result import OUTPUTS, Calibration, calibration_of
 from membrane_rs.study.common.many_runs import MOST_RUNS, Progress
-from membrane_rs.study.common.one_run import TIME_LIMIT
+from membrane_rs.study.common.one_run import FAILED, TIME_LIMIT
 from membrane_rs.study.common.options import RunOptions, many_runs, takes_run_options
 from membrane_rs.study.common.vary import Parameter, parameters_of
 from membrane_rs.study.scene_match import match_scene
@@ -88,7 +90,8 @@ def calibrate(
     most_runs : int
         Runs at most; the best values so far are the result.
     until : float, optional
-        Time up to which curves are compared [s]. Default: of the last datum, or the scene's end if that is earlier.
+        Time up to which curves are compared [s], at most that of the last datum. Default: that, or the scene's end if
+        it is earlier.
     samples : int, optional
         Rows of each history. Default: the scene's. Curves are linear between them.
     record : mapping or sequence of str, optional
@@ -139,9 +142,7 @@ def calibrate(
     wanted = dict(record_table(options.get("record")))
     units = _units(chosen, wanted)
     measured = experiment_of(data, units)
-    planned = planned_starts(chosen.stages)[-1] if chosen.stages else chosen.run.until
-    until = options.get("until")
-    end = min(float(measured.time[-1]), planned) if until is None else number_of("until", until)
+    end = _end(chosen, measured, options.get("until"))
     curves_of_data = data_columns(measured, columns, uncertainty, end)
     check_recorded(curves_of_data, units)
     unused = sum(int(np.isfinite(measured.columns[one.name]).sum()) - len(one.time) for one in curves_of_data)
@@ -184,10 +185,20 @@ def _ranges(scene: Scene, vary: Mapping[str, Any]) -> list[Parameter]:
     return found
 
 
+def _end(scene: Scene, measured: Experiment, until: float | None) -> float:
+    """Time at which the runs end [s]. Raises InputError for data that end before they begin."""
+    last = float(measured.time[-1])
+    if last < SHORTEST:
+        raise InputError(f"{measured.name}: ends at {last:g} s, and runs begin at 0 s; give data of later times")
+    if until is not None:
+        return min(last, number_of("until", until))
+    return min(last, planned_starts(scene.stages)[-1] if scene.stages else scene.run.until)
+
+
 def _units(scene: Scene, record: RecordTable) -> dict[str, str]:
-    """The unit of each column that runs have, or can record."""
+    """The unit of each column that runs have, or can record. Raises InputError for a measure that none can."""
     own = {name: given[1] if isinstance(given, tuple) else "" for name, given in record.items() if given is not None}
-    columns = HistoryTable(Simulation(scene)).columns
+    columns = HistoryTable(Simulation(scene), Measures(record)).columns
     return {**MEASURE_UNITS, **column_units(columns, {}), **own}
 
 
@@ -212,9 +223,13 @@ def _first_curves(model: FitModel, shares: Floats) -> list[Curves]:
     except BudgetSpent:
         raise InputError(f"most_runs = {model.most_runs}: is less than the {model.starts} runs of one set") from None
     if found[0].failure:
-        too_long = any(run.outcome == TIME_LIMIT for run in found[0].runs)
-        remedy = "allow more, and retry (--retry)" if too_long else "give ranges around values that run"
-        raise InputError(f"the first runs failed: {found[0].failure}; {remedy}")
+        outcomes = {run.outcome for run in found[0].runs}
+        remedy = "; give the scene values that run, or ranges around such"
+        if TIME_LIMIT in outcomes:
+            remedy = "; allow more, and retry (--retry)"
+        elif FAILED in outcomes:  # by a measure, whose error says how to mend it
+            remedy = ""
+        raise InputError(f"the first runs failed: {found[0].failure}{remedy}")
     return found
 
 

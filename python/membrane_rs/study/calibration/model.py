@@ -76,13 +76,14 @@ def data_columns(
         raise InputTypeError(f"uncertainty = {show(uncertainty)}: must be a table of standard deviations by column")
     given = dict(uncertainty or {})
     names = [name for name in data.columns if name.removesuffix(DEVIATION) not in set(data.columns) - {name}]
-    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
+    chosen = list(columns) if isinstance(columns, Iterable) and not isinstance(columns, str) else None
+    if columns is not None and (chosen is None or not all(isinstance(name, str) for name in chosen)):
         raise InputTypeError(f"columns = {show(columns)}: must be a list of names of columns of the data")
-    for place, wanted in (("columns", columns or ()), ("uncertainty", given)):
+    for place, wanted in (("columns", chosen or ()), ("uncertainty", given)):
         stranger = next((name for name in wanted if name not in names), None)
         if stranger is not None:
             raise InputError(f"{place}: {data.name} has no column {show(stranger)}; it has {', '.join(names)}")
-    names = names if columns is None else list(dict.fromkeys(columns))
+    names = names if chosen is None else list(dict.fromkeys(chosen))
     found = []
     for name in names:
         known = np.isfinite(data.columns[name]) & (data.time >= 0.0) & (data.time <= until)
