@@ -54,6 +54,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("membrane-rs run nowhere --set laws.spin.f", []),
         (f"membrane-rs run {'x' * 300}.toml --set laws.spin.f", []),
         ("membrane-rs new own --from spinning-tether --set laws.spin.f", ["laws.spin.frequency="]),
+        ("membrane-rs sweep spinning-tether --vary laws.spin.f", ["laws.spin.frequency="]),
+        ("membrane-rs calibrate spinning-tether --data a.csv --vary laws.spin.f", ["laws.spin.frequency="]),
         ("membrane-rs run spinning-tether --overw", ["--overwrite"]),
         ("membrane-rs scenes too-many --js", ["--json"]),
     ],

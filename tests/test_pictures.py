@@ -160,7 +160,7 @@ def table(phase: float, hub: float) -> dict[str, Any]:
 def test_no_curve_of_rounding(tmp_path: Path, phase: float, hub: float, panels: int) -> None:
     plot_deployment(table(phase, hub), tmp_path / "one.png", dpi=100)
     with Image.open(tmp_path / "one.png") as picture:
-        assert picture.size == (700, 100 * (0.4 + 3.0 * panels))
+        assert picture.size == pytest.approx((700, 100 * (0.4 + 3.0 * panels)), abs=1)  # in whole pixels
     if phase < 1e-6:
         assert curve_features(table(phase, hub))["zero_crossing_time"] is None
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 from typing_extensions import Unpack
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import MANY_RUNS, Json, command, print_json, tell
 from membrane_rs.cli.many_runs import RunOptions, make_runs, takes_run_options
 from membrane_rs.cli.options import SceneArgument, Set, count_option, load, numeric_option, words
@@ -22,6 +23,7 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         metavar="KEY=RANGE",
+        autocompletion=completion.keys,
         help="A value of the scene and its range: laws.creases.stiffness=1:30:log, material.thickness=5um:10um. May "
         "be given several times.",
     ),

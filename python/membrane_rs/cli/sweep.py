@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typing_extensions import Unpack
 
+from membrane_rs.cli import completion
 from membrane_rs.cli.application import FAILED, MANY_RUNS, Json, command, print_json, tell
 from membrane_rs.cli.many_runs import RunOptions, make_runs, takes_run_options
 from membrane_rs.cli.options import SceneArgument, Set, count_option, load
@@ -23,6 +24,7 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         metavar="KEY=VALUES",
+        autocompletion=completion.keys,
         help="Values of the scene: a list (laws.creases.stiffness=1,3,10; run.integrator=rk4,leapfrog), values evenly "
         "spaced (material.thickness=5um:10um:6) or by their logarithms (laws.springs.buckling=10:1000:log5); for "
         "samples a range (10:1000, 10:1000:log). May be given several times.",
