@@ -293,12 +293,14 @@ def test_a_table_in_place_of_a_run_is_refused(tmp_path: Path) -> None:
     refused(lambda: write_report([tmp_path / "d.csv"], page), InputError, r"given as data \(data=, --data\)")
 
 
-def test_data_of_other_measures_are_refused(tmp_path: Path, staged: Run) -> None:
+@pytest.mark.parametrize(
+    ("name", "hint"), [("colour", "known are: .*deployment_rate, "), ("hub_trque", r"did you mean 'hub_torque'\?")]
+)
+def test_data_of_other_measures_are_refused(tmp_path: Path, staged: Run, name: str, hint: str) -> None:
     data = tmp_path / "other.csv"
-    data.write_text("time,colour\n0,1\n", encoding="utf-8")
-    with pytest.raises(
-        InputError, match="data other: its columns, colour, are none of the runs; theirs are deployment"
-    ):
+    data.write_text(f"time,{name}\n0,1\n", encoding="utf-8")
+    why = f"data other: its columns, {name}, are none of the runs; {hint}"
+    with pytest.raises(InputError, match=why):
         write_report(staged, tmp_path / "page.html", data=data)
 
 

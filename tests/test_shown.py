@@ -117,3 +117,7 @@ def test_a_line_is_seen_from_the_side() -> None:
 
 def test_a_scene_is_no_longer_shown_by_all_its_values() -> None:
     assert len(repr(Scene(None, None, parts=scenes.load("spinning-tether").parts))) < 100
+
+
+def test_a_scene_shows_its_film_with_prefixes() -> None:
+    assert "7.5 um thick, E = 3.2 GPa" in scenes.load("okuizumi-model-1")._repr_html_()

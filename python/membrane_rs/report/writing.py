@@ -9,7 +9,7 @@ from typing import Any
 
 from membrane_rs._extras import need
 from membrane_rs._files import check_kind_of_file, check_writable, path_of, write_text
-from membrane_rs._validation import check_kind, show
+from membrane_rs._validation import check_kind, nearest, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.report.sources import Sources, labelled
 from membrane_rs.results.given_experiment import ExperimentLike, experiment_of, is_experiment
@@ -102,11 +102,9 @@ def write_report(
     experiments = [experiment_of(one, units, f"data[{k}]", f"measured {k + 1}") for k, one in enumerate(given)]
     for experiment in experiments:
         if not any(name in units for name in experiment.columns):
-            recorded = ", ".join(name for name in units if name != "time")
             have = ", ".join(experiment.columns)
-            raise InputError(
-                f"data {experiment.name}: its columns, {have}, are none of the runs; theirs are {recorded}"
-            )
+            meant = nearest(next(iter(experiment.columns)), [name for name in units if name != "time"])
+            raise InputError(f"data {experiment.name}: its columns, {have}, are none of the runs; {meant}")
     sources = Sources(labelled(chosen), experiments, ensemble)
     write_text(file, page(sources, title or _title(sources)))
     return file

@@ -7,6 +7,8 @@ from typing import Protocol
 
 from membrane_rs._arrays import Floats
 from membrane_rs._html import Card, Lines, in_a_line
+from membrane_rs._quantities import compact
+from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.places import Changeable
@@ -27,6 +29,11 @@ def text_of(scene: ShownScene, assembly: Assembly) -> str:
     return f"Scene({scene.name!r}: {assembly.node_count} nodes; laws {laws}{stages})"
 
 
+def _film(film: Material) -> str:
+    """Its thickness and Young's modulus, such as "7.5 um thick, E = 3.2 GPa"."""
+    return f"{compact(film.thickness, 'm', 4)} thick, E = {compact(film.youngs_modulus, 'Pa', 4)}"
+
+
 def card_of(scene: ShownScene, assembly: Assembly, counts: Mapping[str, int]) -> Card:
     """The scene at its start."""
     film, run = scene.material, scene.run
@@ -34,7 +41,7 @@ def card_of(scene: ShownScene, assembly: Assembly, counts: Mapping[str, int]) ->
         ("nodes", counts["nodes"]),
         ("springs", counts["edges"]),
         ("triangles", counts["triangles"]),
-        ("film", "none" if film is None else f"{film.thickness:.4g} m thick, E = {film.youngs_modulus:.4g} Pa"),
+        ("film", "none" if film is None else _film(film)),
         ("laws", ", ".join(law.kind for law in scene.laws) or "none"),
         ("parts", ", ".join(part.name or part.kind for part in scene.parts) or "none"),
         *([("bodies", ", ".join(body.name for body in scene.bodies))] if scene.bodies else []),

@@ -127,8 +127,11 @@ def _columns(given: Sequence[Curves], reference: Curves, wanted: Sequence[str] |
         and _is_known(given, reference, name)
     ]
     if not found:
-        names = ", ".join(shared) or "none at all"
-        raise InputError(f"{reference.label}: shares no values of {', '.join(usual)} with another; it shares {names}")
+        if shared:
+            hint = f"it shares {', '.join(shared)}"
+        else:
+            hint = nearest(next(iter(usual)), {c for other in given if other is not reference for c in other.columns})
+        raise InputError(f"{reference.label}: shares no values of {', '.join(usual)} with another; {hint}")
     return found
 
 
