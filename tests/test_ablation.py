@@ -193,12 +193,12 @@ def test_several_things_are_left_out_at_once() -> None:
     [
         ({"tolerance": 0.0}, "tolerance = 0.0: must be greater than 0"),
         ({"tolerance": math.inf}, "tolerance = inf"),
-        ({"members": -1}, "ensemble = -1"),
+        ({"members": -1}, "members = -1.*--ensemble"),
         ({"until": -1.0}, "until = -1.0"),
         ({"dense_until": 0.0}, "dense_until = 0.0: must be greater than 0"),
         ({"integrator": "leapfrogs"}, "there is no 'leapfrogs'; did you mean 'leapfrog'"),
         ({"share": 1.0}, "share = 1.0: must be greater than 0 and less than 1"),
-        ({"jobs": -2}, "jobs = -2: must be 1 or above"),
+        ({"jobs": -2}, "jobs = -2: must be from 1 to"),
     ],
 )
 def test_wrong_numbers_are_refused(given: dict[str, Any], words: str) -> None:

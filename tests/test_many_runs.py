@@ -304,7 +304,7 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"jobs": 0}, "jobs = 0: must be 1 or above"),
+        ({"jobs": 0}, "jobs = 0: must be from 1 to"),
         ({"jobs": 10**6}, "at most 1000"),
         ({"jobs": True}, "whole number"),
         ({"executor": "dask"}, "must be 'threads', 'processes' or an executor"),

@@ -112,7 +112,7 @@ def test_what_cannot_be_refined_is_refused(sail: Scene, tmp_path: Path) -> None:
     crease = scenes.load("single-crease")
     refused(lambda: mesh_study(crease, jobs_of([8]), tmp_path), InputError, "no pattern in rows")
     refused(lambda: jobs_of([8], ["other"]), InputError, "must be one of paper, strain, physical, tension")
-    refused(lambda: jobs_of([8], members=0), InputError, "members = 0: must be 1 or above")
+    refused(lambda: jobs_of([8], members=0), InputError, "members = 0: must be from 1 to")
     refused(lambda: mesh_study(sail, jobs_of([16, 9]), tmp_path / "runs"), InputError, "multiple of 8")
     assert not (tmp_path / "runs").exists()
     (tmp_path / "file").write_text("")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
@@ -162,7 +163,11 @@ def test_levels_for_every_kind_of_method() -> None:
 def test_progress_is_reported_run_by_run() -> None:
     lines: list[str] = []
     work_precision(hanging_strip(), ["rk4"], 0.2, steps=1, repeats=1, progress=lines.append)
-    assert [line.split("]")[0] for line in lines] == ["[1/2", "[2/2", "[1/3", "[2/3", "[3/3"]
+    parts = [line.split("]")[0] for line in lines if line[0] == "["]
+    assert parts == ["[1/2", "[2/2", "[1/3", "[2/3", "[3/3"]
+    assert re.fullmatch(r"reference: rk4, dt = .* s: [\d,]+ steps, the longest run of all", lines[0])
+    shares = [line.split(": ")[2].split(",")[0] for line in lines[1:] if line[0] != "["]
+    assert shares == [f"{share} %" for share in range(10, 100, 10)]
     assert "evaluations" in lines[-1]
 
 
@@ -288,13 +293,13 @@ def test_a_level_counts_only_with_all_finer_ones_and_below_the_limit() -> None:
         ({"methods": ["rk5"]}, "did you mean 'rk4'"),
         ({"until": 0.0}, "until = 0.0: must be greater than 0"),
         ({"until": math.nan}, "until = nan"),
-        ({"steps": 0}, "steps = 0: must be 1 or above"),
-        ({"members": -1}, "ensemble = -1: must be 0 or above"),
-        ({"repeats": 0}, "repeats = 0: must be 1 or above"),
-        ({"wanted": 0.0}, "error = 0.0: must be greater than 0"),
-        ({"instants": -1}, "instants = -1: must be 1 or above"),
+        ({"steps": 0}, "steps = 0: must be from 1 to 24"),
+        ({"members": -1}, "members = -1: must be from 0 to 1,000"),
+        ({"repeats": 0}, "repeats = 0: must be from 1 to 1,000"),
+        ({"wanted": 0.0}, "wanted = 0.0: must be greater than 0"),
+        ({"instants": -1}, "instants = -1: must be from 1 to"),
         ({"budget": 0.0}, "budget = 0.0: must be greater than 0"),
-        ({"jobs": 0}, "jobs = 0: must be 1 or above"),
+        ({"jobs": 0}, "jobs = 0: must be from 1 to"),
         ({"densities": [2.0]}, "only curves can be compared; add --curves"),
         ({"densities": [0.3], "curves": True}, "columns = 6 would become 1.8, which is no whole number; take 0.333"),
     ],
@@ -318,7 +323,7 @@ def test_a_scene_at_rest_has_no_relative_error() -> None:
         ("--density 0.3 --curves", "Disc.rings = 8 would become 2.4, which is no whole number; take 0.25"),
         ("--integrators rk5", "did you mean 'rk4'"),
         ("--integrators rk4,", "must be names separated by commas"),
-        ("--jobs 0", "jobs = 0: must be 1 or above"),
+        ("--jobs 0", "jobs = 0: must be from 1 to"),
         ("--budget -1", "budget = -1.0: must be greater than 0"),
     ],
 )

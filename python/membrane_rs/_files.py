@@ -26,7 +26,7 @@ def path_of(value: object, name: str = "path") -> Path:
     """A path from a text or a path.
 
     Raises InputTypeError for anything else, an empty text and a NUL, by `name`; InputError for a character that the
-    file system's encoding lacks.
+    file system's encoding lacks, and for a name that is too long for it.
     """
     if not isinstance(value, str | os.PathLike) or not isinstance(found := os.fspath(value), str):
         raise InputTypeError(f"{name} = {value!r:.60}: must be a path, as a text or a pathlib.Path")
@@ -39,7 +39,13 @@ def path_of(value: object, name: str = "path") -> Path:
             f"{name} = {found!a:.60}: the file system's encoding, {error.encoding}, has no character "
             f"{found[error.start]!a}; give another name, or set PYTHONUTF8=1 in the environment"
         ) from None
-    return Path(found)
+    path = Path(found)
+    try:
+        path.lstat()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise InputError(f"{name} = {found!r:.60}...: is too long for a name of a file; shorten it") from None
+    return path
 
 
 def made_folder(folder: object, name: str = "folder") -> Path:

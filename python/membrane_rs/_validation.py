@@ -11,11 +11,11 @@ NaN, infinities, booleans and strings are no numbers; numpy scalars are. pydanti
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field
-from numbers import Real
-from typing import Any, TypeVar
+from numbers import Integral, Real
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 from pydantic import ConfigDict, Field, ValidationError
@@ -69,7 +69,11 @@ __all__ = [
     "check_text",
     "checked_class",
     "computable",
+    "count_of",
+    "flag_of",
+    "flags_of",
     "in_si",
+    "is_list",
     "is_table",
     "is_whole",
     "nearest",
@@ -77,6 +81,7 @@ __all__ = [
     "numbers",
     "range_of",
     "show",
+    "texts_of",
     "unit_of",
     "validated",
 ]
@@ -195,6 +200,47 @@ def check_kind(value: object, kind: type | tuple[type, ...], name: str, wanted: 
     """Refuse what is not of a kind. Raises InputTypeError, which names it and what is `wanted`."""
     if not isinstance(value, kind):
         raise InputTypeError(f"{name} = {show(value)}: must be {wanted}")
+
+
+def count_of(name: str, value: object, least: int, most: int, what: str = "") -> int:
+    """A whole number within bounds.
+
+    Raises InputTypeError and InputError, which name it and its bounds; `what` says more of it, such as the unit.
+    """
+    words = f" ({what})" if what else ""
+    if not isinstance(value, Integral) or isinstance(value, NO_NUMBERS):
+        raise InputTypeError(f"{name} = {show(value)}: must be a whole number, from {least:,} to {most:,}{words}")
+    count = int(value)
+    if not least <= count <= most:
+        raise InputError(f"{name} = {show(count)}: must be from {least:,} to {most:,}{words}")
+    return count
+
+
+def flag_of(name: str, value: object) -> bool:
+    """True or False, also as numpy's and as 1 or 0. Raises InputTypeError for anything else, which may mean either."""
+    if not isinstance(value, bool | np.bool_ | int) or value not in (0, 1):
+        raise InputTypeError(f"{name} = {show(value)}: must be True or False")
+    return bool(value)
+
+
+def flags_of(**flags: object) -> tuple[bool, ...]:
+    """Flags by name, as `flag_of` has each."""
+    return tuple(flag_of(name, flag) for name, flag in flags.items())
+
+
+def is_list(values: object) -> TypeGuard[Collection[Any]]:
+    """Whether something is a list, a tuple, an array of one dimension or the like; neither a text nor a table."""
+    is_listed = isinstance(values, Collection) and not isinstance(values, str | bytes | Mapping)
+    return is_listed and getattr(values, "ndim", 1) == 1
+
+
+def texts_of(name: str, values: object, wanted: str) -> list[str]:
+    """A list of texts. Raises InputTypeError for anything else, a text alone among it, which names it."""
+    if is_list(values):
+        found = list(values)
+        if all(isinstance(text, str) for text in found):
+            return found
+    raise InputTypeError(f"{name} = {show(values)}: must be {wanted}")
 
 
 def check_text(text: str, name: str, kind: type[InputError] = InputError) -> None:

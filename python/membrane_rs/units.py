@@ -24,7 +24,7 @@ from membrane_rs._fields import unit_of
 from membrane_rs._given_arrays import numeric
 from membrane_rs._messages import show
 from membrane_rs._quantities import KINDS, UnitError, compact, conversion, to_si
-from membrane_rs._validation import number_of
+from membrane_rs._validation import check_kind, number_of
 from membrane_rs.errors import InputError, InputTypeError
 
 __all__ = ["KNOWN", "convert", "number", "of", "text"]
@@ -67,6 +67,7 @@ def number(value: str | float, unit: str, name: str = "value") -> float:
     membrane_rs.errors.InputError: value = '3 1/s': is a rate; must be a frequency of turning (Hz), such as '25 rpm'; \
 1/s may be turns or radians: write Hz, rpm, rad/s or deg/s
     """
+    check_kind(name, str, "name", "a text: what the number is called in errors")
     _check_unit(unit)
     return to_si(value, unit, name) if isinstance(value, str) else number_of(name, value, unit)
 
@@ -99,6 +100,8 @@ def convert(values: ArrayLike, unit: str, wanted: str) -> Floats:
     >>> units.convert([0.0, 0.5], "Hz", "rpm")
     array([ 0., 30.])
     """
+    for name, given in (("unit", unit), ("wanted", wanted)):
+        check_kind(given, str, name, "a text such as 'm' or 'kg/m3'")
     factor, offset = conversion(unit, wanted)
     return numeric(values, "values", "fiu", "numbers").astype(np.float64) * factor + offset
 
@@ -130,8 +133,10 @@ def of(cls: type, field: str) -> str:
     'kg/m3'
     """
     known = getattr(cls, "__pydantic_fields__", {})
-    if field not in known:
-        raise InputError(f"{getattr(cls, '__name__', show(cls))}.{field}: no such field; known are: {', '.join(known)}")
+    if not isinstance(field, str) or field not in known:
+        what = field if isinstance(field, str) else show(field)
+        where = f"{getattr(cls, '__name__', show(cls))}.{what:.60}"
+        raise InputError(f"{where}: no such field; known are: {', '.join(known)}")
     return unit_of(cls, field) or ""
 
 
@@ -171,8 +176,7 @@ def text(value: float, unit: str, digits: int = 4) -> str:
 
 def _check_unit(unit: str) -> None:
     """Refuse what is no unit. Raises InputError."""
-    if not isinstance(unit, str):
-        raise InputTypeError(f"unit = {show(unit)}: must be a text such as 'm' or 'kg/m3'")
+    check_kind(unit, str, "unit", "a text such as 'm' or 'kg/m3'")
     if unit not in KINDS:
         try:
             conversion(unit, unit)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
-from membrane_rs._validation import check_kind
+from membrane_rs._validation import check_kind, flag_of
 from membrane_rs._warning import warn
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
@@ -127,7 +127,8 @@ def audit(scene: Scene, *, costly: bool = True) -> Audit:
     True
     """
     check_kind(scene, Scene, "scene", "a Scene")
-    return _audit(scene, Stepping.of_scene, COSTLY_CHECKS if costly else [_left_out])
+    is_costly = flag_of("costly", costly)
+    return _audit(scene, Stepping.of_scene, COSTLY_CHECKS if is_costly else [_left_out])
 
 
 def audit_of_motion(sim: Motion) -> Audit:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs._validation import show
+from membrane_rs._validation import flags_of, show
 from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.crossings import crossings
@@ -43,6 +43,7 @@ def audit(
     if material is not None and not isinstance(material, Material):
         raise InputTypeError(f"audit: material = {show(material)}: must be a Material, or None for polyimide")
     film = material or POLYIMIDE
+    springs, growth, crossings = flags_of(springs=springs, growth=growth, crossings=crossings)
     wound = _wound(mesh)
     findings = [
         *_shapes(mesh),

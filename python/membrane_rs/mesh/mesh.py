@@ -141,7 +141,7 @@ class Mesh(HasCard, Triangulation):
         """
         points = self.positions if positions is None else self.checked_positions(positions)
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = self.lengths_in(points) / self.edge_lengths
+            ratio = self._lengths_at(points) / self.edge_lengths
         return np.nan_to_num(ratio, nan=np.inf, posinf=np.inf) - 1.0
 
     def audit(
@@ -337,7 +337,7 @@ class Mesh(HasCard, Triangulation):
     def _check_creases(self) -> None:
         if len(self.creases) == 0:
             return
-        index, known = self.find_edges(self.creases)
+        index, known = self._rows_of_edges(self.creases)
         count = np.where(known, self.triangles_per_edge[index], 0)
         bad = np.flatnonzero(count != 2)
         if len(bad):

@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from membrane_rs._arrays import Bools, Floats
-from membrane_rs._validation import check_kind
+from membrane_rs._validation import check_kind, flag_of
 from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.triangulation import Triangulation
@@ -205,7 +205,7 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     np.add.at(pull, mesh.edges[:, 0], forces)
     np.add.at(pull, mesh.edges[:, 1], -forces)
     is_balanced = bool(np.abs(pull[is_inner]).max(initial=0.0) <= _UNBALANCED * np.abs(forces).max())
-    if relaxed and not is_balanced:
+    if flag_of("relaxed", relaxed) and not is_balanced:
         moved = _relaxed(mesh, constants, n, pull, is_inner)
         stretch = np.einsum("ea,eaj->ej", n, moved[mesh.edges[:, 1]] - moved[mesh.edges[:, 0]])
     total = shape + stretch

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from membrane_rs import _core
 from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs._given_arrays import numeric
 from membrane_rs._known_attributes import KnownAttributes
-from membrane_rs._validation import check_kind
-from membrane_rs.errors import MeshError
+from membrane_rs._validation import check_kind, flag_of
+from membrane_rs.errors import InputError, MeshError
 from membrane_rs.material import Material
 
 T = TypeVar("T", bound=np.generic)
@@ -56,7 +57,7 @@ class Triangulation(KnownAttributes):
     def triangle_edges(self) -> Ints:
         """(m, 3) index in `edges` of the side opposite to each corner of each triangle."""
         first, second = self.triangles[:, [1, 2, 0]], self.triangles[:, [2, 0, 1]]
-        return frozen(self.find_edges(np.stack([first.ravel(), second.ravel()], axis=1))[0].reshape(-1, 3))
+        return frozen(self._rows_of_edges(np.stack([first.ravel(), second.ravel()], axis=1))[0].reshape(-1, 3))
 
     @cached_property
     def triangles_per_edge(self) -> Ints:
@@ -73,7 +74,7 @@ class Triangulation(KnownAttributes):
     @cached_property
     def edge_lengths(self) -> Floats:
         """(e,) lengths of the edges in the reference [m]."""
-        return frozen(self.lengths_in(self.reference))
+        return frozen(self._lengths_at(self.reference))
 
     def areas(self) -> Floats:
         """(m,) areas of the triangles in the reference [m2].
@@ -131,7 +132,7 @@ class Triangulation(KnownAttributes):
             _core.spring_constants(self.reference, self.triangles, m.youngs_modulus, m.poisson_ratio, m.thickness),
             dtype=np.float64,
         )
-        return np.maximum(constants, 0.0) if clip else constants
+        return np.maximum(constants, 0.0) if flag_of("clip", clip) else constants
 
     def masses(self, material: Material) -> Floats:
         """(n,) mass of each node [kg]: a third of each triangle around it.
@@ -190,6 +191,11 @@ class Triangulation(KnownAttributes):
         (e,) float64
             [m]
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No numbers, or another number of points than the mesh has nodes.
+
         Examples
         --------
         >>> from membrane_rs.folding import Strip
@@ -197,6 +203,12 @@ class Triangulation(KnownAttributes):
         >>> bool((mesh.lengths_in(mesh.reference) == mesh.edge_lengths).all())
         True
         """
+        points = numeric(points, "points", "fiu", "numbers: x, y, z of each node (m)")
+        if points.shape != (self.node_count, 3):
+            raise InputError(f"points has shape {points.shape}; it must be ({self.node_count}, 3): a row a node")
+        return self._lengths_at(points)
+
+    def _lengths_at(self, points: Floats) -> Floats:
         difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
         lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
         return lengths
@@ -216,6 +228,11 @@ class Triangulation(KnownAttributes):
         is_edge : (k,) bool
             Whether it is one.
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No pairs of whole numbers, or a node that the mesh has not.
+
         Examples
         --------
         >>> import numpy as np
@@ -225,6 +242,15 @@ class Triangulation(KnownAttributes):
         >>> index[0].item(), is_edge.tolist()
         (3, [True, False])
         """
+        pairs = numeric(pairs, "pairs", "iu", "whole numbers, node indices")
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise InputError(f"pairs has shape {pairs.shape}; it must be (k, 2): the two nodes of each pair")
+        if len(pairs) and not 0 <= pairs.min() <= pairs.max() < self.node_count:
+            wrong = int(pairs.min()) if pairs.min() < 0 else int(pairs.max())
+            raise InputError(f"pairs: node {wrong}: must be from 0 to {self.node_count - 1}")
+        return self._rows_of_edges(pairs)
+
+    def _rows_of_edges(self, pairs: Ints) -> tuple[Ints, Bools]:
         keys = self.edges[:, 0] * self.node_count + self.edges[:, 1]
         first, second = pairs.T
         wanted = np.minimum(first, second) * self.node_count + np.maximum(first, second)

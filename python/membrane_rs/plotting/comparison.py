@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from membrane_rs._validation import check_kind
+from membrane_rs._validation import check_kind, flag_of
 from membrane_rs.errors import InputError
 from membrane_rs.plotting.columns import unit_of
 from membrane_rs.plotting.deployment import deployment_panels, draw_deployment
@@ -99,6 +99,7 @@ def plot_comparison(
     look = style_of(style)
     check_kind(title, str, "title", "a text")
     check_spread(spread)
+    members = flag_of("members", members)
     given = [] if isinstance(runs, Sequence) and not runs else sources_of(runs, labels, (), "runs")
     others = _by_label(experiments, "experiments")
     together = _by_label(ensembles, "ensembles")

@@ -25,12 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs._validation import count_of
 from membrane_rs.mesh.queries import find_pairs
 
 Place = Literal["nodes", "triangles", "lines"]
 TAUT, WRINKLED, SLACK = 0, 1, 2
-STEPS = 256
-"""Colours of a scale of measured values."""
+STEPS, MOST_STEPS = 256, 2**16
+"""Colours of a scale of measured values, and how many there may be."""
 MISSING = (170, 176, 186)
 """Colour where a field has no value."""
 BARE = (205, 210, 218)
@@ -122,9 +123,15 @@ class Field:
         -------
         (k, 3) uint8
             Red, green, blue.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            No number of colours.
         """
         from matplotlib import colormaps
 
+        steps = count_of("steps", steps, 1, MOST_STEPS, "colours of a scale")
         shares = np.linspace(0.0, 1.0, len(self.categories) or steps)
         return np.round(255.0 * np.asarray(colormaps[self.colormap](shares))[:, :3]).astype(np.uint8)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from membrane_rs._extras import need
 from membrane_rs._files import check_kind_of_file, check_writable, path_of, write_text
-from membrane_rs._validation import check_kind, nearest, show
+from membrane_rs._validation import check_kind, flags_of, nearest, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.report.sources import Sources, labelled
 from membrane_rs.results.given_experiment import ExperimentLike, experiment_of, is_experiment
@@ -82,6 +82,7 @@ def write_report(
     need("k3d", "matplotlib", "PIL", use="a page of runs")
     from membrane_rs.report.page import page
 
+    ensemble, overwrite = flags_of(ensemble=ensemble, overwrite=overwrite)
     file = _file(path, overwrite)
     check_kind(title, (str, type(None)), "title", "a text")
     chosen = [_run(one, f"runs[{k}]") for k, one in enumerate(_list_of(runs, (Run, str, os.PathLike)))]

@@ -16,6 +16,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._files import check_writable, output_errors, path_of, reading_errors, sync, write_text
 from membrane_rs._known_attributes import KnownAttributes
+from membrane_rs._validation import flag_of
 from membrane_rs.errors import OutputError
 from membrane_rs.mesh.crossings import Crossings, crossings
 from membrane_rs.results.csv_lines import csv_lines
@@ -39,6 +40,11 @@ class CrossingCounts(KnownAttributes):
     samples : bool
         Count at each sample of the history, of which there are more, in place of the frames.
 
+    Raises
+    ------
+    InputTypeError
+        Neither true nor false.
+
     Examples
     --------
     >>> from membrane_rs import Simulation, scenes
@@ -52,7 +58,7 @@ class CrossingCounts(KnownAttributes):
     ONCE = ("samples", "rows")
 
     def __init__(self, *, samples: bool = False) -> None:
-        self.samples = bool(samples)
+        self.samples = flag_of("samples", samples)
         self.rows: list[tuple[float, int, int, int]] = []
 
     def table(self) -> dict[str, Floats]:

@@ -27,6 +27,12 @@ MOST_COLUMNS = 1000
 _HEADER = re.compile(r"\s*(?P<name>[^\[\]()]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]|\((?P<round>.*)\))?\s*")
 
 
+def check_units(units: object) -> None:
+    """Refuse what is no table of units by column, such as {"hub_torque": "N m"}. Raises InputTypeError."""
+    if units is not None and (not isinstance(units, Mapping) or not all(isinstance(u, str) for u in units.values())):
+        raise InputTypeError(f"units = {show(units)}: must be units by column, such as {{'hub_torque': 'N m'}}")
+
+
 @dataclass(frozen=True, eq=False)
 class Experiment:
     """Curves that were measured.
@@ -116,6 +122,7 @@ class Experiment:
         >>> measured.in_units({"hub_torque": "N m"}).columns["hub_torque"]
         array([0.25, 0.5 ])
         """
+        check_units(units)
         columns, found = dict(self.columns), dict(self.units)
         for name, unit in self.units.items():
             own = units.get(name, units.get(_column_of(name)))

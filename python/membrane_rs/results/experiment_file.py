@@ -23,7 +23,15 @@ import numpy as np
 from membrane_rs._files import path_of, read_text
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError, MissingFileError
-from membrane_rs.results.experiment import MOST_COLUMNS, TIME, Experiment, check_ascends, converted, headings
+from membrane_rs.results.experiment import (
+    MOST_COLUMNS,
+    TIME,
+    Experiment,
+    check_ascends,
+    check_units,
+    converted,
+    headings,
+)
 
 MOST_BYTES = 2**26
 """A longer file is not read: it has a million lines of eight columns."""
@@ -72,6 +80,7 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     (array([0., 2.]), array([0.5, 0.7]))
     """
     path = path_of(path)
+    check_units(units)
     if not path.exists():
         raise MissingFileError(f"no measured curves at {path}; name a CSV file with a column 'time'")
     lines = _cells(path)
@@ -90,7 +99,7 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     if unit and unit != "s":
         time = converted(time, unit, "s", f"{where}, column 'time'")
     check_ascends(time, str(path), numbers)
-    return replace(Experiment(where, time, columns, given).in_units(units or {}), name=path.stem)
+    return replace(Experiment(where, time, columns, given).in_units({} if units is None else units), name=path.stem)
 
 
 def _cells(path: Path) -> Iterator[tuple[int, list[str]]]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
 from membrane_rs._files import check_regular, check_writable, output_errors, path_of, reading_errors, replacing
-from membrane_rs.errors import MissingFileError, OutputError
+from membrane_rs._validation import check_text, is_list, number_of, show
+from membrane_rs.errors import InputTypeError, MissingFileError, OutputError
 
 PVD = "frames.pvd"
 MOST_PVD = 2**26
@@ -83,7 +85,7 @@ def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
     OutputError
         It cannot be written.
     InputError, InputTypeError
-        No path.
+        No path, or no list of times and files.
 
     Examples
     --------
@@ -95,7 +97,14 @@ def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
     ...     [(time, file.name) for time, file in read_pvd(Path(folder) / "frames.pvd")]
     [(0.0, 'a.vtu'), (0.1, 'b.vtu')]
     """
-    PvdWriter(path_of(path), frames).write()
+    if not is_list(frames):
+        raise InputTypeError(f"frames = {show(frames)}: must be a list of pairs: a time (s) and the name of a file")
+    for k, frame in enumerate(frames):
+        if not isinstance(frame, Sequence) or len(frame) != 2 or not isinstance(frame[1], str | os.PathLike):
+            raise InputTypeError(f"frames[{k}] = {show(frame)}: must be a time (s) and the name of a file")
+        check_text(str(frame[1]), f"frames[{k}]:")
+    listed = [(number_of(f"frames[{k}]", time), str(file)) for k, (time, file) in enumerate(frames)]
+    PvdWriter(path_of(path), listed).write()
 
 
 def read_pvd(path: str | Path) -> list[tuple[float, Path]]:

@@ -186,7 +186,8 @@ def _listed(instants: Any) -> list[float]:
 
 def _plain(instants: Any, name: str) -> Any:
     """Times as a list of floats, a number as Python's; anything else as it is, for `march` to check."""
-    if isinstance(instants, Sequence | np.ndarray) and not isinstance(instants, str | bytes):
+    is_scalar = isinstance(instants, np.ndarray) and instants.ndim == 0
+    if isinstance(instants, Sequence | np.ndarray) and not isinstance(instants, str | bytes) and not is_scalar:
         if len(instants) > MOST_INSTANTS:
             raise InputError(f"{name} = {show(instants)}: must be at most {MOST_INSTANTS} times")
         return [number_of(name, time) for time in instants]

@@ -22,6 +22,7 @@ from time import monotonic
 from membrane_rs._extras import need
 from membrane_rs._files import path_of
 from membrane_rs._known_attributes import KnownAttributes
+from membrane_rs._validation import flags_of
 from membrane_rs.check import audit_of_motion
 from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.errors import InputError, OutputError
@@ -137,6 +138,7 @@ class RunFolder(KnownAttributes, Recorder):
         progress: Progress | None = None,
     ) -> None:
         self.path = path_of(path, "out")
+        overwrite, pictures, crossings = flags_of(overwrite=overwrite, pictures=pictures, crossings=crossings)
         if pictures:
             need("matplotlib", "PIL", use="the pictures of a run, which --no-pictures (pictures=False) leaves out")
         self.pictures, self.crossings = pictures, crossings

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from membrane_rs import scenes
+from membrane_rs._validation import flags_of
 from membrane_rs.errors import Interrupted, MembraneError
 from membrane_rs.results.recorded import Recorded
 from membrane_rs.runs.memory import RunMemory
@@ -122,6 +123,7 @@ def run(
     >>> made.outcome[:31], made.history.units["largest_speed"]
     ('stopped: hub_angle above 0.1570', 'm/s')
     """
+    overwrite, pictures, crossings = flags_of(overwrite=overwrite, pictures=pictures, crossings=crossings)
     sim = Simulation(scenes.scene_of(scene), integrator, dt, start=start)
     recorder = RunMemory() if out is None else RunFolder(out, overwrite, pictures=pictures, crossings=crossings)
     try:

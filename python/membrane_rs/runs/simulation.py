@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import number_of, show
+from membrane_rs._validation import flags_of, number_of, show
 from membrane_rs.check import Audit, audit_of_motion
 from membrane_rs.check.bodies import inside_at_stage_start
 from membrane_rs.check.scene_audit import warn_of
@@ -263,14 +263,12 @@ class Simulation(Stepper):
         InputError, InputTypeError
             An end before now or after the last stage, times or a measure that are none, an option without effect.
         """
+        overwrite, pictures, crossings = flags_of(overwrite=overwrite, pictures=pictures, crossings=crossings)
         settings = self.scene.run
         end = number_of("until", self.planned_end if until is None else until)
         if end < self.time:
             raise InputError(f"until = {end} s: the simulation is at {self.time:.6g} s already; give a later time")
-        if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
-            raise InputTypeError(f"observers = {show(observers)}: must be a list of observers")
-        if progress is not None and not callable(progress):
-            raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
+        _check_callers(observers, progress)
         _check_every(every, samples)
         stop = stop_when if stop_when is None or isinstance(stop_when, Stop) else Stop(stop_when)
         measures = _measures(self, record)
@@ -339,6 +337,14 @@ def _measures(sim: Simulation, record: Recorded | None) -> Measures:
     """What is recorded beside the columns that each history has. Raises InputError and InputTypeError."""
     measures = Measures(record)
     return HistoryTable(sim, measures).measures if measures.units else measures
+
+
+def _check_callers(observers: object, progress: object) -> None:
+    """Refuse what is no list of observers, or cannot be called. Raises InputTypeError."""
+    if not isinstance(observers, Sequence) or not all(hasattr(item, "sample") for item in observers):
+        raise InputTypeError(f"observers = {show(observers)}: must be a list of observers")
+    if progress is not None and not callable(progress):
+        raise InputTypeError(f"progress = {show(progress)}: must be a function that takes this simulation")
 
 
 def _check_every(every: float | None, samples: object) -> None:

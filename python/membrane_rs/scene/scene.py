@@ -24,7 +24,7 @@ from membrane_rs.scene.members import check_name, check_names, check_type, check
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.stage import Stage
-from membrane_rs.scene.staging import check_same_nodes, check_stages, in_numbers, planned_starts, staged
+from membrane_rs.scene.staging import check_same_nodes, check_stages, checked_starts, in_numbers, planned_starts, staged
 from membrane_rs.scene.toml import MESH_FILE, SceneContent, pattern_name, read_scene, write_scene
 from membrane_rs.scene.values import Valued
 
@@ -161,8 +161,8 @@ class Scene(Valued, HasCard):
         ------
         SceneError
             No such stage, or values that the scene refuses.
-        InputTypeError
-            No whole number.
+        InputError, InputTypeError
+            No whole number; starts that are no ascending times, or not one for each stage up to it.
 
         Examples
         --------
@@ -173,10 +173,12 @@ class Scene(Valued, HasCard):
         """
         if isinstance(index, bool) or not isinstance(index, int):
             raise InputTypeError(f"index = {show(index)}: must be a whole number, from 0 to {len(self.stages) - 1}")
+        if not self.stages:
+            raise SceneError(f"stage {show(index)}: the scene has no stages; it is the scene of its whole run itself")
         if not 0 <= index < len(self.stages):
             raise SceneError(f"stage {show(index)}: must be from 0 to {len(self.stages) - 1}")
         planned = tuple(planned_starts(self.stages)[: index + 1])
-        given = planned if starts is None else tuple(float(time) for time in starts)
+        given = planned if starts is None else checked_starts(starts, index)
         if given != planned:
             return staged(self, index, given)
         if index not in self._staged:

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from membrane_rs._validation import in_si, nearest, show
-from membrane_rs.errors import InputError, SceneError
+from membrane_rs._validation import in_si, is_list, nearest, number_of, show
+from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.places import SINGLE, Changeable, Place, located, names_of, places_of
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS
@@ -34,6 +34,17 @@ S = TypeVar("S", bound=Changeable)
 def planned_starts(stages: Sequence[Stage]) -> list[float]:
     """Start of each stage, and the end of the last one, where none ends before its time [s]."""
     return [math.fsum(stage.duration for stage in stages[:k]) for k in range(len(stages) + 1)]
+
+
+def checked_starts(starts: object, index: int) -> tuple[float, ...]:
+    """Start of each stage up to one [s], as a caller gives them. Raises InputError and InputTypeError."""
+    wanted = f"must be {index + 1} ascending times (s): the start of each stage up to stage {index}"
+    if not is_list(starts):
+        raise InputTypeError(f"starts = {show(starts)}: {wanted}")
+    found = tuple(number_of("starts", time) for time in starts)
+    if len(found) != index + 1 or sorted(found) != list(found):
+        raise InputError(f"starts = {show(starts)}: {wanted}")
+    return found
 
 
 def check_stages(scene: Changeable) -> None:

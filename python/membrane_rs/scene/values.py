@@ -9,7 +9,17 @@ from typing import Any, TypeVar
 
 from membrane_rs._other_names import OTHER_NAMES
 from membrane_rs._renamed import deprecated, new_names
-from membrane_rs._validation import build, checked_class, computable, is_table, is_whole, nearest, show, unit_of
+from membrane_rs._validation import (
+    build,
+    check_kind,
+    checked_class,
+    computable,
+    is_table,
+    is_whole,
+    nearest,
+    show,
+    unit_of,
+)
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.places import SINGLE, Changeable, Place, located, places_of
@@ -93,6 +103,7 @@ class Valued:
         >>> scenes.load("okuizumi-model-1").with_values({"material.thickness": "12.5 um"}).value("material.thickness")
         1.25e-05
         """
+        check_kind(key, str, "key", "a dotted key, such as 'material.thickness'")
         return getattr(self, key) if key == "name" else value_at(self, key)
 
     def unit(self: Changeable, key: str) -> str:
@@ -119,6 +130,7 @@ class Valued:
         >>> scenes.load("okuizumi-model-1").unit("laws.spin.frequency")
         'Hz'
         """
+        check_kind(key, str, "key", "a dotted key, such as 'material.thickness'")
         return "" if key == "name" else unit_at(self, key)
 
 

@@ -146,6 +146,8 @@ def text(name: str) -> str:
     ------
     SceneError
         No scene of that name.
+    InputError, InputTypeError
+        A text that is no name of anything.
 
     Examples
     --------
@@ -154,9 +156,9 @@ def text(name: str) -> str:
     '# Two panels joined by one crease: one is held, the other is folded over it and springs open to flat.'
     """
     known = names()
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         if isinstance(name, str) and name.strip():
-            _refuse_folder(Path(name))
+            _refuse_folder(path_of(name, "scene"))
         meant = nearest(str(name), known)
         file = " A file" if meant.endswith("?") else "; a file"
         raise SceneError(f"scene {show(name)}: is not built in; {meant}{file} is named by its path, with .toml")

@@ -13,7 +13,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs._given_arrays import numeric
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import number_of, show
+from membrane_rs._validation import check_text, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
@@ -78,12 +78,14 @@ class Motion(KnownAttributes, Copies, Readings):
 
     def _simulate(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
         """Make the core of a scene without stages."""
+        method = scene.run.integrator if integrator is None else str(integrator)
+        check_text(method, "integrator")
         assembly, step = scene.assemble(), _step_of(scene.run.dt if dt is None else dt)
         with overflow_named(scene):
             core = _core.Simulation(
                 model_of(scene, assembly),
                 laws_of(scene),
-                scene.run.integrator if integrator is None else str(integrator),
+                method,
                 step,
                 self._settings(scene),
             )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._renamed import RenamedKeys
-from membrane_rs._validation import show
+from membrane_rs._validation import check_text, show
 from membrane_rs.errors import InputTypeError
 from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
 from membrane_rs.scene import Scene
@@ -162,6 +162,7 @@ class Readings:
         name = law if law is None or isinstance(law, str) else kind and getattr(law, "name", kind)
         if law is not None and name is None:
             raise InputTypeError(f"law = {show(law)}: must be the name of a law, such as 'springs'")
+        check_text(str(name), "law")
         return self._core.forces(name)
 
     def energies(self) -> dict[str, float]:

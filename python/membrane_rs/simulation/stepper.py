@@ -151,6 +151,7 @@ class Stepper(ShownMotion):
         >>> counts.table()["time"].tolist()
         [0.0, 0.01]
         """
+        end = number_of("end", end)
         self._check_end(end)
         wanted = (end, frames, samples, self.scene.run.snapshots if snapshots is None else snapshots)
         self._outputs(*wanted)  # refused before an observer has started

@@ -16,14 +16,14 @@ from threading import Event
 
 import numpy as np
 
-from membrane_rs._validation import nearest, number_of
+from membrane_rs._validation import count_of, nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
 from membrane_rs.study.ablation_result import SMALLEST, Ablation, Change, Item
-from membrane_rs.study.common.executor import Tell, run_parallel
-from membrane_rs.study.common.run import StudyCase, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.run import MOST_MEMBERS, StudyCase, StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
 
@@ -98,15 +98,16 @@ def ablate(
     tolerance = number_of("tolerance", tolerance, "-")
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {tolerance}: must be greater than 0 and finite")
-    if members < 0:
-        raise InputError(f"ensemble = {members}: must be 0 or above")
+    members = count_of("members", members, 0, MOST_MEMBERS, "perturbed starts, --ensemble")
+    dense_until = None if dense_until is None else number_of("dense_until", dense_until)
+    share = None if share is None else number_of("share", share, "of the stability limit")
     if dense_until is not None and not dense_until > 0.0:
         raise InputError(f"dense_until = {dense_until}: must be greater than 0 (s)")
     if share is not None and not 0.0 < share < 1.0:
         raise InputError(f"share = {share}: must be greater than 0 and less than 1 (of the stability limit)")
-    if integrator is not None and integrator not in integrators():
-        raise InputError(f"integrator: there is no {integrator!r}; {nearest(integrator, list(integrators()))}")
-    tell = progress or (lambda _: None)
+    if integrator is not None and (not isinstance(integrator, str) or integrator not in integrators()):
+        raise InputError(f"integrator: there is no {show(integrator)}; {nearest(str(integrator), integrators())}")
+    tell = teller(progress)
     case = study_case(scene, until, INSTANTS)
     whole = _simulation(case.scene, integrator, step_ratio=share)
     reference, *others = ensemble(case, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)

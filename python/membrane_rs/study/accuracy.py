@@ -16,16 +16,24 @@ from dataclasses import replace
 from statistics import median
 from threading import Event
 
-from membrane_rs._validation import check_kind, nearest, show
-from membrane_rs.errors import InputError
+from membrane_rs._validation import count_of, is_list, nearest, number_of, show, texts_of
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.work_precision import COSTS
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
-from membrane_rs.study.common.executor import Tell, run_parallel
-from membrane_rs.study.common.run import StudyCase, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.run import (
+    MOST_MEMBERS,
+    MOST_REPEATS,
+    StudyCase,
+    StudyRun,
+    ensemble,
+    run_case,
+    study_case,
+)
 from membrane_rs.study.refinement import (
     COARSEST,
     Point,
@@ -42,6 +50,8 @@ REFERENCE_MOST = 0.125 * COARSEST
 """Upper bound of its step as a share of the limit, for any number of levels."""
 ENSEMBLE, ENSEMBLE_SHARE = "leapfrog", 0.25
 """Method of the perturbed starts, and its step over its limit; their spread belongs to the motion, not the method."""
+MOST_LEVELS = 24
+"""Levels below the limit, at most: the finest step is then ten million times smaller than the coarsest."""
 CLEAR = 10.0
 """Ratio to the lower bound from which an error counts for a measured order."""
 
@@ -94,7 +104,7 @@ def work_precision(
     jobs : int, optional
         Number of parallel runs of an ensemble and with `curves`. Default: one on each core. Only times depend on it.
     progress : callable, optional
-        Called with a line of text after each run.
+        Called with a line of text after each run, and at each tenth of the reference run, the longest.
 
     Returns
     -------
@@ -123,19 +133,17 @@ def work_precision(
     names = _methods(methods)
     members = (4 if curves else 0) if members is None else members
     repeats = (1 if curves else 3) if repeats is None else repeats
-    for what, value, least in (("steps", steps, 1), ("ensemble", members, 0), ("repeats", repeats, 1)):
-        check_kind(value, int, what, "a whole number")
-        if value < least:
-            raise InputError(f"{what} = {value}: must be {least} or above")
-    for what, number in (("error", wanted), ("budget", budget)):
-        if number is not None and not 0.0 < number < math.inf:
-            raise InputError(f"{what} = {number}: must be greater than 0 and finite")
+    steps = count_of("steps", steps, 1, MOST_LEVELS, "each is half the last, and so costs as much as all before it")
+    members = count_of("members", members, 0, MOST_MEMBERS, "perturbed starts, --ensemble")
+    repeats = count_of("repeats", repeats, 1, MOST_REPEATS, "runs for a median of times")
+    wanted = _above_zero("wanted", wanted, "the target error, --error")
+    budget = None if budget is None else _above_zero("budget", budget, "s")
+    densities = _densities(densities)
     if densities and not curves:
         raise InputError(
-            f"densities = {show(tuple(densities))}: meshes have different nodes, so only curves can be compared; "
-            "add --curves"
+            f"densities = {show(densities)}: meshes have different nodes, so only curves can be compared; add --curves"
         )
-    tell = progress or (lambda _: None)
+    tell = teller(progress)
     kinds = CURVES if curves else POINTWISE
     count = (100 if curves else 10) if instants is None else instants
     meshes = {1.0: study_case(scene, until, count)}
@@ -147,12 +155,7 @@ def work_precision(
     finest *= Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
     stop = Event()
 
-    def reference_at(dt: float) -> StudyRun:
-        return run_case(meshes[finest_mesh], REFERENCE, dt, shapes=not curves, stop=stop).completed()
-
-    labels = [f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)]
-    makes = [lambda dt=dt: reference_at(dt) for dt in (finest, 2.0 * finest)]
-    reference, check = run_parallel(makes, labels, stop, workers=jobs, tell=tell)
+    reference, check = _references(meshes[finest_mesh], finest, stop, shapes=not curves, jobs=jobs, tell=tell)
 
     def errors(run: StudyRun, true: StudyRun = reference) -> dict[str, float]:
         failed = run.failure is not None or run.expected is not None
@@ -168,8 +171,10 @@ def work_precision(
 
     def at_level(level: RefinementLevel) -> Point:
         def once(*, keep: bool) -> StudyRun:
-            ways = {"tolerance": level.tolerance, "budget": budget}
-            return run_case(meshes[level.density], level.integrator, level.dt, shapes=keep, stop=stop, **ways)
+            mesh, tolerance = meshes[level.density], level.tolerance
+            return run_case(
+                mesh, level.integrator, level.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop
+            )
 
         is_check = (level.integrator, level.density, level.dt) == (REFERENCE, finest_mesh, check.dt)
         runs = [check if is_check and repeats == 1 else once(keep=not curves)]
@@ -204,8 +209,39 @@ def work_precision(
     )
 
 
+def _references(
+    case: StudyCase, finest: float, stop: Event, *, shapes: bool, jobs: int | None, tell: Tell
+) -> tuple[StudyRun, StudyRun]:
+    """The reference run by the finest step [s], which is the longest of all, and that by a step of twice its size."""
+    names = {dt: f"reference: {REFERENCE}, dt = {dt:.3g} s" for dt in (finest, 2.0 * finest)}
+    tell(f"{names[finest]}: {case.until / finest:,.0f} steps, the longest run of all")
+
+    def made(dt: float) -> StudyRun:
+        share = (lambda words: tell(f"{names[dt]}: {words}")) if dt == finest else None
+        return run_case(case, REFERENCE, dt, shapes=shapes, stop=stop, tell=share).completed()
+
+    work = [lambda dt=dt: made(dt) for dt in names]
+    reference, check = run_parallel(work, list(names.values()), stop, workers=jobs, tell=tell)
+    return reference, check
+
+
+def _above_zero(name: str, value: float, unit: str) -> float:
+    number = number_of(name, value, unit)
+    if not number > 0.0:
+        raise InputError(f"{name} = {number}: must be greater than 0 ({unit})")
+    return number
+
+
+def _densities(given: object) -> tuple[float, ...]:
+    """Relative densities of meshes. Raises InputTypeError and InputError."""
+    if not is_list(given):
+        raise InputTypeError(f"densities = {show(given)}: must be a list of numbers, multiples of the scene's density")
+    return tuple(number_of("densities", density, "multiples of the scene's density") for density in given)
+
+
 def _methods(wanted: Sequence[str] | None) -> list[str]:
     known = list(integrators())
+    wanted = None if wanted is None else texts_of("methods", wanted, "a list of names of methods, such as ['rk4']")
     for name in wanted or ():
         if name not in known:
             raise InputError(f"integrators: there is no {name!r}; {nearest(name, known)}")

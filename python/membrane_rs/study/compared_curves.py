@@ -12,7 +12,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import path_of
-from membrane_rs._validation import show
+from membrane_rs._validation import show, texts_of
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
 from membrane_rs.results.experiment import Experiment
 from membrane_rs.results.given_experiment import ExperimentLike, experiment_of, is_experiment
@@ -140,11 +140,10 @@ def _run(item: object) -> Run | None:
 def _labels(given: Sequence[Compared], labels: Sequence[str] | None) -> list[str]:
     """One label each: those given, or names of folders and files; with their paths where these are the same."""
     if labels is not None:
-        if isinstance(labels, str) or not all(isinstance(label, str) for label in labels):
-            raise InputTypeError(f"labels = {show(labels)}: must be a list of texts")
+        labels = texts_of("labels", labels, "a list of texts")
         if len(labels) != len(given):
             raise InputError(f"{len(labels)} labels for {len(given)} curves; give one for each, or none at all")
-        found = list(labels)
+        found = labels
     else:
         short, long = zip(*(_names(item, k) for k, item in enumerate(given)), strict=True)
         found = [long[k] if short.count(name) > 1 else name for k, name in enumerate(short)]

@@ -18,8 +18,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import nearest, show
-from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs._validation import nearest, show, texts_of
+from membrane_rs.errors import InputError
 from membrane_rs.plotting.deployment import turns
 from membrane_rs.results.experiment import DEVIATION
 from membrane_rs.study.compared_curves import Compared, Curves, read_curves
@@ -106,9 +106,8 @@ def _reference(given: Sequence[Curves], wanted: str | None) -> Curves:
 def _columns(given: Sequence[Curves], reference: Curves, wanted: Sequence[str] | str | None) -> list[str]:
     """The columns that are compared, in their order. Raises InputError."""
     shared = [c for c in reference.columns if any(c in other.table for other in given if other is not reference)]
-    if wanted is not None and wanted != ALL:
-        if isinstance(wanted, str) or not all(isinstance(name, str) for name in wanted):
-            raise InputTypeError(f"columns = {show(wanted)}: must be a list of names of columns, or {ALL!r}")
+    if wanted is not None and not (isinstance(wanted, str) and wanted == ALL):
+        wanted = texts_of("columns", wanted, f"a list of names of columns, or {ALL!r}")
         for name in wanted:
             if name not in shared:
                 what = "is in no other curve" if name in reference.table else f"is not in {reference.label}"

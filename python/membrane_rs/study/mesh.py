@@ -20,15 +20,15 @@ import numpy as np
 from membrane_rs._archives import read_arrays
 from membrane_rs._arrays import Floats
 from membrane_rs._files import made_folder, reading_errors, replacing
-from membrane_rs._validation import show
+from membrane_rs._validation import check_kind, count_of, is_list, number_of, show, texts_of
 from membrane_rs.analysis.deployment import Corners
-from membrane_rs.errors import InputError, UnstableError
+from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell, run_parallel
+from membrane_rs.study.common.executor import Tell, run_parallel, teller
 from membrane_rs.study.common.perturbation import SHIFT
-from membrane_rs.study.common.run import study_case
+from membrane_rs.study.common.run import MOST_MEMBERS, study_case
 from membrane_rs.study.common.stages import refuse_stages
 from membrane_rs.study.length_scales import FORMS, LengthScales
 
@@ -38,6 +38,8 @@ SAMPLE_INTERVAL = 1e-3
 """Time between two points of a curve [s]."""
 ENERGY_LOSS = 0.2
 """Allowed energy error of a run: near its stability limit leapfrog has an error of some percent."""
+MOST_ROWS = 10**5
+"""Rows of cells of a mesh, at most."""
 COLUMNS = ("time", "deployment_rate", "phase_difference_deg")
 
 
@@ -152,8 +154,8 @@ def jobs_of(
 
     Raises
     ------
-    InputError
-        An unknown form, fewer than one start.
+    InputError, InputTypeError
+        An unknown form, fewer than one start, what is no list or no number.
 
     Examples
     --------
@@ -161,7 +163,11 @@ def jobs_of(
     >>> len(jobs_of([8, 16], ["paper"], members=2, until=0.1))
     4
     """
+    if not is_list(rows):
+        raise InputTypeError(f"rows = {show(rows)}: must be a list of whole numbers, rows of cells")
+    rows = [count_of("rows", count, 1, MOST_ROWS, "rows of cells") for count in rows]
     if not isinstance(forms, Mapping):
+        forms = texts_of("forms", forms, "names of length scales, such as ['paper'], or a table of names and scales")
         unknown = next((form for form in forms if form not in FORMS), None)
         if unknown is not None:
             raise InputError(f"form = {show(unknown)}: must be one of {', '.join(FORMS)}")
@@ -170,8 +176,8 @@ def jobs_of(
     for count in sorted(set(rows), reverse=True):
         starts = members.get(count, 1) if isinstance(members, Mapping) else members
         end = until.get(count) if isinstance(until, Mapping) else until
-        if starts < 1:
-            raise InputError(f"members = {starts}: must be 1 or above")
+        end = None if end is None else number_of("until", end)
+        starts = count_of("members", starts, 1, MOST_MEMBERS, "starts of each mesh")
         jobs += [Job(form, scales, count, member, end) for form, scales in forms.items() for member in range(starts)]
     return jobs
 
@@ -202,8 +208,8 @@ def mesh_study(
 
     Raises
     ------
-    InputError
-        A mesh of another pattern, rows that do not fit the strips.
+    InputError, InputTypeError
+        A mesh of another pattern, rows that do not fit the strips, no scene, no jobs.
     OutputError
         The folder cannot be written.
 
@@ -217,7 +223,10 @@ def mesh_study(
     >>> runs[0].rows, runs[0].stopped
     (8, None)
     """
-    sail = _sail(scene)
+    if not is_list(jobs) or not all(isinstance(job, Job) for job in jobs):
+        raise InputTypeError(f"jobs = {show(jobs)}: must be a list of jobs, such as `jobs_of` makes")
+    teller(tell, "tell")
+    sail = sail_of(scene)
     for job in jobs:
         sail.with_rows(job.rows)  # refuses rows that do not fit, before anything runs
     folder = made_folder(folder)
@@ -236,11 +245,13 @@ def mesh_study(
 
 def kept(scene: Scene, jobs: Sequence[Job], folder: str | Path) -> list[Job]:
     """The jobs whose runs are in the folder already. Raises InputError as `mesh_study` does."""
-    sail = _sail(scene)
+    sail = sail_of(scene)
     return [job for job in jobs if _place(scene, sail, job, Path(folder))[1].is_file()]
 
 
-def _sail(scene: Scene) -> RowPattern:
+def sail_of(scene: Scene) -> RowPattern:
+    """The pattern in rows of a scene of a mesh study. Raises InputError and InputTypeError."""
+    check_kind(scene, Scene, "scene", "a Scene")
     refuse_stages(scene)
     sail = pattern_of(scene.mesh)
     if not isinstance(sail, RowPattern):

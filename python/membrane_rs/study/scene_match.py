@@ -10,17 +10,22 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from membrane_rs._markdown import table
-from membrane_rs.errors import InputError
+from membrane_rs._validation import count_of, is_list, number_of, show
+from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell
-from membrane_rs.study.common.stages import refuse_stages
+from membrane_rs.study.common.executor import Tell, teller
+from membrane_rs.study.common.run import MOST_MEMBERS
 from membrane_rs.study.convergence import CURVES, POINTS, Density, densities
 from membrane_rs.study.length_scales import PAPER
-from membrane_rs.study.mesh import jobs_of, mesh_study
+from membrane_rs.study.mesh import jobs_of, mesh_study, sail_of
+
+MOST_TRIES = 1000
+"""Values that the method tries, at most."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,7 @@ def match_scene(
 
     Raises
     ------
-    InputError
+    InputError, InputTypeError
         Invalid bounds, too few starts or tries, or input that `mesh_study` and `Scene.with_values` refuse.
 
     Examples
@@ -169,18 +174,20 @@ def match_scene(
     """
     from scipy.optimize import minimize_scalar  # slow to import
 
-    refuse_stages(scene)
-    refuse_stages(target)
-    low, high = between
-    if not 0.0 < low < high < math.inf:
-        raise InputError(f"between = {between}: must be two numbers above 0, the lower one first")
-    if starts < 2 or tries < 1:
-        raise InputError(f"starts = {starts}, tries = {tries}: must be at least 2 and 1")
-    end = target.run.until if until is None else until
+    sail_of(scene)
+    sail_of(target)
+    low, high = _bounds(between)
+    tries = count_of("tries", tries, 1, MOST_TRIES, "values that are tried")
+    starts = count_of("starts", starts, 2, MOST_MEMBERS // 2, "runs for each value")
+    end = target.run.until if until is None else number_of("until", until)
+    report = teller(tell, "tell")
+    if not is_list(first):
+        raise InputTypeError(f"first = {show(first)}: must be a list of values, tried beside those of the method")
+    wanted = [number_of("first", value, "in the unit of the parameter") for value in first]
 
     def runs_of(one: Scene, count: int) -> Density:
-        rows = one.mesh.source.rows_per_strip * one.mesh.source.strips  # type: ignore[union-attr]
-        jobs = jobs_of([rows], {"paper": PAPER}, count, end)
+        sail: Any = sail_of(one)  # a square sail
+        jobs = jobs_of([sail.rows_per_strip * sail.strips], {"paper": PAPER}, count, end)
         return densities(mesh_study(one, jobs, folder, workers=workers, tell=tell))["paper"][0]
 
     aim = runs_of(target, 2 * starts)
@@ -195,11 +202,10 @@ def match_scene(
             distance = {c: float(np.sqrt(np.mean((found.mean(c, times) - aim.mean(c, times)) ** 2))) for c in CURVES}
             size = math.sqrt(sum((distance[c] / spread[c]) ** 2 for c in CURVES) / len(CURVES))
             tried[value] = Tried(value, found, distance, size)
-            if tell is not None:
-                tell(f"{parameter} = {value}: misfit {size:.2f}")
+            report(f"{parameter} = {value}: misfit {size:.2f}")
         return tried[value].misfit
 
-    for value in first:
+    for value in wanted:
         misfit(value)
     minimize_scalar(
         lambda power: misfit(10.0**power),
@@ -208,6 +214,17 @@ def match_scene(
         options={"maxiter": tries, "xatol": 0.05},
     )
     return SceneMatch(parameter, aim, spread, tuple(tried.values()))
+
+
+def _bounds(between: object) -> tuple[float, float]:
+    """Bounds of a parameter. Raises InputError and InputTypeError."""
+    wanted = "must be two numbers above 0, the lower one first"
+    if not is_list(between) or len(between) != 2:
+        raise InputTypeError(f"between = {show(between)}: {wanted}")
+    low, high = (number_of("between", bound, "in the unit of the parameter") for bound in between)
+    if not 0.0 < low < high:
+        raise InputError(f"between = {show(between)}: {wanted}")
+    return low, high
 
 
 def _sizes(of: dict[str, float]) -> tuple[str, str]:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from threading import Event
 from typing import TypeVar
 
-from membrane_rs._validation import show
-from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs._validation import count_of, show
+from membrane_rs.errors import InputTypeError
 from membrane_rs.study.common.pools import completed, thread_pools
 
 Result = TypeVar("Result")
@@ -33,11 +33,14 @@ def workers_of(jobs: int | None) -> int:
     """
     if jobs is None:
         return cores()
-    if isinstance(jobs, bool) or not isinstance(jobs, int):
-        raise InputTypeError(f"jobs = {show(jobs)}: must be a whole number")
-    if not 1 <= jobs <= MOST_JOBS:
-        raise InputError(f"jobs = {show(jobs)}: must be 1 or above, and at most {MOST_JOBS}")
-    return jobs
+    return count_of("jobs", jobs, 1, MOST_JOBS, "runs at a time")
+
+
+def teller(progress: Tell | None, name: str = "progress") -> Tell:
+    """A function for lines of text: the caller's, or one that drops them. Raises InputTypeError for no function."""
+    if progress is not None and not callable(progress):
+        raise InputTypeError(f"{name} = {show(progress)}: must be a function that takes a line of text")
+    return progress or (lambda _: None)
 
 
 def run_parallel(

@@ -9,7 +9,7 @@ from threading import Event
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import check_kind, number_of
+from membrane_rs._validation import check_kind, count_of, number_of
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.measures import peak_stress
@@ -19,6 +19,12 @@ from membrane_rs.study.common.executor import Tell, run_parallel
 from membrane_rs.study.common.perturbation import perturbation
 from membrane_rs.study.common.stages import refuse_stages
 
+MOST_SAMPLES = 10**5
+"""More samples of a run are taken as an input error: each may hold the positions of all nodes."""
+MOST_MEMBERS, MOST_REPEATS = 1000, 1000
+"""Perturbed starts of an ensemble, and repeated runs for a median of times, at most."""
+REPORTED = 10
+"""Parts of a run after each of which it may say how far it has come."""
 BUDGET_CHECK = 0.02
 """Share of a run after which its cost is extrapolated and compared with the budget."""
 
@@ -143,9 +149,7 @@ def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
     end = scene.run.until if until is None else number_of("until", until)
     if not 0.0 < end < float("inf"):
         raise InputError(f"until = {end}: must be greater than 0 and finite (s)")
-    check_kind(instants, int, "instants", "a whole number")
-    if instants < 1:
-        raise InputError(f"instants = {instants}: must be 1 or above")
+    instants = count_of("instants", instants, 1, MOST_SAMPLES, "samples of a run")
     sim = Simulation(scene)
     if scene.run.relax > 0:
         sim.relax()
@@ -161,11 +165,13 @@ def run_case(
     shapes: bool = False,
     budget: float | None = None,
     stop: Event | None = None,
+    tell: Tell | None = None,
 ) -> StudyRun:
     """Run a case by one method, with the step nearest to `dt` that meets the instants, or with a tolerance.
 
     A run that the monitor stops is a result, not an error; its samples up to then are kept. So is a run that would
-    take more processor time than `budget` [s]. Setting `stop` ends the run at its next instant.
+    take more processor time than `budget` [s]. Setting `stop` ends the run at its next instant. `tell` is called with a
+    line of text at each `REPORTED` of its instants but the last.
     """
     scene, step = case.scene, None if dt is None else case.step_near(dt)
     if tolerance is not None:
@@ -192,6 +198,12 @@ def run_case(
         rows.append((sim.time, rate, phase, float(strains.max()) if len(strains) else 0.0, peak_stress(sim)))
         if shapes:
             kept.append(positions)
+        if (
+            tell is not None
+            and k < case.instants
+            and REPORTED * k // case.instants > REPORTED * (k - 1) // case.instants
+        ):
+            tell(f"{100 * k // case.instants} %, t = {sim.time:.4g} s")
         if budget is not None and k >= BUDGET_CHECK * case.instants and seconds / k * case.instants > budget:
             expected = seconds / k * case.instants
             break

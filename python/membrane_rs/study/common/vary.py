@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from membrane_rs._validation import nearest, show
+from membrane_rs._validation import count_of, nearest, show
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.values import key_at
@@ -100,7 +100,13 @@ class Parameter:
         -------
         tuple
             Each value once: of a whole number there may be fewer.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            No number of values.
         """
+        count = count_of("count", count, 1, MOST_VALUES, "values of a range")
         shares = np.linspace(0.0, 1.0, count) if count > 1 else [0.0]
         values = [self._tidy(self._between(float(share))) for share in shares]
         return tuple(dict.fromkeys(values))
