@@ -26,7 +26,7 @@ from membrane_rs import (
 )
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
-from membrane_rs.check.step_accuracy import ALLOWED, step_accuracy
+from membrane_rs.check.step_accuracy import ALLOWED, WORK, step_accuracy
 from membrane_rs.folding import Disc, Strip
 from membrane_rs.scene.laws import Law
 from membrane_rs.scene.parts import Part
@@ -136,10 +136,10 @@ def reference(scene: Scene) -> Shapes:
     return shapes(free, "rk4", Simulation(scene, "rk4").dt / REFERENCE_SHARE)
 
 
-def row(scene: Scene, method: str, true: Shapes, seconds: float = 5.0) -> tuple[str, float, str]:
+def row(scene: Scene, method: str, true: Shapes, work: float = 2.5 * WORK) -> tuple[str, float, str]:
     """Step, error as a share of the motion (NaN for a run that stops), and the first words of the warning."""
     own = replace(scene, run=replace(scene.run, integrator=method, dt=None))
-    warning = step_accuracy(own, seconds=seconds).warning() or ""
+    warning = step_accuracy(own, work=work).warning() or ""
     try:
         error = shapes(own, method).distance(true) / true.extent()
     except UnstableError:

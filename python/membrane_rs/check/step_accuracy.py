@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -25,6 +24,12 @@ FINER = {False: 2.0, True: 32.0}
 """Divisor of the step, or of the tolerance where steps are chosen by their error."""
 AT_REST = 1e-9
 """Extent of a motion below which nothing moves, as a share of the size of the scene."""
+WORK = 1e8
+"""Evaluations of the forces times nodes, of both runs together: some two seconds on one core."""
+IMPLICIT_SHARE = 0.02
+"""Share of that for a method without a limit of its step, which solves equations in each step."""
+PART = 50
+"""Steps between two looks at the work."""
 SAFETY = 0.8
 """Share of the step that would just be right, for the advice."""
 
@@ -103,12 +108,12 @@ def accuracy_of_step(scene: Scene) -> Iterator[Finding]:
         yield found
 
 
-def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 2.0) -> StepAccuracy:
+def step_accuracy(scene: Scene, integrator: str | None = None, work: float = WORK) -> StepAccuracy:
     """Run a scene with its step and with half of it (of its tolerance a 32nd), and compare the positions.
 
     With order p, the error is the difference over 1 - 2^-p. Both start as the scene is given, without relaxation. They
-    end at the end of the run, or where `seconds` of wall time are over, but not before the first step is compared.
-    There the energy balance is judged as at the end of a run.
+    end at the end of the run, or where `work` is done, evaluations of the forces times nodes, but not before the first
+    step is compared: so it is the same on every machine. There the energy balance is judged as at the end of a run.
 
     Raises
     ------
@@ -122,16 +127,16 @@ def step_accuracy(scene: Scene, integrator: str | None = None, seconds: float = 
     finer = replace(scene.run, tolerance=scene.run.tolerance / divisor) if coarse.is_adaptive else scene.run
     fine = Stepper(replace(scene, run=finer), coarse.integrator, None if coarse.is_adaptive else coarse.dt / divisor)
     dt, until = coarse.dt, scene.run.until
-    start, deadline = coarse.positions, np.inf
+    start, limit = coarse.positions, math.inf
+    work *= IMPLICIT_SHARE if math.isinf(facts.imaginary_limit) else 1.0
     largest = extent = reached = 0.0
     failure = ""
     try:
-        began = time.perf_counter()
         for instant in _instants(dt, until):
-            if not _reach((coarse, fine), instant, deadline):
+            if not _reach((coarse, fine), instant, limit):
                 break
             largest = max(largest, _distance(coarse.positions, fine.positions))
-            extent, reached, deadline = max(extent, _distance(fine.positions, start)), instant, began + seconds
+            extent, reached, limit = max(extent, _distance(fine.positions, start)), instant, work
         coarse._core.check(True)
     except UnstableError as error:
         failure = str(error)
@@ -148,9 +153,14 @@ def _instants(dt: float, until: float) -> list[float]:
     return [*(dt * 2**k for k in range(earlier)), *even]
 
 
-def _reach(sims: Sequence[Stepper], instant: float, deadline: float) -> bool:
-    """Whether all have reached an instant [s] before the deadline."""
-    return all(sim.reach_within(instant, deadline - time.perf_counter()) for sim in sims)
+def _reach(sims: Sequence[Stepper], instant: float, limit: float) -> bool:
+    """Whether all have reached an instant [s] before the work of all is at its limit."""
+    for sim in sims:
+        while sim.time < instant:
+            if sum(each.evaluation_count * each.node_count for each in sims) >= limit:
+                return False
+            sim.reach(min(instant, sim.time + PART * sim.dt))
+    return True
 
 
 def _distance(one: Floats, other: Floats) -> float:
