@@ -73,6 +73,7 @@ html_title = f"membrane_rs {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
+html_sidebars = {"extending": []}  # a section of one page, which has nothing to list
 html_copy_source = False
 html_theme_options = {
     "logo": {"text": "membrane_rs", "image_light": "_static/logo.svg", "image_dark": "_static/logo.svg"},
