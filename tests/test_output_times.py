@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Gravity, InputError, RunSettings, Scene, Simulation, Tether, integrators, scenes
+from membrane_rs.runs.request import Request
+from membrane_rs.scene.run_settings import MOST_INSTANTS
 
 METHODS = [*integrators(), "leapfrog-4"]
 T1, T2 = 0.0123, 0.0217
@@ -180,3 +182,33 @@ def test_no_output_of_a_swinging_pendulum_stops_it(end: tuple[float, float, floa
     sim = Simulation(Scene(None, None, [Gravity((0.0, 0.0, -9.81))], [tether]))
     sim.run(until=1.0, samples=samples)
     assert sim.time == 1.0
+
+
+LATER: list[tuple[dict[str, Any], float, list[float], list[float]]] = [
+    ({}, 0.65, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65], [0.0, 0.2, 0.4, 0.6, 0.65]),
+    ({}, 0.6, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [0.0, 0.2, 0.4, 0.6]),
+    ({}, 0.25, [0.0, 0.1, 0.2, 0.25], [0.0, 0.2, 0.25]),
+    ({"frames": [0.0, 0.15], "samples": [0.1]}, 0.5, [0.0, 0.15, 0.4, 0.5], [0.0, 0.1, 0.4, 0.5]),
+    # With an interval between samples frames stand at the nearest one, but for the ends.
+    ({"every": 0.15, "until": 1.0, "frames": 3}, 1.72, [0.0, 0.45, 1.0, 1.5, 1.72], [0.0, 0.5, 1.0, 1.5, 1.72]),
+    ({"every": 0.15, "until": 1.0, "frames": 3}, 0.7, [0.0, 0.45, 0.7], [0.0, 0.5, 0.7]),
+    ({"every": 0.4, "until": 1.0, "frames": 5}, 1.6, [0.0, 0.4, 0.8, 1.0, 1.2, 1.6], [0.0, 0.5, 1.0, 1.5, 1.6]),
+    ({"every": 0.1, "frames": [0.0, 0.15]}, 0.5, [0.0, 0.15, 0.4, 0.5], [0.0, 0.2, 0.4, 0.5]),
+]
+
+
+@pytest.mark.parametrize(("asked", "until", "frames", "samples"), LATER)
+def test_another_end_continues_the_instants(
+    asked: dict[str, Any], until: float, frames: list[float], samples: list[float]
+) -> None:
+    request = Request(**{"until": 0.4, "frames": 5, "samples": 3, **asked})
+    later = request.until_later(until)
+    assert (later.until, later.frames, later.samples) == (until, frames, samples)
+    assert replace(later, until=request.until, frames=request.frames, samples=request.samples) == request
+
+
+def test_another_end_with_too_many_instants_is_refused() -> None:
+    request = Request(1.0, 2, MOST_INSTANTS // 10)
+    request.until_later(2.0)
+    with pytest.raises(InputError, match=r"until = 12.0 s: that is 1.1e.07 instants; give an earlier time"):
+        request.until_later(12.0)

@@ -18,7 +18,7 @@ from membrane_rs.plotting import Style
 from membrane_rs.plotting.camera import length_text
 from membrane_rs.plotting.drawing import spread
 from membrane_rs.plotting.painter import forget_probe, pyvista_works
-from membrane_rs.plotting.snapshot_sheet import PIXELS
+from membrane_rs.plotting.snapshot_sheet import PIXELS, _is_covered
 
 plot_snapshots: Any = plotting.plot_snapshots
 
@@ -105,6 +105,35 @@ def test_the_scale_bar_stands_on_no_film() -> None:
     box = axes.transData.inverted().transform(axes.texts[0].get_window_extent())
     (left, right), (top, bottom) = sorted(box[:, 0].astype(int)), sorted(box[:, 1].astype(int))
     assert (image[max(top, 0) : bottom, max(left, 0) : right] > 240).all()
+
+
+def test_where_the_scale_bar_would_stand_is_looked_at_alone() -> None:
+    """The lowest 5 mm of a box of 80 mm, over the longest bar and a bit more: 50 rows of 320 pixels."""
+    box, below = (100, 900, 100, 900), (0.1, 5.0)
+
+    def is_covered(row: int, column: int, value: int = 0, sizes: tuple[float, float] = below) -> bool:
+        image = np.full((PIXELS, PIXELS, 3), 255, dtype=np.uint8)
+        image[row, column, 1] = value
+        return _is_covered(image, box, *sizes)
+
+    assert all(is_covered(*place) for place in ((899, 100), (899, 419), (850, 100), (850, 419)))
+    assert not any(is_covered(*place) for place in ((849, 100), (900, 100), (899, 99), (899, 420)))
+    assert (is_covered(899, 100, 249), is_covered(899, 100, 250)) == (True, False)
+    assert is_covered(899, 100, sizes=(0.1, 1e-3))  # one row at least
+    assert (is_covered(100, 100, sizes=(0.1, 1e3)), is_covered(99, 100, sizes=(0.1, 1e3))) == (True, False)
+
+
+def test_room_for_the_scale_bar_is_made_where_it_would_stand_on_something(
+    sail: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heights, style = [], Style(width="single")
+    for row in (200, 790):
+        image = np.full((PIXELS, PIXELS, 3), 255, dtype=np.uint8)
+        image[200:800, 790:800] = image[row : row + 10, 200:800] = 0
+        monkeypatch.setattr("membrane_rs.plotting.painter.ProcessPainter.paint", lambda *_, image=image: image)
+        heights.append(plot_snapshots(sail, 1, style=style).get_size_inches()[1])
+    line = 1.5 * style.font_size / 72.0
+    assert heights[1] - heights[0] == pytest.approx(line)
 
 
 def test_times_that_are_given_and_the_frame_of_the_camera(sail: Run, monkeypatch: pytest.MonkeyPatch) -> None:

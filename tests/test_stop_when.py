@@ -110,6 +110,10 @@ def test_a_jump_at_a_boundary_ends_the_run_there() -> None:
     result = run(scene, stop_when=lambda sim: sim.stage == 1)
     assert result.history["time"][-1] == result.summary["stopped"]["time"] == 2e-3
     assert result.frames.times[-1] == 2e-3
+    # Also where the run comes to its end there.
+    sim = Simulation(scene)
+    sim.run(2e-3, frames=2, samples=2, stop_when=lambda sim: sim.stage == 1)
+    assert (sim.time, sim.stage, sim.stopped_by is None) == (2e-3, 1, False)
 
 
 @pytest.mark.parametrize("integrator", integrators())

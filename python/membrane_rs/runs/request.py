@@ -152,8 +152,8 @@ class Request:
         """
         frames = self._extended(self.frames, until)
         if self.every is not None and isinstance(self.frames, int):
-            later = self._at_samples([time for time in frames if time > self.until], until)
-            known = [time for time, _ in output_times(0.0, self.until, self.frame_times, [], [])]
+            later = self._at_samples([time for time in frames if self.until < time < until], until)
+            known = [time for time, _ in output_times(0.0, self.until, self.frame_times, [], []) if time < until]
             frames = [*known, *(time for time in later if time > self.until), until]
         return replace(self, until=until, frames=frames, samples=self._extended(self.samples, until))
 
