@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import inspect
 import re
 import subprocess
 import sys
@@ -175,7 +176,8 @@ def documented(cls: type) -> dict[str, str]:
     """The text of each parameter in the docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for owner in reversed(cls.__mro__):
-        for names, text in re.findall(r"^    (\w[\w, ]*) : [^\n]*\n((?:        [^\n]*\n)+)", owner.__doc__ or "", re.M):
+        doc = inspect.cleandoc(owner.__doc__ or "") + "\n"
+        for names, text in re.findall(r"^(\w[\w, ]*) : [^\n]*\n((?:    [^\n]*\n)+)", doc, re.M):
             found |= dict.fromkeys(names.split(", "), " ".join(text.split()))
     return found
 

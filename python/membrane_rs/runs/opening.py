@@ -120,8 +120,9 @@ def _frames(folder: Path, summary: Mapping[str, Any]) -> list[tuple[float, Path]
     lacking: list[Path] = []
     for _, file in frames:
         try:
-            is_inside = inside in file.resolve().parents
-        except (OSError, RuntimeError):  # links in a circle
+            found = file.resolve()
+            is_inside = inside in found.parents and not found.is_symlink()  # links in a circle, from Python 3.13 on
+        except (OSError, RuntimeError):  # and before
             is_inside = False
         if not is_inside:
             raise OutputError(

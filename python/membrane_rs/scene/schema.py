@@ -7,6 +7,7 @@ sees.
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Mapping
 from dataclasses import fields
@@ -128,7 +129,8 @@ def descriptions(cls: type) -> dict[str, str]:
     """The text of each parameter in the docstrings of a class and its bases, by name."""
     found: dict[str, str] = {}
     for owner in reversed(cls.__mro__):
-        entries = re.findall(r"^    (\w[\w, ]*) : [^\n]*\n((?:        [^\n]*\n)+)", f"{owner.__doc__ or ''}\n", re.M)
+        text = inspect.cleandoc(owner.__doc__ or "") + "\n"  # Python 3.13 has removed the indentation already
+        entries = re.findall(r"^(\w[\w, ]*) : [^\n]*\n((?:    [^\n]*\n)+)", text, re.M)
         for names, text in entries:
             found |= dict.fromkeys(names.split(", "), " ".join(text.split()))
     return found
