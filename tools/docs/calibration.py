@@ -3,7 +3,8 @@ how often the intervals that a fit gives hold the true values.
 
 The sail is that of model 1 on a coarse mesh, so that a fit takes minutes. The data are one of its runs with the paper's
 parameters, from a start that no fit has, with noise. A rough fit of one start begins elsewhere; fits of several starts
-go on from it: to the rate alone, to both curves of the deployment, and to both, measured more accurately.
+go on from it: to the rate alone, and to both curves of the deployment. What other data would determine follows
+from the derivatives at the true values.
 """
 
 from __future__ import annotations
@@ -19,10 +20,15 @@ from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.results import Experiment
 from membrane_rs.study import Calibration, calibrate, sweep
+from membrane_rs.study.calibration.analysis import UNDETERMINED, analysed
+from membrane_rs.study.calibration.model import DataColumn, FitModel
 from membrane_rs.study.common.many_runs import ManyRuns
 from membrane_rs.study.common.one_run import RunPoint, RunSetup
+from membrane_rs.study.common.vary import parameters_of
 
-PART = MarkedPart(DOCS / "calibration.md", "calibration.md")
+MEASURED = MarkedPart(DOCS / "calibration.md", "measures.md")
+KNOWN = MarkedPart(DOCS / "calibration.md", "determined.md")
+FITTED = MarkedPart(DOCS / "calibration.md", "calibration.md")
 COVERAGE = MarkedPart(DOCS / "calibration.md", "coverage.md")
 REPEATS = 40
 """Sets of noisy data, each of which is fitted."""
@@ -32,9 +38,14 @@ FIGURE = "calibration.png"
 COARSE = {"mesh.rows": 8, "mesh.columns": 6, "run.integrator": "leapfrog"}
 UNTIL, SAMPLES, EVERY = 0.15, 151, 5
 """Time of the data [s], rows of a run, and rows from one datum to the next."""
-NOISE = {"deployment_rate": 0.003, "phase_difference_deg": 0.5}
-ACCURATE = {"deployment_rate": 0.001, "phase_difference_deg": 0.05}
-"""Standard deviations of the data."""
+DATA = {
+    "rate": {"deployment_rate": 0.003},
+    "rate, phase": {"deployment_rate": 0.003, "phase_difference_deg": 0.5},
+    "both, torque": {"deployment_rate": 0.003, "phase_difference_deg": 0.5, "hub_torque": 3e-4},
+    "both, accurate": {"deployment_rate": 0.001, "phase_difference_deg": 0.05},
+}
+"""Standard deviations of data, by column."""
+BOTH, TORQUE, ACCURATE = (DATA[name] for name in ("rate, phase", "both, torque", "both, accurate"))
 UNITS = {
     "deployment_rate": "",
     "phase_difference_deg": "deg",
@@ -42,13 +53,8 @@ UNITS = {
     "hub_force": "N",
     "largest_cord_tension": "N",
 }
-FITS = (
-    ("rate", {"deployment_rate": NOISE["deployment_rate"]}, 8),
-    ("rate, phase", NOISE, 8),
-    ("both, accurate", ACCURATE, 4),
-    ("both, accurate", ACCURATE, 8),
-)
-"""What is fitted: its name, the standard deviation of the data by column, and starts of each set of values."""
+FITS = (("rate", 8), ("rate, phase", 8))
+"""Data that are fitted, and starts of each set of values."""
 RANGES = {
     "laws.springs.buckling": "10:1000:log",
     "laws.creases.stiffness": "1:100:log",
@@ -63,7 +69,7 @@ perturbation of 1e-12 m would not have grown by the end of the data."""
 SYMBOLS = dict(zip(RANGES, ("alpha", "beta", "gamma"), strict=True))
 MEASURES = tuple(UNITS)
 """Of which the table says how far each parameter changes them."""
-APART, MEASURED = 10**0.2, 8
+APART, MOST_STARTS = 10**0.2, 8
 """Factor to both sides by which a parameter is changed there, twice a tenth of its range in all; and starts."""
 
 
@@ -116,7 +122,8 @@ def line_of(name: str, found: Calibration) -> str:
     """How a fit went, and how alike beta and gamma change its curves."""
     alike = "" if found.analysis is None else f"; correlation of beta and gamma {found.analysis.correlation[1, 2]:+.2f}"
     misfits = f"misfit {found.first_misfit:.2f} at the start, {found.misfit:.2f} at the end"
-    return f"- {name}, {starts_of(found)} starts: {misfits}, {found.runs} runs{alike}."
+    starts = "1 start" if (count := starts_of(found)) == 1 else f"{count} starts"
+    return f"- {name}, {starts}: {misfits}, {found.runs} runs{alike}."
 
 
 def felt(scene: Scene, out: Path) -> str:
@@ -127,24 +134,50 @@ def felt(scene: Scene, out: Path) -> str:
     for key in RANGES:
         values = [scene.value(key) / APART, scene.value(key) * APART]
         found = sweep(
-            scene, {key: values}, starts=MEASURED, until=UNTIL, samples=SAMPLES, shift=SHIFT, executor="processes",
+            scene, {key: values}, starts=MOST_STARTS, until=UNTIL, samples=SAMPLES, shift=SHIFT, executor="processes",
             out=out / f"measures-{SYMBOLS[key]}", table="csv",
         )  # fmt: skip
         histories = [found.history(k) for k in range(len(found.rows))]
         for name in MEASURES:
-            low, high = np.array([one[name][time] for one in histories]).reshape(2, MEASURED, -1)
+            low, high = np.array([one[name][time] for one in histories]).reshape(2, MOST_STARTS, -1)
             own = np.var(low, axis=0, ddof=1) + np.var(high, axis=0, ddof=1)
-            square = np.mean((high.mean(axis=0) - low.mean(axis=0)) ** 2 - own / MEASURED)
+            square = np.mean((high.mean(axis=0) - low.mean(axis=0)) ** 2 - own / MOST_STARTS)
             changes[name].append(0.5 * float(np.sqrt(max(square, 0.0))))
             variances[name].append(own / 2)
     rows = []
     for name in MEASURES:
         unit = f" [{UNITS[name]}]" if UNITS[name] else ""
-        noise = [f"{one[name]:g}" if name in one else "-" for one in (NOISE, ACCURATE)]
+        noise = [f"{one[name]:g}" if name in one else "-" for one in (TORQUE, ACCURATE)]
         numbers = [float(np.sqrt(np.mean(variances[name]))), *changes[name]]
         rows.append((name + unit, *noise, *(f"{number:.2g}" for number in numbers)))
     changes_of = [f"a tenth of {one}" for one in SYMBOLS.values()]
     return table(("measure", "noise of the data", "of accurate data", "one start", *changes_of), rows)
+
+
+def determined(scene: Scene, out: Path) -> str:
+    """What data determine near the true values, for several numbers of starts, as a table."""
+    parameters = parameters_of(scene, RANGES, sampled=True)
+    shares = np.full(len(parameters), 0.5)
+    time = np.linspace(0.0, UNTIL, SAMPLES)[::EVERY]
+    rows: list[tuple[str, ...]] = []
+    with ManyRuns(
+        scene, RunSetup(UNTIL, SAMPLES, shift=SHIFT), executor="processes", folder=out / "determined"
+    ) as runs:
+        for name, noise in DATA.items():
+            for starts in (MOST_STARTS, MOST_STARTS // 2, MOST_STARTS // 4):
+                columns = [
+                    DataColumn(one, UNITS[one], time, np.zeros(len(time)), np.full(len(time), sigma), True)
+                    for one, sigma in noise.items()
+                ]
+                model = FitModel(runs, parameters, columns, starts, most_runs=1000)
+                (there,) = model.curves([shares])
+                found = analysed(model, shares, there, STEP)
+                spans = [
+                    f"{one.at(0.5 - error):.3g} to {one.at(0.5 + error):.3g}" if error < UNDETERMINED else "open"
+                    for one, error in zip(parameters, found.errors, strict=True)
+                ]
+                rows.append((name, str(starts), *spans, "yes" if found.is_hidden else "no"))
+    return table(("data", "starts", *SYMBOLS.values(), "hidden by the spread of starts"), rows, words=(0, 5))
 
 
 def coverage() -> str:
@@ -189,31 +222,30 @@ def main() -> None:
             COVERAGE.write(held)
     if given.only == "coverage":
         return
-    text = paper(given.out)
-    print(text)
+    scene = scenes.load("okuizumi-model-1").with_values(COARSE)
+    parts = {MEASURED: felt(scene, given.out), KNOWN: determined(scene, given.out), FITTED: fits(scene, given.out)}
+    for part, text in parts.items():
+        print(text)
+        if given.write:
+            part.write(text)
     if given.write:
-        PART.write(text)
         copy_small(given.out / FIGURE, FIGURE)
 
 
-def paper(out: Path) -> str:
-    """The tables of the worked example; its figure is written into `out`."""
-    scene = scenes.load("okuizumi-model-1").with_values(COARSE)
-    measures, curves = felt(scene, out), synthetic(scene)
-    rough = fitted(scene.with_values(BEGIN), curves, NOISE, 1, out / "rough")
+def fits(scene: Scene, out: Path) -> str:
+    """What fits find, as tables; the figure of the rough one is written into `out`."""
+    curves = synthetic(scene)
+    rough = fitted(scene.with_values(BEGIN), curves, BOTH, 1, out / "rough")
+    rough.plot(out / FIGURE, style="paper")
     rows, texts = rows_of("rate, phase", rough, scene), [line_of("rate, phase", rough)]
-    for name, noise, starts in FITS:
-        found = fitted(rough.scene, curves, noise, starts, out / "-".join(noise))
+    for name, starts in FITS:
+        found = fitted(rough.scene, curves, DATA[name], starts, out / "-".join(DATA[name]))
         rows += rows_of(name, found, scene)
         texts += [line_of(name, found), *(f"  - {warning}" for warning in found.warnings)]
-    found.plot(out / FIGURE, style="paper")
     known = found.table()
+    columns = known[known.index("| column") :].partition("\n\n- ")[0]  # `texts` has its warnings
     head = ("data", "starts", "parameter", "begins at", "true", "fitted", "one standard deviation", "")
-    parts = [
-        measures, table(head, rows, words=(0, 2, 7)), "\n".join(texts) + "\n",
-        known[known.index("| column") :].partition("\n\n- ")[0],  # `texts` has its warnings
-    ]  # fmt: skip
-    return "\n".join(parts)
+    return "\n".join([table(head, rows, words=(0, 2, 7)), "\n".join(texts) + "\n", columns])
 
 
 if __name__ == "__main__":
