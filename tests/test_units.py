@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import inspect
+import math
 import re
 import subprocess
 import sys
@@ -373,11 +373,8 @@ def test_units_for_scripts() -> None:
     assert units.of(Stage, "above") == ""
     for unit in KINDS:
         for value in (0.0, 1e-7, 3.25, -4e8):
-            assert (
-                units.number(units.text(value, unit), unit) == value
-                if unit
-                else units.text(value, "") == f"{value:.4g}"
-            )
+            text = units.text(value, unit)
+            assert units.number(text, unit) == value if unit else text == f"{value:.4g}"
     words: list[tuple[Callable[[], object], str]] = [
         (lambda: units.number(None, "m"), r"value = None: must be a number \(m\)"),  # type: ignore[arg-type]
         (lambda: units.number("1 m", "mm3/x"), "unit = 'mm3/x': unit 'x' is not known"),
