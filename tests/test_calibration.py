@@ -123,6 +123,27 @@ def test_runs_that_fail_are_walked_around(scene: Scene) -> None:
     assert found.values["laws.spin.frequency"] == pytest.approx(2.0, rel=0.01)
 
 
+def too_fast(sim: Any) -> float:
+    """A measure that fails beyond 2.4 Hz."""
+    if sim.scene.value("laws.spin.frequency") > 2.4:
+        raise ValueError("too fast")
+    return float(np.linalg.norm(sim.hub_load().force))
+
+
+@pytest.mark.parametrize("method", ["least-squares", "nelder-mead"])
+def test_runs_that_fail_are_not_taken_for_better_than_a_bad_fit(scene: Scene, method: str) -> None:
+    """The data, of 3 Hz, lie far beyond what can run, by more than the residuals of failed runs at first."""
+    slow = scene.with_values({"laws.spin.frequency": 2.0})
+    history = run(scene, 0.02, samples=21, frames=2).history
+    data = {"time": history["time"], "own": history["hub_force"]}
+    found = calibrate(
+        slow, data, {"laws.spin.frequency": "1:5"}, samples=21, record={"own": too_fast}, method=method, most_runs=60
+    )
+    assert found.failures
+    assert found.misfit > 10.0
+    assert 2.35 < found.values["laws.spin.frequency"] <= 2.4
+
+
 def test_a_folder_makes_no_run_twice(scene: Scene, begin: Scene, tmp_path: Path) -> None:
     shown: list[int] = []
     options = {"samples": SAMPLES, "out": tmp_path / "fit", "most_runs": 12}

@@ -23,8 +23,10 @@ from membrane_rs.units import number
 
 LARGEST, SMALLEST = 1e60, 1e-60
 """Bounds of measured values and of their standard deviations, in the unit of the column, so that squares are finite."""
-FAILED_SCALE = 10.0
-"""Residuals of parameters whose runs fail, in scales of their columns: larger than those of curves nearby."""
+FAILED_SCALE, FAILED_FACTOR = 10.0, 2.0
+"""Residuals of parameters whose runs fail: in spreads of their columns, and at least so many times the largest misfit
+of those that ran, so that none is taken for better than these.
+"""
 
 
 class BudgetSpent(Exception):  # noqa: N818 - no error: the best values so far are the answer
@@ -202,6 +204,9 @@ class FitModel:
         made = self.runs.all_results(points, self.progress) if points else []
         for k, key in enumerate(new):
             self.known[key] = self._curves(made[k * self.starts : (k + 1) * self.starts])
+        worst = max((one.misfit for one in self.known.values() if not one.failure), default=0.0)
+        for failed in (self.known[key] for key in new if self.known[key].failure):
+            failed.residuals = failed.residuals * max(1.0, FAILED_FACTOR * worst / failed.misfit)
         return [self.known[key] for key in keys]
 
     def best(self) -> tuple[Floats, Curves]:
