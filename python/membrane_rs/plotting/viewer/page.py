@@ -55,9 +55,10 @@ class Page:
         self.layout = self._lay_out()
         if os.environ.get("TRAME_IFRAME_BUILDER") == "jupyter-extension":
             # JupyterLab answers the messages of that extension in a thread of its own, in which OpenGL draws nothing.
-            from trame_client.ui.core import iframe_url_builder_default
+            from trame_client.ui.core import iframe_url_builder_default, iframe_url_builder_jupyter_hub
 
-            self.layout.iframe_builder = iframe_url_builder_default
+            is_hub = "JUPYTERHUB_SERVICE_PREFIX" in os.environ
+            self.layout.iframe_builder = iframe_url_builder_jupyter_hub if is_hub else iframe_url_builder_default
         for name, take in (
             ("frame", viewer.show_frame),
             ("color", viewer.choose),
