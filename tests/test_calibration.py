@@ -104,6 +104,20 @@ def test_a_parameter_at_the_end_of_its_range_is_said(scene: Scene) -> None:
     assert any("lower end" in warning for warning in found.warnings)
 
 
+def test_a_parameter_whose_interval_holds_an_end_of_its_range_is_not_determined(scene: Scene) -> None:
+    """The same data and the same error, in a range that ends within the 95 % interval, and in one that does not."""
+    data, deviation = measured(scene), {"phase_difference_deg": 1.0, "largest_cord_tension": 1.0}
+    for low, is_determined in ((2.0, True), (2.97, False)):
+        ranges = {"laws.spin.frequency": f"{low}:5"}
+        found = calibrate(scene, data, ranges, samples=SAMPLES, uncertainty=deviation)
+        (one,) = found.parameters
+        deviations = (one.value - low) / (0.5 * (one.high - one.low))
+        assert (deviations > 1.96) is is_determined, one
+        assert one.is_determined is is_determined
+        assert one.reaches == ("" if is_determined else "lower")
+        assert any("whose 95 % interval holds the lower end" in line for line in found.warnings) is not is_determined
+
+
 def test_few_runs_give_the_best_so_far_and_no_errors(scene: Scene, begin: Scene) -> None:
     found = calibrate(begin, measured(scene), RANGES, samples=SAMPLES, most_runs=3)
     assert found.runs <= 3

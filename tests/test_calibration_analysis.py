@@ -38,7 +38,7 @@ class Linear:
 
 
 def test_errors_and_correlation_are_those_of_the_normal_equations() -> None:
-    matrix = [[3.0, 1.0], [1.0, 4.0], [2.0, -1.0]]
+    matrix = [[6.0, 2.0], [2.0, 8.0], [4.0, -2.0]]
     found = Linear(matrix).analysis()
     covariance = np.linalg.inv(np.array(matrix).T @ np.array(matrix))
     assert found.errors == pytest.approx(np.sqrt(np.diag(covariance)))
@@ -53,8 +53,8 @@ def test_errors_and_correlation_are_those_of_the_normal_equations() -> None:
         ([[9.0, 9.0], [8.0, 8.0]], ["a raised while b is lowered"]),
         ([[9.0, -9.0], [8.0, -8.0]], ["a and b, raised together"]),
         ([[9.0, 0.0], [8.0, 0.0]], ["b"]),
-        ([[9.0, 0.0], [0.0, 1.9]], ["b"]),
-        ([[9.0, 0.0], [0.0, 2.1]], []),
+        ([[9.0, 0.0], [0.0, 3.9]], ["b"]),
+        ([[9.0, 0.0], [0.0, 3.95]], []),
         ([[9.0, 9.0, 0.0], [0.0, 0.0, 9.0]], ["a raised while b is lowered"]),
         ([[9.0, 0.0, 0.0]], ["b", "c"]),
     ],

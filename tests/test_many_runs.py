@@ -298,14 +298,31 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
         refused(lambda: opened(tmp_path / "one"), OutputError, "another process makes runs there")
     (tmp_path / "two").mkdir()
     (tmp_path / "two" / REQUEST).write_text("[1]")
-    refused(lambda: opened(tmp_path / "two"), OutputError, "it names no scene")
+    refused(lambda: opened(tmp_path / "two"), OutputError, "it names no scene; choose another folder$")
+    refused(lambda: ManyRuns(falling(), SETUP, folder=tmp_path / "two", overwrite=True), OutputError, "names no scene")
+
+
+@pytest.mark.parametrize("damage", [b"", b'{"scene": "a =', b"\xff\x00", b"[" * 10**5])
+def test_overwriting_makes_the_runs_of_a_damaged_request_again(damage: bytes, tmp_path: Path) -> None:
+    with ManyRuns(falling(), SETUP, folder=tmp_path) as runs:
+        runs.all_results(POINTS[:1])
+    whole = (tmp_path / REQUEST).read_bytes()
+    (tmp_path / REQUEST).write_bytes(damage)
+    refused(
+        lambda: ManyRuns(falling(), SETUP, folder=tmp_path), OutputError, r"is damaged: .*; choose.*\(overwrite=True"
+    )
+    assert list(tmp_path.glob("runs/*.npz"))
+    with ManyRuns(falling(), SETUP, folder=tmp_path, overwrite=True) as runs:
+        assert not list(tmp_path.glob("runs/*.npz"))
+        assert (tmp_path / REQUEST).read_bytes() == whole
+        runs.all_results(POINTS[:1])
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"jobs": 0}, "jobs = 0: must be from 1 to"),
-        ({"jobs": 10**6}, "at most 1000"),
+        ({"jobs": 10**6}, "from 1 to 1,000"),
         ({"jobs": True}, "whole number"),
         ({"executor": "dask"}, "must be 'threads', 'processes' or an executor"),
         ({"setup": RunSetup(until=-1.0)}, "until = -1.0"),

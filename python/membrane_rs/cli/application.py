@@ -68,6 +68,8 @@ __all__ = [
 ]
 
 SCENES, RUNS, LOOKING, MANY_RUNS, STUDIES = "Scenes", "Runs", "Looking", "Many runs", "Studies"
+EXAMPLE_WIDTH = 66
+"""Columns of a line of an example: with "Example: " before it and a backslash behind, a terminal has 80."""
 PANELS = (SCENES, RUNS, LOOKING, MANY_RUNS, STUDIES)
 """Panels of `membrane-rs --help`, in their order."""
 EXIT_CODES = (
@@ -250,7 +252,7 @@ def command(
             name,
             cls=Command,
             help=literal(_without_breaks(inspect.getdoc(function) or "")),
-            epilog=literal("Example: " + "\n".join(f"membrane-rs {line}" for line in example.splitlines())),
+            epilog=literal("Example: " + "\n".join(_in_lines(f"membrane-rs {line}") for line in example.splitlines())),
             rich_help_panel=panel,
             hidden=hidden,
         )(call)
@@ -262,6 +264,17 @@ def command(
 def _without_breaks(words: str) -> str:
     """Paragraphs of a docstring, each in one line, which the help wraps itself."""
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in words.split("\n\n"))
+
+
+def _in_lines(example: str) -> str:
+    """A command in lines that a terminal does not wrap, an option beside its value; a shell takes them for one."""
+    lines: list[str] = []
+    for word in re.findall(r"(?:-\S+ (?!-))?(?:\"[^\"]*\"|'[^']*'|\S)+", example):
+        if lines and len(lines[-1]) + 1 + len(word) <= EXAMPLE_WIDTH:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(f"  {word}" if lines else word)
+    return " \\\n".join(lines)
 
 
 def _with_literal_help(kind: Any) -> Any:

@@ -30,8 +30,12 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.study.calibration.model import Curves, FitModel
 
-UNDETERMINED = 0.5
-"""A direction is not determined where one standard deviation along it is more than this share of the range."""
+NORMAL_95 = 1.96
+"""Standard deviations to both sides of the mean that hold 95 % of a normal distribution."""
+UNDETERMINED = 0.5 / NORMAL_95
+"""A direction is not determined where one standard deviation along it is more than this share of the range: its 95 %
+interval is then longer than the range.
+"""
 NAMED = 0.2
 """Components of a direction that are named, as a share of its length."""
 FINEST = 1e-9
@@ -56,6 +60,8 @@ class FittedParameter:
         The standard deviation as a share of the range [-].
     end : str
         "lower" or "upper" where the value is at that end of the range, else empty.
+    reaches : str
+        "lower", "upper" or "lower and upper" where the 95 % interval holds that end, else empty.
 
     Examples
     --------
@@ -72,11 +78,12 @@ class FittedParameter:
     high: float
     error: float
     end: str
+    reaches: str = ""
 
     @property
     def is_determined(self) -> bool:
-        """Whether one standard deviation is less than half of the range, and the value not at its end."""
-        return self.error <= UNDETERMINED and not self.end
+        """Whether the 95 % interval, of 1.96 standard deviations to both sides, lies within the range."""
+        return self.error <= UNDETERMINED and not self.end and not self.reaches
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._files import made_folder, write_text
 from membrane_rs.errors import MissingExtraError
 from membrane_rs.scene import Scene
-from membrane_rs.study.calibration.analysis import Analysis, FittedParameter
+from membrane_rs.study.calibration.analysis import NORMAL_95, UNDETERMINED, Analysis, FittedParameter
 from membrane_rs.study.calibration.model import Curves, DataColumn, FitModel
 from membrane_rs.study.calibration.report import (
     plot_calibration,
@@ -121,7 +121,12 @@ class Calibration:
     def undetermined(self) -> list[str]:
         """What the data do not determine: parameters, or combinations of several."""
         ends = [f"{one.key}, at the {one.end} end of its range" for one in self.parameters if one.end]
-        return [*ends, *(self.analysis.undetermined if self.analysis else ())]
+        near = [
+            f"{one.key}, whose 95 % interval holds the {one.reaches} end of its range"
+            for one in self.parameters
+            if one.reaches and not one.end and one.error <= UNDETERMINED  # others are in a combination below
+        ]
+        return [*ends, *near, *(self.analysis.undetermined if self.analysis else ())]
 
     @property
     def warnings(self) -> list[str]:
@@ -257,9 +262,10 @@ def calibration_of(
         reach = min(float(error), 10.0) if np.isfinite(error) else math.nan
         end = "lower" if share < NEAR else "upper" if share > 1.0 - NEAR else ""
         around = one.at(float(share) - reach), one.at(float(share) + reach)
-        fitted.append(
-            FittedParameter(one.key, one.unit, one.at(float(first)), one.at(float(share)), *around, float(error), end)
-        )
+        sides = ("lower", share - NORMAL_95 * error < 0.0), ("upper", share + NORMAL_95 * error > 1.0)
+        reaches = "" if known is None else " and ".join(side for side, is_held in sides if is_held)
+        values = one.at(float(first)), one.at(float(share)), *around
+        fitted.append(FittedParameter(one.key, one.unit, *values, float(error), end, reaches))
     in_units = _rms_by_column(model.columns, best[1].residuals)
     trials = [(model.values(key), None if one.failure else one.misfit) for key, one in model.known.items()]
     failures = [one.failure for one in model.known.values() if one.failure]

@@ -47,6 +47,10 @@ SHOWN = 4
 """Differences between two requests that an error names."""
 
 
+class DamagedRequestError(OutputError):
+    """The request of a folder cannot be read as JSON."""
+
+
 class KeptRuns:
     """The folder, locked for one process at a time.
 
@@ -100,7 +104,7 @@ class KeptRuns:
             raise OutputError(
                 f"cannot write into {self.path}: it is not empty, and holds no {REQUEST}; choose another folder"
             )
-        if others and (different := differences(read_request(self.path), asked)):
+        if others and (different := differences(self._there(overwrite=overwrite), asked)):
             if not overwrite:
                 more = f"; and {len(different) - SHOWN} more" if len(different) > SHOWN else ""
                 raise OutputError(
@@ -114,6 +118,15 @@ class KeptRuns:
             (self.path / RUNS).mkdir(exist_ok=True)
         scene.save(self.path)
         write_text(self.path / REQUEST, json.dumps(asked, indent=1) + "\n", synced=True)
+
+    def _there(self, *, overwrite: bool) -> dict[str, Any]:
+        """The request of the folder; none where it is damaged and its runs are to be removed."""
+        try:
+            return read_request(self.path)
+        except DamagedRequestError:
+            if overwrite:
+                return {}
+            raise
 
     def _clear(self) -> None:
         """Remove the files of other runs, the request last: until then the folder is known as theirs."""
@@ -188,14 +201,30 @@ def mesh_mark(scene: Scene) -> str | None:
 
 
 def read_request(folder: Path) -> dict[str, Any]:
-    """What a folder of runs was asked for. Raises MissingFileError without one, and OutputError for a damaged one."""
+    """What a folder of runs was asked for.
+
+    Raises
+    ------
+    MissingFileError
+        It has none.
+    DamagedRequestError
+        It is no JSON.
+    OutputError
+        It cannot be read, or is another program's.
+    """
     path = folder / REQUEST
     if not path.is_file():
         raise MissingFileError(f"no {REQUEST} in {folder}; name the folder of a sweep or an ensemble")
     with reading_errors(path, "request of many runs"):
-        found = json.loads(read_text(path, MOST_REQUEST))
-        if not isinstance(found, dict) or not isinstance(found.get("scene"), str):
-            raise ValueError("it names no scene")
+        try:
+            found = json.loads(read_text(path, MOST_REQUEST))
+        except (ValueError, RecursionError) as error:
+            raise DamagedRequestError(
+                f"{path} is damaged: {' '.join(str(error).split())}; choose another folder, or remove the runs of this "
+                "one and make them again (overwrite=True, --overwrite)"
+            ) from error
+    if not isinstance(found, dict) or not isinstance(found.get("scene"), str):
+        raise OutputError(f"{path} is no request of many runs: it names no scene; choose another folder")
     return found
 
 
