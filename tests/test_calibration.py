@@ -118,6 +118,14 @@ def test_a_parameter_whose_interval_holds_an_end_of_its_range_is_not_determined(
         assert any("whose 95 % interval holds the lower end" in line for line in found.warnings) is not is_determined
 
 
+@pytest.mark.parametrize("end", [2.0, 5.0])
+def test_a_fit_begins_at_an_end_of_the_range_where_the_scene_does(scene: Scene, end: float) -> None:
+    at_end = scene.with_values({"laws.spin.frequency": end})
+    found = calibrate(at_end, measured(scene), {"laws.spin.frequency": "2:5"}, samples=SAMPLES, uncertainty=NOISE)
+    assert found.parameters[0].start == end
+    assert found.values["laws.spin.frequency"] == pytest.approx(3.0, rel=0.02)
+
+
 def test_few_runs_give_the_best_so_far_and_no_errors(scene: Scene, begin: Scene) -> None:
     found = calibrate(begin, measured(scene), RANGES, samples=SAMPLES, most_runs=3)
     assert found.runs <= 3

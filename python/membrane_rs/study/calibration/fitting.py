@@ -44,7 +44,9 @@ STEPS = {LEAST_SQUARES: 0.02, NELDER_MEAD: 0.05}
 """Default step of differences, as a share of a range."""
 SMALLEST_STEP = 1e-6
 NEAR_END = 0.02
-"""Values this near to an end of their range, as a share of it, are tried at that end too."""
+"""Values this near to an end of their range, as a share of it, are tried at that end too; and the method with bounds,
+whose steps are short beside a bound, begins no nearer to it.
+"""
 
 
 @takes_name_of(match_scene)
@@ -209,7 +211,7 @@ def _share_of(scene: Scene, parameter: Parameter) -> float:
         value = scene.value(parameter.key)
     except InputError:
         return 0.5
-    if isinstance(value, bool) or not isinstance(value, int | float) or not low < value < high:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
         return 0.5
     if parameter.is_log:
         return float(np.log(value / low) / np.log(high / low))
@@ -253,7 +255,7 @@ def _minimised(model: FitModel, first: Floats, method: str, step: float) -> str:
 
     try:
         if method == LEAST_SQUARES:
-            inside = np.clip(first, 1e-6, 1.0 - 1e-6)
+            inside = np.clip(first, NEAR_END, 1.0 - NEAR_END)
             found: Any = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-4, ftol=1e-6, gtol=1e-9)
         else:
             away = np.where(first < 0.5, 0.25, -0.25)
