@@ -3,8 +3,8 @@ how often the intervals that a fit gives hold the true values.
 
 The sail is that of model 1 on a coarse mesh, so that a fit takes minutes. The data are one of its runs with the paper's
 parameters, from a start that no fit has, with noise. A rough fit of one start begins elsewhere; fits of several starts
-go on from it: to the rate alone, and to both curves of the deployment. What other data would determine follows
-from the derivatives at the true values.
+go on from it: to the rate alone, and to both curves of the deployment. Another one, to both with less noise, begins at
+the best of a small sweep. What other data would determine follows from the derivatives at the true values.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ UNITS = {
     "hub_force": "N",
     "largest_cord_tension": "N",
 }
-FITS = (("rate", False), ("rate, phase", False), ("both, torque", True), ("both, accurate", True))
+FITS = (("rate", False), ("rate, phase", False), ("both, accurate", True))
 """Data that are fitted, and whether the fit begins at the best of a sweep."""
 RANGES = {
     "laws.springs.buckling": "10:1000:log",
     "laws.creases.stiffness": "1:100:log",
     "laws.creases.contact_penalty": "10:1000:log",
 }
-ROUGH, SWEPT = 30, 6
+ROUGH, SWEPT = 30, 4
 """Runs of the fit by which the others begin, from one start; values of beta and of gamma in the sweep that follows."""
 BEGIN = {"laws.springs.buckling": 300.0, "laws.creases.stiffness": 4.0, "laws.creases.contact_penalty": 30.0}
 OTHER_START, SHIFT, STEP = 99, 1e-7, 0.1
@@ -100,10 +100,10 @@ def fitted(
 
 def best_of_sweep(scene: Scene, curves: Mapping[str, Floats], noise: Mapping[str, float], out: Path) -> Scene:
     """The scene with the pair of beta and gamma whose curves, of one start, are nearest to the data."""
-    keys = list(RANGES)[1:]
+    shares = (np.arange(SWEPT) + 0.5) / SWEPT
+    pairs = {one.key: [one.at(share) for share in shares] for one in parameters_of(scene, RANGES, sampled=True)[1:]}
     found = sweep(
-        scene, {key: f"{RANGES[key]}{SWEPT}" for key in keys}, until=UNTIL, samples=SAMPLES, executor="processes",
-        out=out / "sweep", table="csv",
+        scene, pairs, until=UNTIL, samples=SAMPLES, executor="processes", out=out / "sweep", table="csv"
     )  # fmt: skip
     data = noisy(curves, noise)
 
@@ -115,7 +115,7 @@ def best_of_sweep(scene: Scene, curves: Mapping[str, Floats], noise: Mapping[str
         )
 
     best = min(range(len(found.rows)), key=misfit)
-    return scene.with_values({key: found.rows[best][key] for key in keys})
+    return scene.with_values({key: found.rows[best][key] for key in pairs})
 
 
 def rows_of(name: str, found: Calibration, scene: Scene) -> list[tuple[str, ...]]:
