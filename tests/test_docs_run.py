@@ -64,7 +64,10 @@ def run_python(block: Block, namespace: dict[str, Any], monkeypatch: pytest.Monk
 
 def run_command(block: Block, words: list[str]) -> None:
     """Run a command; it must succeed."""
-    result = CliRunner().invoke(app, words, env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
+    with pytest.MonkeyPatch.context() as patch:
+        # Not the shell above this process: it has none where the one that started it has ended.
+        patch.setattr("shellingham.detect_shell", lambda: ("bash", "/bin/bash"))
+        result = CliRunner().invoke(app, words, env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
     assert result.exit_code == 0, f"{block.place}: {' '.join(words)}\n{result.output}"
 
 

@@ -198,7 +198,7 @@ def test_values_and_units_by_keys() -> None:
         "body.bar.radius": "did you mean 'bodies.bar.radius'",
     }.items():
         refused(lambda key=key: scene.value(key), SceneError, words)  # type: ignore[misc]
-    refused(lambda: scene.unit(3), InputTypeError, "key 3: must be a name")  # type: ignore[arg-type]
+    refused(lambda: scene.unit(3), InputTypeError, "key = 3: must be a dotted key")  # type: ignore[arg-type]
 
 
 def test_a_mesh_of_no_pattern_has_no_keys() -> None:
