@@ -10,11 +10,10 @@ import pytest
 from browser import browser  # noqa: F401 - the fixture
 from hypothesis import HealthCheck, settings
 
-# The same examples each time, and none that fails since the machine is slow. Others, to search for what fails:
-# pytest --hypothesis-profile=default.
-settings.register_profile(
-    "same", derandomize=True, deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow]
-)
+# The same examples each time, and none that fails since the machine is slow: an example that is the first to load a
+# library takes longer than others. Other examples, to search for what fails: pytest --hypothesis-profile=search.
+settings.register_profile("search", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("same", settings.get_profile("search"), derandomize=True, database=None)
 settings.load_profile("same")
 
 
