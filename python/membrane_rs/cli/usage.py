@@ -92,6 +92,7 @@ def _name(param: Any) -> str:
 
 
 def _example(context: Any) -> str:
-    """A line that runs, from the help of a command."""
-    lines = (getattr(context.command, "epilog", None) or "").splitlines() if context is not None else []
+    """The last command of the example in the help of a command, in one line."""
+    text = (getattr(context.command, "epilog", None) or "") if context is not None else ""
+    lines = re.sub(r"\s*\\\n\s*", " ", text).splitlines()
     return f"such as: {lines[-1].removeprefix('Example: ')}" if lines else ""
