@@ -52,6 +52,8 @@ def test_scenes_are_listed() -> None:
 def test_run_writes_a_folder(tmp_path: Path) -> None:
     code, shown = call("run", "spinning-tether", *SHORT, "--out", tmp_path / "run", "--dt", "1e-5")
     assert (code, "Results are in" in shown) == (0, True)
+    assert f"  membrane-rs view {tmp_path / 'run'} " in shown
+    assert f"  membrane-rs report {tmp_path / 'run'} " in shown
     assert summary(tmp_path / "run")["outcome"] == "finished"
     assert summary(tmp_path / "run")["dt"] == 1e-5
     assert read_history(tmp_path / "run" / "history.csv")["time"][-1] == pytest.approx(0.01)

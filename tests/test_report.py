@@ -20,6 +20,7 @@ from membrane_rs.report import write_report
 from membrane_rs.report.curves import curve_section, shown_columns
 from membrane_rs.report.energy import energy_section
 from membrane_rs.report.facts import audit_section, headline, outcome_banner, readings, scene_section, timing_section
+from membrane_rs.report.markup import prose
 from membrane_rs.report.sources import Sources, labelled
 from membrane_rs.results.experiment import Experiment
 from membrane_rs.results.experiment_file import read_experiment
@@ -107,7 +108,7 @@ def _whole(part: Element | None) -> Element:
 
 def test_findings_of_the_audit_stand_with_errors_first(staged: Run) -> None:
     entries = [
-        {"severity": kind, "kind": "step", "count": 1, "message": f"a {kind} <b>", "remedy": f"mend the {kind}"}
+        {"severity": kind, "kind": "step", "count": 1, "message": f"a {kind} <b>", "remedy": f"mend the `{kind}`"}
         for kind in ("info", "warning", "error")
     ]
     staged.summary["audit"], before = [*entries, "no finding"], staged.summary["audit"]
@@ -117,6 +118,8 @@ def test_findings_of_the_audit_stand_with_errors_first(staged: Run) -> None:
         staged.summary["audit"] = before
     assert [item.get("class") for item in section.iter("li")] == ["error", "warning", "info"]
     assert text_of(section).startswith("Audit Error a error <b> mend the error Warning")
+    assert [code.text for code in section.iter("code")] == ["error", "warning", "info"]
+    assert prose("a ` alone") == ["a ` alone"]
 
 
 def test_a_run_that_stopped_itself_shows_its_cause_first(tmp_path: Path) -> None:

@@ -246,7 +246,10 @@ def _reported(folder: Path, *, json: bool) -> Iterator[None]:
     if json:
         print_json({"folder": str(folder), **read_summary(folder)})
     else:
-        typer.echo(f"Results are in {folder}")
+        word = in_shell(folder)
+        typer.echo(f"Results are in {folder}\n")
+        typer.echo(f"  membrane-rs view {word}      # its motion, in a window")
+        typer.echo(f"  membrane-rs report {word}    # a page: motion, curves, energy balance, audit")
 
 
 def _resume(folder: Path, until: float | None, *, no_pictures: bool) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from membrane_rs.plotting.columns import axis_label, label_of, prefixed
 from membrane_rs.report.curves import FIRST, changes, drawable, is_measure
-from membrane_rs.report.markup import Content, add, element, table
+from membrane_rs.report.markup import Content, add, element, prose, table
 from membrane_rs.report.sources import LabelledRun
 from membrane_rs.report.summaries import is_number, table_of, tables_of
 
@@ -56,8 +56,8 @@ def outcome_banner(labelled: LabelledRun) -> Element | None:
     return element(
         "div",
         element("strong", f"{words}{when}."),
-        f" {cause}" if cause else "",
-        f" {_REMEDIES.get(head, '')}",
+        f" {cause} " if cause else " ",
+        *prose(_REMEDIES.get(head, "")),
         class_=f"banner {kind}",
         role="alert",
     )
@@ -140,8 +140,9 @@ def audit_section(labelled: LabelledRun) -> Element:
         remedy = str(entry.get("remedy") or "")
         item = element("li", element("span", _SEVERITY.get(severity, severity), class_="severity"), " ")
         item.set("class", severity if severity in _SEVERITY else "other")
-        add(item, str(entry.get("message", "")))
-        add(item, element("div", remedy, class_="note") if remedy else None)
+        for part in prose(str(entry.get("message", ""))):
+            add(item, part)
+        add(item, element("div", *prose(remedy), class_="note") if remedy else None)
         items.append(item)
     section.append(items)
     return section

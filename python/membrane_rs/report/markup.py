@@ -42,6 +42,14 @@ def add(parent: Element, part: Content) -> None:
         parent.text = (parent.text or "") + clean(part)
 
 
+def prose(text: str) -> list[Content]:
+    """The parts of a text in which pairs of backticks enclose code. With a backtick too many it stays as it is."""
+    pieces = text.split("`")
+    if len(pieces) % 2 == 0:
+        return [text]
+    return [element("code", piece) if k % 2 else piece for k, piece in enumerate(pieces)]
+
+
 def clean(text: str) -> str:
     """A text without what no page may hold: control characters and halves of surrogate pairs."""
     kept = "".join(letter if letter >= " " or letter in "\n\t" else "\ufffd" for letter in text)
