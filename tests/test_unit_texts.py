@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
+from typing import Any
 
+import membrane_rs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from membrane_rs import units
 from membrane_rs._quantities import KINDS
+from membrane_rs.errors import InputTypeError
 
 
 @pytest.mark.parametrize(
@@ -64,3 +68,25 @@ def test_a_text_of_few_digits_is_near_the_number(value: float, unit: str, digits
     assert "*" not in text
     if unit and abs(value) < 1e308:
         assert units.number(text, unit) == pytest.approx(value, rel=10.0 ** (1 - digits), abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "place", "text", "unit"),
+    [
+        (lambda text: membrane_rs.run("spinning-tether", text), "until", "0.2 ms", "s"),
+        (lambda text: membrane_rs.run("spinning-tether", 0.01, every=text), "every", "1 ms", "s"),
+        (lambda text: membrane_rs.run("spinning-tether", 0.01, dt=text), "dt", "1 us", "s"),
+        (lambda text: membrane_rs.Material(text, 0.3, 1420.0, 7.5e-6), "Material.youngs_modulus", "3.2 GPa", "Pa"),
+    ],
+)
+def test_a_text_with_a_unit_in_python_is_answered_with_how_to_write_it(
+    call: Callable[[Any], object], place: str, text: str, unit: str
+) -> None:
+    with pytest.raises(InputTypeError, match=f"{place} = '{text}': must be a number") as caught:
+        call(text)
+    advice = str(caught.value).rpartition("or as membrane_rs.")[2]
+    value = eval(advice, {"units": units})
+    assert value == units.number(text, unit)
+    with pytest.raises(InputTypeError) as caught:
+        call("fast")  # no number with a unit, to which no advice applies
+    assert "units.number" not in str(caught.value)

@@ -11,7 +11,7 @@ import pytest
 from membrane_rs import Simulation, check, folding, plotting, scenes, study, units
 from membrane_rs.errors import InputError, InputTypeError, MembraneError
 from membrane_rs.plotting.fields import FIELDS
-from membrane_rs.results import Experiment, read_experiment, write_pvd
+from membrane_rs.results import Experiment, RunHistory, read_experiment, write_pvd
 
 WRONG: tuple[Any, ...] = (object(), "nonsense", None, [[]], b"x", {"a": 1})
 TETHER, STRIP = scenes.load("spinning-tether"), scenes.load("hanging-strip")
@@ -46,9 +46,21 @@ NO_LISTS: dict[str, Callable[[Any], object]] = {
     "compare: labels": lambda value: study.compare([MEASURED, OTHER], labels=value),
     "work_precision: methods": lambda value: study.work_precision(TETHER, value),
     "work_precision: densities": lambda value: study.work_precision(TETHER, densities=value, curves=True),
+    "RunHistory": RunHistory,
+    "mass_of": membrane_rs.SpringDamping().mass_of,
+    "Audit.of": check.Audit.of,
+    "Audit.find": check.Audit(()).find,
+    "in_units": MEASURED.in_units,
+    "length scales": study.LengthScales().of,
     "units.convert: unit": lambda value: units.convert(1.0, value, "m"),
 }
 """What takes lists or texts: neither raises an error of Python or numpy."""
+NO_NUMBERS: dict[str, Callable[[Any], object]] = {
+    "at": lambda value: SHORT.history.at(value, "time"),
+    "near": SHORT.frames.near,
+    "is_past": membrane_rs.Stage("first", 1.0, "kinetic_energy", below=1.0).is_past,
+    "size": plotting.Style().size,
+}
 TOO_MANY: dict[str, Callable[[int], object]] = {
     "repeats": lambda count: study.work_precision(TETHER, repeats=count),
     "steps": lambda count: study.work_precision(TETHER, steps=count),
@@ -84,6 +96,15 @@ KINDS = ("object", "number", "table", "bytes", "array", "ragged")
 @pytest.mark.parametrize("call", NO_LISTS.values(), ids=NO_LISTS)
 def test_what_is_no_list_is_refused(call: Callable[[Any], object], value: object) -> None:
     with pytest.raises(MembraneError, match=r"must|no regular array|name"):
+        call(value)
+
+
+@pytest.mark.parametrize(
+    "value", [object(), "fast", None, [1.0], {"a": 1.0}, 1j], ids=lambda value: type(value).__name__
+)
+@pytest.mark.parametrize("call", NO_NUMBERS.values(), ids=NO_NUMBERS)
+def test_what_is_no_number_is_refused(call: Callable[[Any], object], value: object) -> None:
+    with pytest.raises(InputTypeError, match="must be a number"):
         call(value)
 
 

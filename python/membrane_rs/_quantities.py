@@ -134,6 +134,14 @@ def split(text: str) -> Number | None:
     return None if found is None else Number(found[1].replace("\u2212", "-"), found[2])
 
 
+def in_python(value: object, unit: str) -> str:
+    """The end of a message about a text with a unit where a script gives a number: how to write it. Else empty."""
+    found = split(value) if isinstance(value, str) and unit in KINDS else None
+    if found is None or not found.unit:
+        return ""
+    return f"; write it in SI units, without quotes, or as membrane_rs.units.number({show(value)}, {unit!r})"
+
+
 def to_si(text: str, unit: str, name: str) -> float:
     """The number that a text with a unit means, in another unit, that of a field.
 

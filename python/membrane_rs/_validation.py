@@ -44,6 +44,7 @@ from membrane_rs._numbers import (
     Whole,
     numbers,
 )
+from membrane_rs._quantities import in_python
 from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError, MembraneError
 
@@ -186,7 +187,7 @@ def number_of(name: str, value: object, unit: str = "s") -> float:
     if isinstance(value, np.ndarray) and value.ndim == 0 and not isinstance(value, np.ma.MaskedArray):
         value = value[()]
     if isinstance(value, NO_NUMBERS) or not isinstance(value, Real):
-        raise InputTypeError(f"{name} = {show(value)}: must be a number{words}")
+        raise InputTypeError(f"{name} = {show(value)}: must be a number{words}{in_python(value, unit)}")
     try:
         number = float(value)
     except OverflowError:
@@ -308,4 +309,5 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
         text = f"must be {allowed}" if allowed else text
     elif allowed:
         text = f"{text}, {allowed}"
-    return f"{where} = {show(detail['input'])}: {text}{suffix}"
+    advice = in_python(detail["input"], unit or "")
+    return f"{where} = {show(detail['input'])}: {text}{suffix}{advice}"

@@ -8,6 +8,8 @@ from typing import Any, Literal, TypeAlias
 
 from membrane_rs._arrays import Ints
 from membrane_rs._renamed import Renamed
+from membrane_rs._validation import check_kind, show
+from membrane_rs.errors import InputTypeError
 
 Severity: TypeAlias = Literal["error", "warning", "info"]
 
@@ -108,6 +110,11 @@ class Audit:
         Audit
             Of these, in order.
 
+        Raises
+        ------
+        InputTypeError
+            What is no finding.
+
         Examples
         --------
         >>> from membrane_rs.mesh import Audit, Finding
@@ -115,7 +122,13 @@ class Audit:
         >>> audit.ok
         True
         """
-        return cls(tuple(sorted(findings, key=lambda finding: _ORDER.index(finding.severity))))
+        try:
+            found = tuple(findings)
+        except TypeError:
+            raise InputTypeError(f"findings = {show(findings)}: must be a list of findings") from None
+        for finding in found:
+            check_kind(finding, Finding, "findings", "a list of findings")
+        return cls(tuple(sorted(found, key=lambda finding: _ORDER.index(finding.severity))))
 
     @property
     def ok(self) -> bool:
@@ -144,7 +157,13 @@ class Audit:
         -------
         Finding or None
             The first one.
+
+        Raises
+        ------
+        InputTypeError
+            No text.
         """
+        check_kind(kind, str, "kind", "the kind of a finding, such as 'strain'")
         return next((finding for finding in self.findings if finding.kind == kind), None)
 
     def without_facts(self) -> Audit:

@@ -23,6 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from membrane_rs._arrays import Bools, Floats
+from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import check_kind, flag_of
 from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
@@ -87,8 +88,13 @@ class NetModuli:
         -------
         float64 array
             [-], of the shape of `angle`.
+
+        Raises
+        ------
+        InputTypeError
+            No numbers.
         """
-        return _modulus(np.linalg.inv(self.stiffness), np.radians(angle))
+        return _modulus(np.linalg.inv(self.stiffness), _radians(angle))
 
     def shear_modulus(self, angle: Angle = 0.0) -> Floats:
         """G over the film's, of a shear along a direction [deg].
@@ -102,8 +108,13 @@ class NetModuli:
         -------
         float64 array
             [-], of the shape of `angle`.
+
+        Raises
+        ------
+        InputTypeError
+            No numbers.
         """
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        c, s = np.cos(_radians(angle)), np.sin(_radians(angle))
         w = np.stack([-2 * c * s, 2 * c * s, c * c - s * s], axis=-1)
         compliance = np.einsum("...i,ij,...j", w, np.linalg.inv(self.stiffness), w)
         return np.asarray(2.0 * (1.0 + self.film_poisson_ratio) / compliance)
@@ -120,8 +131,13 @@ class NetModuli:
         -------
         float64 array
             [-], of the shape of `angle`.
+
+        Raises
+        ------
+        InputTypeError
+            No numbers.
         """
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        c, s = np.cos(_radians(angle)), np.sin(_radians(angle))
         t, p = np.stack([c * c, s * s, c * s], axis=-1), np.stack([s * s, c * c, -c * s], axis=-1)
         compliance = np.linalg.inv(self.stiffness)
         along = np.einsum("...i,ij,...j", t, compliance, t)
@@ -290,6 +306,11 @@ def _local_extremes(
         modulus = _modulus(compliance, angle)
         least, greatest = np.minimum(least, modulus), np.maximum(greatest, modulus)
     return float(np.average(least, weights=weights)), float(np.average(greatest, weights=weights))
+
+
+def _radians(angle: Angle) -> Floats:
+    """Directions [rad]. Raises InputTypeError for no numbers [deg]."""
+    return np.asarray(np.radians(numeric(angle, "angle", "fiu", "numbers (deg)")))
 
 
 def _modulus(compliance: Any, radians: Angle) -> Floats:

@@ -18,7 +18,7 @@ from annotated_types import Ge, Le
 from membrane_rs._extras import need
 from membrane_rs._files import check_regular, path_of
 from membrane_rs._quantities import split, to_si
-from membrane_rs._validation import Flag, Positive, Unit, nearest, show, validated
+from membrane_rs._validation import Flag, Positive, Unit, nearest, number_of, show, validated
 from membrane_rs.errors import InputError, InputTypeError, MissingFileError
 
 WIDTHS = {"single": 85.0, "double": 174.0}
@@ -150,7 +150,13 @@ class Style:
         -------
         (float, float)
             [inch]
+
+        Raises
+        ------
+        InputError, InputTypeError
+            No number.
         """
+        panels, extra = number_of("panels", panels, ""), number_of("extra", extra, "mm")
         return self.millimetres / INCH, (panels * self.height_of_panel + extra) / INCH
 
     @contextmanager

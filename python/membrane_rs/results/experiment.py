@@ -123,6 +123,7 @@ class Experiment:
         array([0.25, 0.5 ])
         """
         check_units(units)
+        units = {} if units is None else units
         columns, found = dict(self.columns), dict(self.units)
         for name, unit in self.units.items():
             own = units.get(name, units.get(_column_of(name)))

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._given_arrays import numeric
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._read_only import ReadOnly
-from membrane_rs._validation import nearest, show
+from membrane_rs._validation import check_kind, nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.results.history_table import column_units
@@ -36,6 +37,11 @@ class RunHistory(KnownAttributes, Mapping[str, Floats]):
     units : dict of str to str
         The unit of each column, such as "N m"; empty for a number alone. Read only.
 
+    Raises
+    ------
+    InputTypeError
+        No table of arrays of numbers, no table of units.
+
     Examples
     --------
     >>> import membrane_rs
@@ -50,7 +56,10 @@ class RunHistory(KnownAttributes, Mapping[str, Floats]):
     INSTEAD = "run the scene again"
 
     def __init__(self, table: Mapping[str, Floats], recorded: Mapping[str, str] | None = None) -> None:
-        self._table = {name: frozen(np.array(column, dtype=np.float64)) for name, column in table.items()}
+        check_kind(table, Mapping, "table", "a table of arrays by the names of their columns")
+        check_kind({} if recorded is None else recorded, Mapping, "recorded", "a table of units by names of columns")
+        columns = {name: numeric(column, f"table[{show(name)}]", "fiub", "numbers") for name, column in table.items()}
+        self._table = {name: frozen(column.astype(np.float64)) for name, column in columns.items()}
         self.units: Mapping[str, str] = ReadOnly(column_units(self._table, recorded or {}))
 
     def __getitem__(self, name: str) -> Floats:
@@ -88,7 +97,13 @@ class RunHistory(KnownAttributes, Mapping[str, Floats]):
         -------
         float
             In its unit: exactly at the time of a sample, linear between two of them; NaN without samples.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            No column of that name, or no time.
         """
+        time = number_of("time", time)
         times, column = self["time"], self[name]
         return float(np.interp(time, times, column)) if len(times) else float("nan")
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._known_attributes import KnownAttributes
-from membrane_rs._validation import show
+from membrane_rs._validation import number_of, show
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.results.frame_fields import Frame, FrameData, FrameFields
@@ -166,9 +166,10 @@ class RunFrames(KnownAttributes, Sequence[RunFrame]):
 
         Raises
         ------
-        InputError
-            There is no frame at all.
+        InputError, InputTypeError
+            There is no frame at all; no time.
         """
+        time = number_of("time", time)
         if not len(self):
             raise InputError("frames: there are none; a run writes the first one at its start")
         return self[int(np.abs(self.times - time).argmin())]

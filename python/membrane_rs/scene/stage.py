@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field
+from numbers import Real
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Le
@@ -11,7 +12,19 @@ from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from membrane_rs._read_only import ReadOnly
-from membrane_rs._validation import Count, Finite, Positive, Unit, UnitOf, build, check_text, nearest, show, validated
+from membrane_rs._validation import (
+    Count,
+    Finite,
+    Positive,
+    Unit,
+    UnitOf,
+    build,
+    check_kind,
+    check_text,
+    nearest,
+    show,
+    validated,
+)
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
 from membrane_rs.scene.schedule import Schedule
@@ -201,7 +214,13 @@ class Stage:
         -------
         bool
             Whether the stage is over.
+
+        Raises
+        ------
+        InputTypeError
+            No number.
         """
+        check_kind(value, Real, "value", "a number")
         return (self.above is not None and value >= self.above) or (self.below is not None and value <= self.below)
 
     @property

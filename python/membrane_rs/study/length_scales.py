@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import Flag, Positive, validated
+from membrane_rs._validation import Flag, Positive, check_kind, validated
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import SpringDamping, Springs
@@ -69,7 +69,13 @@ class LengthScales:
         -------
         Scene
             A new one.
+
+        Raises
+        ------
+        InputTypeError
+            No scene.
         """
+        check_kind(scene, Scene, "scene", "a Scene")
         lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.facet, "damping": self.damping}
         laws = [law.with_lengths(lengths) for law in scene.laws]
         return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from membrane_rs._arrays import Floats
+from membrane_rs._given_arrays import numeric
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
+from membrane_rs.errors import InputError
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 from membrane_rs.scene.plausible import Doubt, implausible
 
@@ -71,6 +73,11 @@ class SpringDamping(Law):
         (s,) float64
             m of the equation [kg].
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No pairs of numbers.
+
         Examples
         --------
         >>> import numpy as np
@@ -78,7 +85,10 @@ class SpringDamping(Law):
         >>> SpringDamping(mass="reduced").mass_of(np.array([[2.0, 2.0]])).tolist()
         [1.0]
         """
-        pairs = np.asarray(masses, dtype=np.float64)
+        pairs = numeric(masses, "masses", "fiu", "numbers: the masses of both nodes of each dashpot (kg)")
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise InputError(f"masses has shape {pairs.shape}; it must be (s, 2): both nodes of each dashpot")
+        pairs = pairs.astype(np.float64)
         return np.asarray(pairs.mean(axis=1) if self.mass == "mean" else 1.0 / (1.0 / pairs).sum(axis=1))
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
