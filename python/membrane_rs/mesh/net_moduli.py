@@ -114,7 +114,8 @@ class NetModuli:
         InputTypeError
             No numbers.
         """
-        c, s = np.cos(_radians(angle)), np.sin(_radians(angle))
+        radians = _radians(angle)
+        c, s = np.cos(radians), np.sin(radians)
         w = np.stack([-2 * c * s, 2 * c * s, c * c - s * s], axis=-1)
         compliance = np.einsum("...i,ij,...j", w, np.linalg.inv(self.stiffness), w)
         return np.asarray(2.0 * (1.0 + self.film_poisson_ratio) / compliance)
@@ -137,7 +138,8 @@ class NetModuli:
         InputTypeError
             No numbers.
         """
-        c, s = np.cos(_radians(angle)), np.sin(_radians(angle))
+        radians = _radians(angle)
+        c, s = np.cos(radians), np.sin(radians)
         t, p = np.stack([c * c, s * s, c * s], axis=-1), np.stack([s * s, c * c, -c * s], axis=-1)
         compliance = np.linalg.inv(self.stiffness)
         along = np.einsum("...i,ij,...j", t, compliance, t)

@@ -27,10 +27,13 @@ MOST_COLUMNS = 1000
 _HEADER = re.compile(r"\s*(?P<name>[^\[\]()]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]|\((?P<round>.*)\))?\s*")
 
 
-def check_units(units: object) -> None:
-    """Refuse what is no table of units by column, such as {"hub_torque": "N m"}. Raises InputTypeError."""
-    if units is not None and (not isinstance(units, Mapping) or not all(isinstance(u, str) for u in units.values())):
+def checked_units(units: Mapping[str, str] | None) -> Mapping[str, str]:
+    """Units by column, such as {"hub_torque": "N m"}; none for None. Raises InputTypeError for what is no table."""
+    if units is None:
+        return {}
+    if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
         raise InputTypeError(f"units = {show(units)}: must be units by column, such as {{'hub_torque': 'N m'}}")
+    return units
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +125,7 @@ class Experiment:
         >>> measured.in_units({"hub_torque": "N m"}).columns["hub_torque"]
         array([0.25, 0.5 ])
         """
-        check_units(units)
-        units = {} if units is None else units
+        units = checked_units(units)
         columns, found = dict(self.columns), dict(self.units)
         for name, unit in self.units.items():
             own = units.get(name, units.get(_column_of(name)))

@@ -28,7 +28,7 @@ from membrane_rs.results.experiment import (
     TIME,
     Experiment,
     check_ascends,
-    check_units,
+    checked_units,
     converted,
     headings,
 )
@@ -80,7 +80,7 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     (array([0., 2.]), array([0.5, 0.7]))
     """
     path = path_of(path)
-    check_units(units)
+    wanted = checked_units(units)
     if not path.exists():
         raise MissingFileError(f"no measured curves at {path}; name a CSV file with a column 'time'")
     lines = _cells(path)
@@ -99,7 +99,7 @@ def read_experiment(path: str | Path, units: Mapping[str, str] | None = None) ->
     if unit and unit != "s":
         time = converted(time, unit, "s", f"{where}, column 'time'")
     check_ascends(time, str(path), numbers)
-    return replace(Experiment(where, time, columns, given).in_units({} if units is None else units), name=path.stem)
+    return replace(Experiment(where, time, columns, given).in_units(wanted), name=path.stem)
 
 
 def _cells(path: Path) -> Iterator[tuple[int, list[str]]]:
