@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import field, replace
 from typing import Annotated
 
-from annotated_types import Gt, Lt
+from annotated_types import Ge, Gt, Lt
 
 from membrane_rs._validation import Finite, Positive, Unit, validated
 
@@ -23,6 +24,10 @@ class Material:
         rho [kg/m3], above 0.
     thickness : float
         h [m], above 0.
+    softening : float, optional
+        f [-], 1 or above: the film is simulated with E/f against stretch, and with the buckling forces, crease moments
+        and dashpots of E, so that an explicit step is about f^(1/2) times as long. None: as it is. By keyword alone;
+        `Scene.as_simulated` has what it changes.
 
     Raises
     ------
@@ -44,3 +49,22 @@ class Material:
     poisson_ratio: Annotated[Finite, Gt(-1), Lt(0.5)]
     density: Annotated[Positive, Unit("kg/m3")]
     thickness: Annotated[Positive, Unit("m")]
+    softening: Annotated[Finite, Ge(1)] | None = field(default=None, kw_only=True)
+
+    def as_simulated(self) -> Material:
+        """The material with its softening carried out.
+
+        Returns
+        -------
+        Material
+            Of E/f, without softening; itself where it has none.
+
+        Examples
+        --------
+        >>> from membrane_rs import Material
+        >>> Material(3.2e9, 0.34, 1420.0, 7.5e-6, softening=10.0).as_simulated().youngs_modulus
+        320000000.0
+        """
+        if self.softening is None:
+            return self
+        return replace(self, youngs_modulus=self.youngs_modulus / self.softening, softening=None)

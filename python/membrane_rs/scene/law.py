@@ -191,6 +191,21 @@ class Law:
         """
         return self
 
+    def with_softened_film(self, factor: float) -> Law:
+        """The law of a film that is `factor` times as soft in stretch, and as strong in all else.
+
+        Parameters
+        ----------
+        factor : float
+            By which Young's modulus is divided [-].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
+        return self.for_modulus(1.0 / factor)
+
     def with_lengths(self, lengths: Mapping[str, float | None]) -> Self:
         """The law with physical lengths [m] in its `length_fields`; None: the mesh's own.
 

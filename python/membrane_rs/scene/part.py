@@ -119,6 +119,21 @@ class Part:
         """
         return self
 
+    def with_softened_film(self, factor: float) -> Part:
+        """The part beside a film that is `factor` times as soft: its own vibrations slower by the root of it.
+
+        Parameters
+        ----------
+        factor : float
+            By which Young's modulus of the film is divided [-].
+
+        Returns
+        -------
+        Part
+            Of the same kind, with as many nodes.
+        """
+        return self
+
     def step_advice(self, gain: float) -> str:
         """What would take it out of the limit of the step, which grows by the factor `gain` once it is softened.
 

@@ -15,7 +15,8 @@ import numpy as np
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.folding.pattern import cord_path
-from membrane_rs.scene.builder import Builder, Cord
+from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.corded import Corded, cord_of, implausible_waves
 from membrane_rs.scene.held import Fixed, Moved
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
@@ -34,10 +35,6 @@ LIGHT_TIP = 1e-6
 """Mass of all tips over that of the film or the cord, below which it has no effect [-]."""
 THIN_RIM = 1e-3
 """Radius of the rim over that of the flat sail: its shaft is then less than a millimetre on one metre [-]."""
-SLOWEST_WAVE, FASTEST_WAVE = 20.0, 3e4
-"""sqrt(EA/mu) of a cord [m/s]: some 30 m/s in soft rubber, 18 km/s in carbon fibres."""
-ALONE = 20.0
-"""Gain of step from which cords count as the only stiff part."""
 
 
 @validated
@@ -85,7 +82,7 @@ class TipMasses(Part):
 
 
 @validated
-class Tethers(Part):
+class Tethers(Corded, Part):
     """Cords from the rim of the spool to nodes of the membrane, one for each node.
 
     Each starts on the rim, at z = 0 and at the azimuth that its node has in the flat sail, where it is
@@ -150,7 +147,7 @@ class Tethers(Part):
             if length == 0:
                 raise SceneError(f"{where}.anchor_radius = {self.anchor_radius}: node {node} lies on the rim")
             path = cord_path(builder.mesh, node)
-            nodes = builder.add_cord(_cord(self, length), where, anchor, node, path)
+            nodes = builder.add_cord(cord_of(self, length), where, anchor, node, path)
             builder.fix(nodes[:1])
 
     @property
@@ -162,7 +159,7 @@ class Tethers(Part):
         """A wave runs along a cord as it does along some material, the spinning sail does not tear its cords, and the
         hub is no thread.
         """
-        waves = [*_wave_speed(self, where)]
+        waves = [*implausible_waves(self, where)]
         if scene.mesh is not None and scene.material is not None:
             yield from self._torn(scene, where, has_plausible_waves=not waves)
             most = outermost(scene, with_cords=False)
@@ -201,21 +198,9 @@ class Tethers(Part):
             more = f"{found.remedy}; else cords of {least:.3g} N or more are needed, or less mass"
             yield replace(found, remedy=more)
 
-    def softened(self, factor: float) -> Tethers:
-        """Cords of `factor` times the axial stiffness."""
-        return replace(self, axial_stiffness=self.axial_stiffness * factor)
-
-    def step_advice(self, gain: float) -> str:
-        """A smaller stiffness or fewer segments."""
-        return _step_advice(self, gain)
-
-    def coarser(self, factor: int) -> tuple[str, Part] | None:
-        """Cords of fewer segments."""
-        return _coarser(self, factor)
-
 
 @validated
-class Tether(Part):
+class Tether(Corded, Part):
     """A cord of its own between two points, with or without a mass at its end.
 
     It adds the node sets "tether-<k>" (all nodes in order), "tether-<k>-start" and "tether-<k>-end",
@@ -274,29 +259,17 @@ class Tether(Part):
         builder.check_room(where, self.segments, self.segments + 1)
         start, end = np.array(self.start), np.array(self.end)
         length = self.length or float(np.linalg.norm(end - start))
-        nodes = builder.add_cord(_cord(self, length), where, start, end)
+        nodes = builder.add_cord(cord_of(self, length), where, start, end)
         if self.fixed:
             builder.fix(nodes[:1])
         builder.add_mass(nodes[-1:], self.tip_mass)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A wave runs along a cord as it does along some material; a mass at its end is lighter than `HEAVIEST_TIP`."""
-        yield from _wave_speed(self, where)
+        yield from implausible_waves(self, where)
         length = self.length or math.dist(self.start, self.end)
         least = LIGHT_TIP * self.linear_density * length if self.tip_mass > 0.0 else 0.0
         yield from _tip(f"{where}.tip_mass", self.tip_mass, scene, least)
-
-    def softened(self, factor: float) -> Tether:
-        """A cord of `factor` times the axial stiffness."""
-        return replace(self, axial_stiffness=self.axial_stiffness * factor)
-
-    def step_advice(self, gain: float) -> str:
-        """A smaller stiffness or fewer segments."""
-        return _step_advice(self, gain)
-
-    def coarser(self, factor: int) -> tuple[str, Part] | None:
-        """A cord of fewer segments."""
-        return _coarser(self, factor)
 
 
 @validated
@@ -327,6 +300,10 @@ class Bridges(Part):
         """Give the links their stiffness. Raises SceneError where another part has."""
         builder.link_bridges(self.stiffness, where)
 
+    def with_softened_film(self, factor: float) -> Bridges:
+        """As soft as the film that they join."""
+        return self.softened(1.0 / factor)
+
     def softened(self, factor: float) -> Bridges:
         """Links of `factor` times the stiffness."""
         return replace(self, stiffness=self.stiffness * factor)
@@ -348,48 +325,6 @@ def _tip(place: str, mass: float, scene: Surroundings, least: float) -> Iterator
         reason = f"what it hangs on is more than {1.0 / LIGHT_TIP:.0e} times as heavy, so that it has no effect"
     units = {"g": 1e-3, "mg": 1e-6}
     yield from implausible(place, mass, "kg", reason, least=least, most=most, units=units, derived_from=FILM)
-
-
-def _wave_speed(part: Tether | Tethers, where: str) -> Iterator[Doubt]:
-    if part.linear_density == 0.0:
-        return
-    speed = math.sqrt(part.axial_stiffness / part.linear_density)
-    reason = f"with axial_stiffness = {part.axial_stiffness:g} N a wave would run along the cord at {speed:.3g} m/s, "
-    reason += f"and in cords it runs at {SLOWEST_WAVE:g} to {FASTEST_WAVE:g} m/s"
-    heaviest, lightest = (part.axial_stiffness / bound**2 for bound in (SLOWEST_WAVE, FASTEST_WAVE))
-    stiffness = f"{where}.axial_stiffness"
-    place, units = f"{where}.linear_density", {"g/m": 1e-3, "mg/m": 1e-6}
-    yield from implausible(
-        place,
-        part.linear_density,
-        "kg/m",
-        reason,
-        least=lightest,
-        most=heaviest,
-        units=units,
-        derived_from=(stiffness,),
-    )
-
-
-def _cord(part: Tether | Tethers, length: float) -> Cord:
-    return Cord(part.segments, length, part.axial_stiffness, part.linear_density, part.strain_limit)
-
-
-def _step_advice(part: Tether | Tethers, gain: float) -> str:
-    if gain > ALONE:
-        return "nothing else comes near: with half of its segments the step is twice as long"
-    fewer = max(1, math.floor(part.segments / gain))
-    return (
-        f"an axial_stiffness of {part.axial_stiffness / gain**2:.3g} N in place of {part.axial_stiffness:g} N, "
-        f"or {fewer} segments in place of {part.segments}, would take it out of the limit"
-    )
-
-
-def _coarser(part: Tether | Tethers, factor: int) -> tuple[str, Part] | None:
-    if part.segments == 1:
-        return None
-    segments = max(1, part.segments // factor)
-    return f"all but {segments} of {part.segments} segments", replace(part, segments=segments)
 
 
 PARTS: dict[str, type[Part]] = {part.kind: part for part in (TipMasses, Tethers, Tether, Fixed, Moved, Bridges)}

@@ -332,9 +332,27 @@ class Scene(Valued, HasCard):
         return card_of(self, self._assembly, self.counts())
 
     @cached_property
+    def as_simulated(self) -> Scene:
+        """The scene of one stage with the softening of its material carried out; itself where it has none.
+
+        With f the softening, in-plane stretch alone is softer: the film has E/f, and the springs that buckle, creases
+        and dashpots have factors by which their forces stay. Cords have f times their mass, and bridges a stiffness
+        over f, so that neither sets the step. `assemble` gives these values.
+        """
+        material = self.material
+        if material is None or material.softening is None or self.stages:
+            return self
+        factor = material.softening
+        laws = [law.with_softened_film(factor) for law in self.laws]
+        parts = [part.with_softened_film(factor) for part in self.parts]
+        return replace(self, material=material.as_simulated(), laws=laws, parts=parts)
+
+    @cached_property
     def _assembly(self) -> Assembly:
         if self.stages:
             return self.staged(0).assemble()
+        if self.as_simulated is not self:
+            return self.as_simulated.assemble()
         builder = Builder(self.mesh)
         for k, part in enumerate(self.parts):
             with computable(f"parts[{k}]", SceneError):

@@ -83,8 +83,8 @@ class Motion(KnownAttributes, Copies, Readings):
         assembly, step = scene.assemble(), _step_of(scene.run.dt if dt is None else dt)
         with overflow_named(scene):
             core = _core.Simulation(
-                model_of(scene, assembly),
-                laws_of(scene),
+                model_of(scene.as_simulated, assembly),
+                laws_of(scene.as_simulated),
                 method,
                 step,
                 self._settings(scene),

@@ -84,6 +84,11 @@ class Springs(Law):
         """A coarser mesh."""
         return "a coarser mesh of the membrane has a longer step in proportion to its springs"
 
+    def with_softened_film(self, factor: float) -> Springs:
+        """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
+        alpha, on_creases = factor * self.buckling, factor * self.buckling_on_creases
+        return replace(self, buckling=alpha, buckling_on_creases=on_creases)
+
     def without_compression(self) -> Springs:
         """Springs that buckle at once."""
         return replace(self, buckling=0.0, buckling_on_creases=0.0)

@@ -65,6 +65,11 @@ class Triangles(Law):
         """Nothing uses the constants of springs, so none need be refused."""
         return "unused"
 
+    def with_softened_film(self, factor: float) -> Triangles:
+        """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
+        alpha, on_creases = factor * self.buckling, factor * self.buckling_on_creases
+        return replace(self, buckling=alpha, buckling_on_creases=on_creases)
+
     def without_compression(self) -> Triangles:
         """A tension field."""
         return replace(self, buckling=0.0, buckling_on_creases=0.0)
