@@ -1,6 +1,9 @@
 //! Deferred power, for methods with predicted velocities: the power of forces on velocities that are known only after
 //! the evaluation. It concerns laws without potential whose forces depend on velocity. The power of other laws is
 //! evaluated with the predicted velocities, at no cost and without loss of order.
+//!
+//! Along links it takes a second pass. A method that needs it once in several evaluations has the power on the
+//! predicted velocities in the others, at no cost.
 
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::state::NodeVectors;

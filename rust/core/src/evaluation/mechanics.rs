@@ -36,6 +36,7 @@ pub struct Mechanics {
     is_slow: Vec<bool>,
     is_selected: Vec<bool>,
     pub(super) rate_group: Option<RateGroup>,
+    expects_power_at: bool,
     instructions: InstructionSet,
     /// The laws with a history.
     history_dependent: Vec<usize>,
@@ -74,6 +75,7 @@ impl Mechanics {
             is_slow: vec![false; laws.len()],
             is_selected: vec![true; laws.len()],
             rate_group: None,
+            expects_power_at: true,
             laws,
             spin,
             masses,
@@ -255,6 +257,10 @@ impl System for Mechanics {
         }
     }
 
+    fn expect_power_at(&mut self, is_expected: bool) {
+        self.expects_power_at = is_expected;
+    }
+
     fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
@@ -262,14 +268,9 @@ impl System for Mechanics {
             self.evaluation_count += u64::from(self.rate_group != Some(RateGroup::Slow));
         }
         let at = self.instant(point);
-        let Self { plan, laws, is_selected, forces, deferrals, .. } = self;
-        plan.add_to_tile(laws, |row| is_selected[row], tile, at, &mut Sums { forces, powers, deferrals });
-        // `power_at` adds this power later. That of nodal laws is added with their rows, between the tiles.
-        for ((law, deferral), power) in laws.iter_mut().zip(deferrals).zip(powers.iter_mut()) {
-            if deferral.is_some() && law.nodal().is_none() {
-                *power = 0.0;
-            }
-        }
+        let Self { plan, laws, is_selected, forces, deferrals, expects_power_at, .. } = self;
+        let mut sums = Sums { forces, powers, deferrals, stores_resistances: *expects_power_at };
+        plan.add_to_tile(laws, |row| is_selected[row], tile, at, &mut sums);
         powers[self.laws.len()] += self.turning_power(false);
     }
 
@@ -321,28 +322,26 @@ impl System for Mechanics {
         for (((law, deferral), power), _) in self
             .laws
             .iter_mut()
-            .zip(&self.deferrals)
+            .zip(&mut self.deferrals)
             .zip(powers)
             .zip(&self.is_selected)
             .filter(|(_, is_selected)| **is_selected)
         {
-            if let (Some(_), Some(Deferral::Forces(own))) = (law.nodal(), deferral) {
-                *power += power_of(self.instructions, rows(own, place_of(&range, own, nodes)), velocities);
+            if let Some(own) = deferral.as_mut().and_then(Deferral::forces) {
+                let place = place_of(&range, own, nodes);
+                *power += power_of(self.instructions, rows(own, place.clone()), velocities);
+                if law.nodal().is_none() {
+                    rows_mut(own, place).into_iter().for_each(|column| column.fill(0.0));
+                }
             }
         }
     }
 
     fn power_at(&mut self, point: PhasePoint<'_>, powers: &mut [f64]) {
         let at = self.instant(point);
-        let rows = self.laws.iter_mut().zip(&mut self.deferrals).zip(&self.is_selected).enumerate();
-        for (row, ((law, deferral), _)) in rows.filter(|(_, (_, is_selected))| **is_selected) {
-            match deferral {
-                Some(Deferral::Resistances(own)) => powers[row] += self.plan.power_of_resistances(row, own, at),
-                Some(Deferral::Forces(own)) if law.nodal().is_none() => {
-                    powers[row] += power_of(self.instructions, columns(own), columns(at.velocities));
-                    own.fill(0.0);
-                }
-                _ => {}
+        for (row, deferral) in self.deferrals.iter().enumerate().filter(|(row, _)| self.is_selected[*row]) {
+            if let Some(Deferral::Resistances(own)) = deferral {
+                powers[row] = self.plan.power_of_resistances(row, own, at);
             }
         }
     }

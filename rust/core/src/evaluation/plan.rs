@@ -51,6 +51,8 @@ pub(super) struct Sums<'a> {
     pub(super) powers: &'a mut [f64],
     /// The deferral of each law; empty without deferred power.
     pub(super) deferrals: &'a mut [Option<Deferral>],
+    /// Whether resistances are stored.
+    pub(super) stores_resistances: bool,
 }
 
 /// The passes of a scene, in their order.
@@ -139,7 +141,8 @@ impl Plan {
     }
 
     /// Adds the forces \[N\] of the elements of a tile, for the selected laws, and their power \[W\]. Nodal laws are
-    /// only prepared. A law with deferred power adds its forces to an array of its own, or stores its resistances.
+    /// only prepared. A law with deferred power adds its forces to an array of its own, without power, or stores its
+    /// resistances.
     pub(super) fn add_to_tile(
         &self,
         laws: &mut [Box<dyn Law>],
@@ -156,8 +159,10 @@ impl Plan {
                     }
                 }
                 Pass::Elements(row) if is_selected(*row) => {
-                    let own = sums.deferrals.get_mut(*row).and_then(Option::as_mut).and_then(Deferral::forces);
-                    sums.powers[*row] += laws[*row].add_to_tile(tile, at, own.unwrap_or(sums.forces));
+                    match sums.deferrals.get_mut(*row).and_then(Option::as_mut).and_then(Deferral::forces) {
+                        Some(own) => _ = laws[*row].add_to_tile(tile, at, own),
+                        None => sums.powers[*row] += laws[*row].add_to_tile(tile, at, sums.forces),
+                    }
                 }
                 Pass::Links(pass) => pass.run(&is_selected, tile, at, sums),
                 Pass::Prepare(_) | Pass::Elements(_) => {}
@@ -177,7 +182,13 @@ impl Plan {
         powers.fill(0.0);
         let count = at.positions.nrows();
         for tile in tiles(count) {
-            self.add_to_tile(laws, &is_selected, tile, at, &mut Sums { forces, powers, deferrals: &mut [] });
+            self.add_to_tile(
+                laws,
+                &is_selected,
+                tile,
+                at,
+                &mut Sums { forces, powers, deferrals: &mut [], stores_resistances: false },
+            );
             for (row, law) in laws.iter_mut().enumerate().filter(|(row, _)| is_selected(*row)) {
                 if let Some(law) = law.nodal() {
                     let range = rows_of(tile, count);
@@ -236,12 +247,15 @@ impl LinkPass {
         };
         let (mut cache, mut own) = (None, None);
         match sums.deferrals.get_mut(*row).and_then(Option::as_mut) {
-            Some(Deferral::Resistances(sets)) => cache = sets.get_mut(*set).map(Vec::as_mut_slice),
+            Some(Deferral::Resistances(sets)) if sums.stores_resistances => {
+                cache = sets.get_mut(*set).map(Vec::as_mut_slice);
+            }
             Some(Deferral::Forces(forces)) => own = Some(forces),
-            None => {}
+            _ => {}
         }
+        let has_own = own.is_some();
         let forces = ColumnsMut::of(own.unwrap_or(sums.forces));
-        sums.powers[*row] += if let Some((_, springs)) = elastic {
+        let power = if let Some((_, springs)) = elastic {
             DampedLinks { links, springs, dashpots, tile, positions, velocities, forces }.run(cache)
         } else {
             let (out, sign, is_limited) = (forces, 1.0, true);
@@ -249,5 +263,8 @@ impl LinkPass {
                 ResistanceKernel { links, dashpots, is_limited, tile, positions, velocities, out, cache, sign };
             links.instructions.run_batches(kernel)
         };
+        if !has_own {
+            sums.powers[*row] += power;
+        }
     }
 }

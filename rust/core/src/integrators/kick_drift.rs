@@ -1,6 +1,8 @@
 //! Common parts of leapfrog with and without substeps: drift with prediction, kick with Boris's rotation,
 //! amplification.
 
+use std::ops::Range;
+
 use nalgebra::Matrix3;
 
 use super::System;
@@ -8,7 +10,7 @@ use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
-use crate::simd::map::{Formula, each};
+use crate::simd::map::{Formula, each, on_axes};
 
 /// The drift; the predicted velocity replaces the velocity.
 pub(super) struct Drift {
@@ -21,6 +23,22 @@ impl Formula<1, 2> for Drift {
         let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
         let kicked = v + half * a;
         [x + dt * kicked, kicked + half * a]
+    }
+}
+
+/// Drift and prediction with a kick of slow forces before or after them.
+pub(super) struct KickedDrift {
+    pub(super) dt: f64,
+    pub(super) before: f64,
+    pub(super) after: f64,
+}
+
+impl Formula<2, 2> for KickedDrift {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [fast, slow]: [V; 2], [x, v]: [V; 2]) -> [V; 2] {
+        let half = V::all(0.5 * self.dt);
+        let kicked = v + half * fast + V::all(self.before) * slow;
+        [x + V::all(self.dt) * kicked, kicked + half * fast + V::all(self.after) * slow]
     }
 }
 
@@ -71,7 +89,12 @@ pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
     step.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// Accelerations at the first instant, and the power of each law.
+/// Adds a weight times the power of each law to its work.
+pub(super) fn add_work(work: &mut [f64], weight: f64, powers: &[f64]) {
+    work.iter_mut().zip(powers).for_each(|(work, power)| *work += weight * power);
+}
+
+/// Accelerations at the first instant, and the power of each law; velocities are not predicted there.
 pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
     let count = accelerations.nrows();
     for tile in tiles(count) {
@@ -81,7 +104,31 @@ pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: 
             system.row_power_at(range.clone(), rows(at.velocities, range), powers);
         }
     }
-    system.power_at(at, powers);
+}
+
+/// The drift of the substep that follows, with a kick of the slow accelerations after it, if any.
+pub(super) struct Next<'a> {
+    pub(super) dt: f64,
+    pub(super) kick: Option<(f64, &'a NodeVectors)>,
+}
+
+impl Next<'_> {
+    pub(super) fn drift(
+        &self,
+        instructions: InstructionSet,
+        range: Range<usize>,
+        fast: &NodeVectors,
+        state: &mut State,
+    ) {
+        let changed = [rows_mut(&mut state.positions, range.clone()), rows_mut(&mut state.velocities, range.clone())];
+        let (dt, fast) = (self.dt, rows(fast, range.clone()));
+        match self.kick {
+            Some((after, slow)) => {
+                on_axes(instructions, &KickedDrift { dt, before: 0.0, after }, [fast, rows(slow, range)], changed);
+            }
+            None => on_axes(instructions, &Drift { dt }, [fast], changed),
+        }
+    }
 }
 
 /// The end of a step: positions at `time`, velocities as predicted.
@@ -98,8 +145,9 @@ pub(super) struct End<'a> {
 }
 
 impl End<'_> {
-    /// Evaluates the accelerations and corrects the velocities.
-    pub(super) fn correct(self, system: &mut dyn System, state: &mut State) {
+    /// Evaluates the accelerations and corrects the velocities. The `next` drift, if given, follows in each row block
+    /// while it is in the cache, since no element of a later tile uses its nodes.
+    pub(super) fn correct(self, system: &mut dyn System, state: &mut State, next: Option<&Next<'_>>) {
         let End { time, half, accelerations, powers, row_block, instructions } = self;
         let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
         for tile in tiles(count) {
@@ -116,10 +164,12 @@ impl End<'_> {
                     each(instructions, &Boris { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
                 }
                 each(instructions, &Correct { half }, [new_z], [az, vz]);
-                system.row_power_at(range.clone(), rows(&state.velocities, range), powers);
+                system.row_power_at(range.clone(), rows(&state.velocities, range.clone()), powers);
+                if let Some(next) = next {
+                    next.drift(instructions, range, accelerations, state);
+                }
             }
         }
-        system.power_at(state.at(time), powers);
     }
 }
 

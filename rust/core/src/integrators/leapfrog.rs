@@ -27,7 +27,7 @@
 //! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
-use super::kick_drift::{Drift, End, amplification, begin, energy_shift};
+use super::kick_drift::{Drift, End, add_work, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, System, saved_works};
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::history::History;
@@ -88,13 +88,13 @@ impl Integrator for Leapfrog {
         let half = 0.5 * dt;
         let Self { acceleration, powers, row_block, instructions, .. } = self;
         let instructions = *instructions;
-        let mut add_work = |powers: &[f64]| work.iter_mut().zip(powers).for_each(|(work, power)| *work += half * power);
-        add_work(powers);
+        add_work(work, half, powers);
         let (x, v) = (state.positions.as_mut_slice(), state.velocities.as_mut_slice());
         each(instructions, &Drift { dt }, [acceleration.as_slice()], [x, v]);
         let time = time + dt;
-        End { time, half, accelerations: acceleration, row_block, powers, instructions }.correct(system, state);
-        add_work(powers);
+        End { time, half, accelerations: acceleration, row_block, powers, instructions }.correct(system, state, None);
+        system.power_at(state.at(time), powers);
+        add_work(work, half, powers);
     }
 
     fn energy_shift(&self, masses: &[f64], dt: f64) -> f64 {

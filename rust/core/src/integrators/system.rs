@@ -19,6 +19,8 @@ pub enum RateGroup {
 pub trait System {
     /// Selects the laws of the following evaluations, for methods with rate groups; without a selection, all laws.
     fn select_rate_group(&mut self, group: RateGroup);
+    /// Whether `power_at` follows the next evaluations, as it does unless this says otherwise.
+    fn expect_power_at(&mut self, is_expected: bool);
     /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
     /// each law to zero.
     fn accumulate_forces(&mut self, tile: usize, at: PhasePoint<'_>, powers: &mut [f64]);
@@ -44,12 +46,12 @@ pub trait System {
     }
     /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;
-    /// Adds deferred power of nodal laws, for methods with `predicts_velocity`: after each `accelerations`, the power
-    /// of its forces on the `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out,
-    /// for laws without potential whose forces depend on velocity.
+    /// Adds deferred power, for methods with `predicts_velocity`: after each `accelerations`, that of its forces on the
+    /// `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out, for laws without
+    /// potential whose forces depend on velocity, except along links.
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
-    /// Adds deferred power of laws between nodes: after all rows, the power of the forces of the last
-    /// `accumulate_forces` on the velocities of `at`, at the same positions.
+    /// Replaces the power of such laws along links, which is that on the predicted velocities: after all rows, by the
+    /// power of the forces of the last `accumulate_forces` on the velocities of `at`, at the same positions.
     fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]);
     /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for implicit methods. Whether it is positive definite.
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;
