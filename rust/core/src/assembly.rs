@@ -15,6 +15,9 @@ pub struct Assembly {
     pub mesh: Mesh,
     /// Spring constant of each edge of the mesh, after the treatment of negative ones \[N/m\].
     pub edge_stiffness: Vec<f64>,
+    /// The parts of the triangles in these, before that treatment, side k opposite corner k; none without springs
+    /// \[N/m\].
+    pub side_stiffness: Vec<[f64; 3]>,
     /// The hinges of the creases, in external order.
     pub hinges: Vec<Hinge>,
     /// The renumbering.
@@ -38,7 +41,7 @@ impl Assembly {
         let n = model.positions.len();
         let mesh = Mesh::new(model.reference.clone(), model.triangles.clone())?;
         let mut masses = model.extra_masses.clone();
-        let mut edge_stiffness = Vec::new();
+        let (mut edge_stiffness, mut side_stiffness) = (Vec::new(), Vec::new());
         if let (Some(film), false) = (model.film, mesh.triangles.is_empty()) {
             film.check()?;
             for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(film.density * film.thickness)?) {
@@ -46,7 +49,8 @@ impl Assembly {
             }
             edge_stiffness = vec![0.0; mesh.edges.len()];
             if model.negative_springs != NegativeSprings::Unused {
-                edge_stiffness = mesh.spring_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+                side_stiffness = mesh.all_side_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+                edge_stiffness = mesh.sums_on_edges(&side_stiffness);
                 treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
             }
         }
@@ -64,7 +68,17 @@ impl Assembly {
         let inverse: Vec<f64> =
             masses.iter().zip(&held).map(|(&mass, &held)| if held { 0.0 } else { 1.0 / mass }).collect();
         let (masses, inverse_masses) = (numbering.internal_values(&masses), numbering.internal_values(&inverse));
-        Ok(Self { model, mesh, edge_stiffness, hinges, numbering, masses, inverse_masses, instructions })
+        Ok(Self {
+            model,
+            mesh,
+            edge_stiffness,
+            side_stiffness,
+            hinges,
+            numbering,
+            masses,
+            inverse_masses,
+            instructions,
+        })
     }
 
     /// Mass of a square of film with side `length` \[kg\].

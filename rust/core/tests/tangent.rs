@@ -120,7 +120,7 @@ fn the_damping_matrix_of_every_law_is_the_symmetric_part_of_its_jacobian() {
         let [p, q] = [11, 12].map(|seed| bench.vectors(seed, 1.0));
         let product = |law: &dyn Linearisation, p: &NodeVectors| {
             let mut out = NodeVectors::zeros(p.nrows());
-            law.add_damping_product(bench.instant(), p, &mut out);
+            law.add_damping_product(1.0, bench.instant(), p, &mut out);
             out
         };
         let flat = |v: &NodeVectors| DVector::from_fn(3 * v.nrows(), |row, _| v[(row / 3, row % 3)]);

@@ -195,9 +195,10 @@ impl Formula<5, 0> for TurningPower {
     }
 }
 
-/// Adds C p, with C the derivative of |S . V| V by V.
+/// Adds `factor` C p, with C the derivative of |S . V| V by V.
 struct DampingKernel<'a> {
     drag: &'a AirDrag,
+    factor: f64,
     tile: usize,
     rate: f64,
     positions: Columns<'a>,
@@ -215,7 +216,7 @@ impl BatchKernel for DampingKernel<'_> {
             let (r, v) = (pass.read::<V, 3>(self.positions, batch), pass.read::<V, 3>(self.velocities, batch));
             let p = pass.read::<V, 3>(self.p, batch);
             let normal = normal(&r);
-            let factor = V::all(self.drag.factor) * V::load(&presence[batch]);
+            let factor = V::all(self.factor * self.drag.factor) * V::load(&presence[batch]);
             let mut products = [[V::zero(); 3]; 3];
             for k in 0..3 {
                 let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], V::all(self.rate));
@@ -294,12 +295,21 @@ impl Law for AirDrag {
 }
 
 impl Linearisation for AirDrag {
-    fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+    fn add_damping_product(&self, factor: f64, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let [positions, velocities, p] = [at.positions, at.velocities, p].map(Columns::of);
         let rate = self.rate(at.frame);
         for tile in tiles(p.rows()) {
             let out = ColumnsMut::of(out);
-            self.instructions.run_batches(DampingKernel { drag: self, tile, rate, positions, velocities, p, out });
+            self.instructions.run_batches(DampingKernel {
+                drag: self,
+                factor,
+                tile,
+                rate,
+                positions,
+                velocities,
+                p,
+                out,
+            });
         }
     }
 

@@ -181,6 +181,7 @@ impl Visitor for Derive<'_> {
 
 /// Adds the product of the symmetric part of -dF/dv with a vector.
 struct Damp<'a> {
+    factor: f64,
     p: &'a NodeVectors,
     out: &'a mut NodeVectors,
 }
@@ -190,7 +191,7 @@ impl JacobianBlocks for Damp<'_> {
 
     fn by_velocity(&mut self, on: u32, of: u32, block: &Block) {
         for (to, from, block) in [(on, of, *block), (of, on, block.transpose())] {
-            let product = block * node_vector(self.p, from) * -0.5;
+            let product = block * node_vector(self.p, from) * (-0.5 * self.factor);
             for axis in 0..3 {
                 self.out[(to as usize, axis)] += product[axis];
             }
@@ -243,8 +244,8 @@ impl Inspection for BodyFriction {
 
 impl Linearisation for BodyFriction {
     /// That of the present contacts.
-    fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        self.add_jacobian(at, &mut Damp { p, out });
+    fn add_damping_product(&self, factor: f64, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        self.add_jacobian(at, &mut Damp { factor, p, out });
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {

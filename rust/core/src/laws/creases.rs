@@ -16,10 +16,12 @@
 //! and from flat. The sign of the fold angle gives the side to which a crease folds (valley +1, mountain -1).
 //! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights are added here.
 
+mod stiffness;
 mod tangent;
 
 use serde::Deserialize;
 
+use self::stiffness::StiffnessKernel;
 use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
@@ -309,21 +311,10 @@ impl Linearisation for Creases {
     /// The stiffness in contact, kappa max(1, gamma) g g^T, with g the gradient of the angle; the part of each facet
     /// has its weight.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        let (x, p) = (Columns::of(at.positions), Columns::of(p));
-        let mut out = ColumnsMut::of(out);
-        for batch in 0..self.elements.batch_count() {
-            let facets = self.facets(x, batch).0;
-            let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
-            let at_c = scale(facets.length / (square_c + self.parameters[batch].softening[0]), facets.normal_c);
-            let at_d = scale(facets.length / (square_d + self.parameters[batch].softening[1]), facets.normal_d);
-            let [of_c, of_d] = facets.shares_at_b();
-            let at_b = sum(scale(of_c, at_c), scale(of_d, at_d));
-            let at_a = negate(sum(at_b, sum(at_c, at_d)));
-            let [a, b, c, d] = self.elements.read_any(p, batch);
-            let rotation = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
-            let moment = self.parameters[batch].stiffness * F64x8::all(self.contact_penalty.max(1.0)) * rotation;
-            let product = [scale(moment, at_a), scale(moment, at_b), scale(moment, at_c), scale(moment, at_d)];
-            self.elements.add_any(&mut out, batch, product);
+        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.instructions.run_batches(StiffnessKernel { creases: self, tile, positions, p, out });
         }
     }
 

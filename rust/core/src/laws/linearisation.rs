@@ -10,8 +10,8 @@ pub trait Linearisation {
     /// Adds K p, with K the stiffest linearisation of the law at these positions \[N\].
     fn add_stiffness_product(&self, _at: Instant<'_>, _p: &NodeVectors, _out: &mut NodeVectors) {}
 
-    /// Adds C p, with C the damping matrix \[N\] for velocities p \[m/s\].
-    fn add_damping_product(&self, _at: Instant<'_>, _p: &NodeVectors, _out: &mut NodeVectors) {}
+    /// Adds `factor` C p, with C the damping matrix \[N\] for velocities p \[m/s\].
+    fn add_damping_product(&self, _factor: f64, _at: Instant<'_>, _p: &NodeVectors, _out: &mut NodeVectors) {}
 
     /// Visits the nodes of each element that couples nodes.
     fn visit_couplings(&self, _visit: &mut dyn FnMut(&[u32])) {}

@@ -79,10 +79,10 @@ impl Law for MassDamping {
 }
 
 impl Linearisation for MassDamping {
-    fn add_damping_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+    fn add_damping_product(&self, factor: f64, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for (out, p) in columns_mut(out).into_iter().zip(columns(p)) {
             for ((out, p), c) in out.iter_mut().zip(p).zip(&self.coefficients) {
-                *out += c * p;
+                *out += factor * c * p;
             }
         }
     }

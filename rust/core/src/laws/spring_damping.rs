@@ -281,14 +281,14 @@ impl Law for SpringDamping {
 
 impl Linearisation for SpringDamping {
     /// Every dashpot resists in full, as where its spring is taut.
-    fn add_damping_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+    fn add_damping_product(&self, factor: f64, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for tile in tiles(p.nrows()) {
             if let Some(film) = &self.film {
-                film.add_forces(tile, at.positions, p, out, -1.0);
+                film.add_forces(tile, at.positions, p, out, -factor);
             }
             for Network { links, dashpots } in &self.networks {
                 let (positions, velocities, out) = (Columns::of(at.positions), Columns::of(p), ColumnsMut::of(out));
-                let (cache, sign, is_limited) = (None, -1.0, false);
+                let (cache, sign, is_limited) = (None, -factor, false);
                 links.instructions.run_batches(ResistanceKernel {
                     links,
                     dashpots,

@@ -151,7 +151,7 @@ impl Springs {
             strain_limit,
         });
         let own = Self::in_batches("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>());
-        Ok(Self { film: FilmTriangles::new(assembly)?, ..own })
+        Ok(Self { film: FilmTriangles::new(assembly), ..own })
     }
 
     /// The tethers.

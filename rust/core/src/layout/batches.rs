@@ -63,15 +63,16 @@ pub(super) struct Cover<const N: usize> {
 impl<const N: usize> Cover<N> {
     /// The cover of elements on `node_count` nodes.
     pub(super) fn new(elements: &[[u32; N]], node_count: usize) -> Self {
-        let shape = |row: u32| {
-            let nodes = elements[row as usize];
-            nodes.map(|node| node.wrapping_sub(nodes[0]))
-        };
-        let mut rows: Vec<u32> = (0..elements.len() as u32).collect();
-        rows.sort_unstable_by_key(|&row| (shape(row), elements[row as usize][0], row));
+        let shape = |nodes: [u32; N]| nodes.map(|node| node.wrapping_sub(nodes[0]));
+        let keys = elements.iter().zip(0..).map(|(&nodes, row): (_, u32)| (shape(nodes), nodes[0], row));
+        let mut keys: Vec<_> = keys.collect();
+        keys.sort_unstable();
+        let rows: Vec<u32> = keys.iter().map(|&(.., row)| row).collect();
         let mut cover = Self { contiguous: Vec::new(), split: Vec::new(), gathered: Vec::new() };
-        for alike in rows.chunk_by(|&a, &b| shape(a) == shape(b)) {
-            cover.add(elements, alike, node_count);
+        let mut start = 0;
+        for alike in keys.chunk_by(|(a, ..), (b, ..)| a == b) {
+            cover.add(elements, &rows[start..start + alike.len()], node_count);
+            start += alike.len();
         }
         cover
     }

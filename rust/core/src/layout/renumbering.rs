@@ -46,25 +46,26 @@ const SAMPLE: usize = 40_000;
 impl Renumbering {
     /// Numbers `node_count` nodes. The first `mesh_count` are those of a mesh with `edges`; `links` are all springs.
     pub fn new(node_count: usize, mesh_count: usize, edges: &[[u32; 2]], links: &[[u32; 2]]) -> Self {
-        // Springs per lane, weighted by cost: at best 1.
-        let utilisation = |blocks: usize, order: &[u32]| {
-            let (rank, size) = (inverse(order), (mesh_count / blocks).max(1));
-            // The sample: the first springs of every block.
+        // The first springs of every block.
+        let sample = |blocks: usize| {
+            let size = (mesh_count / blocks).max(1);
             let limit = size.min((SAMPLE * mesh_count / (edges.len().max(1) * blocks)).max(1));
-            let sample: Vec<[u32; 2]> = edges
-                .iter()
-                .filter(|edge| (edge[0] as usize) % size < limit)
-                .map(|edge| ascending(edge.map(|node| rank[node as usize])))
-                .collect();
-
+            edges.iter().copied().filter(|edge| (edge[0] as usize) % size < limit).collect::<Vec<_>>()
+        };
+        // Springs per lane, weighted by cost: at best 1.
+        let utilisation = |sample: &[[u32; 2]], order: &[u32]| {
+            let rank = inverse(order);
+            let sample: Vec<[u32; 2]> =
+                sample.iter().map(|edge| ascending(edge.map(|node| rank[node as usize]))).collect();
             sample.len() as f64 / (Cover::new(&sample, node_count).cost() * LANES as f64).max(1.0)
         };
         let mut best = (0.0, (0..node_count as u32).collect());
         let row_ends = row_ends(mesh_count, edges);
         for blocks in BLOCKS.into_iter().filter(|blocks| mesh_count.is_multiple_of(*blocks)) {
+            let sample = sample(blocks);
             for stride in STRIDES {
                 let order = interleaved(node_count, mesh_count, &row_ends, blocks, stride);
-                let score = utilisation(blocks, &order);
+                let score = utilisation(&sample, &order);
                 if score > best.0 + 1e-3 {
                     best = (score, order);
                 }
@@ -72,7 +73,7 @@ impl Renumbering {
         }
         if best.0 < 0.5 {
             let order = breadth_first(node_count, links);
-            if utilisation(1, &order) >= best.0 {
+            if utilisation(&sample(1), &order) >= best.0 {
                 best.1 = order;
             }
         }

@@ -1,5 +1,6 @@
-//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950) with a
-//! fixed start. A second pass forms the mode, so that storage remains small.
+//! Largest eigenvalues of symmetric operators scaled by masses, M^-1/2 A M^-1/2, by Lanczos's method (1950).
+//!
+//! The basis is stored for the mode where it is small enough; otherwise a second recurrence forms it.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -8,23 +9,79 @@ use crate::error::{Error, Result};
 
 /// Largest number of Lanczos steps: the error of the largest eigenvalue is then 1e-3 on meshes of a million nodes.
 const MOST_ITERATIONS: usize = 120;
-/// Relative change of the eigenvalue over eight iterations at which it has converged.
+/// Relative change of the eigenvalue over `PERIOD` iterations at which it has converged.
 const TOLERANCE: f64 = 1e-6;
+const PERIOD: usize = 8;
+/// Least number of iterations, and iterations between two checks, of a search up to a residual. A mode of a few nodes
+/// that is stiffer than all others has a small component in the start, so that it appears only after some iterations.
+const LEAST_ITERATIONS: usize = 12;
+const RESIDUAL_PERIOD: usize = 4;
+/// Largest storage of a basis \[vectors x nodes\].
+const STORAGE: usize = 24_000_000;
 
 /// A function that adds the product of a matrix and the first argument to the second.
 pub(crate) type Product<'a> = &'a dyn Fn(&NodeVectors, &mut NodeVectors);
 
-/// out = M^-1/2 A M^-1/2 q
+/// The accuracy at which a search ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Goal {
+    /// The eigenvalue has converged to about 1e-6.
+    Convergence,
+    /// The residual is at most this share of the eigenvalue.
+    Residual(f64),
+}
+
+/// The largest eigenvalue and its mode, as far as a search has found them.
+#[derive(Debug, Clone)]
+pub(crate) struct Eigenpair {
+    /// The Rayleigh quotient of the mode, at most the eigenvalue.
+    pub(crate) value: f64,
+    /// The norm of the residual, A q - value q, where the search ended at one; otherwise 0. An eigenvalue is within it
+    /// of `value`.
+    pub(crate) residual: f64,
+    /// The unit mode y = M^1/2 x.
+    pub(crate) mode: NodeVectors,
+}
+
+impl Eigenpair {
+    /// The eigenvalue, or an estimate from above where the search ended at a residual.
+    pub(crate) fn upper(&self) -> f64 {
+        self.value + self.residual
+    }
+}
+
+/// y += a x
+fn add_scaled(y: &mut NodeVectors, a: f64, x: &NodeVectors) {
+    y.as_mut_slice().iter_mut().zip(x.as_slice()).for_each(|(y, x)| *y += a * x);
+}
+
+/// Multiplies each row by a number.
+fn scale_rows(vectors: &mut NodeVectors, factors: &[f64]) {
+    for mut column in vectors.column_iter_mut() {
+        column.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+    }
+}
+
+/// out = M^-1/2 A M^-1/2 q, with a work array.
+fn apply_into(
+    product: Product<'_>,
+    inverse_sqrt_masses: &[f64],
+    q: &NodeVectors,
+    scaled: &mut NodeVectors,
+    out: &mut NodeVectors,
+) {
+    scaled.copy_from(q);
+    scale_rows(scaled, inverse_sqrt_masses);
+    out.fill(0.0);
+    product(scaled, out);
+    scale_rows(out, inverse_sqrt_masses);
+}
+
+/// M^-1/2 A M^-1/2 q
 pub(crate) fn apply(product: Product<'_>, inverse_sqrt_masses: &[f64], q: &NodeVectors) -> NodeVectors {
-    let scaled = |mut v: NodeVectors| {
-        for mut column in v.column_iter_mut() {
-            column.iter_mut().zip(inverse_sqrt_masses).for_each(|(value, root)| *value *= root);
-        }
-        v
-    };
-    let mut out = NodeVectors::zeros(q.nrows());
-    product(&scaled(q.clone()), &mut out);
-    scaled(out)
+    let (mut scaled, mut out) = (NodeVectors::zeros(q.nrows()), NodeVectors::zeros(q.nrows()));
+    apply_into(product, inverse_sqrt_masses, q, &mut scaled, &mut out);
+    out
 }
 
 /// q . (M^-1/2 A M^-1/2) q for a unit vector q.
@@ -32,16 +89,38 @@ pub(crate) fn quotient(product: Product<'_>, inverse_sqrt_masses: &[f64], q: &No
     q.dot(&apply(product, inverse_sqrt_masses, q))
 }
 
-/// The largest eigenvalue of M^-1/2 A M^-1/2 and its unit eigenvector.
-pub(crate) fn largest(product: Product<'_>, inverse_sqrt_masses: &[f64]) -> Result<(f64, NodeVectors)> {
+/// The largest eigenvalue of M^-1/2 A M^-1/2. The search begins at `fixed_start`, or at its sum with a unit vector
+/// `near` that is like the mode: so modes that `near` lacks are found too.
+pub(crate) fn largest(
+    product: Product<'_>,
+    inverse_sqrt_masses: &[f64],
+    near: Option<&NodeVectors>,
+    goal: Goal,
+) -> Result<Eigenpair> {
+    let mut start = fixed_start(inverse_sqrt_masses);
+    if let Some(near) = near {
+        start += near;
+        let norm = start.norm();
+        if norm > 0.0 {
+            start /= norm;
+        }
+    }
     let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
-    let mut found: f64 = 0.0;
+    let (mut basis, most) = (Vec::new(), STORAGE / start.nrows().max(1));
+    let (mut found, mut residual): (f64, f64) = (0.0, 0.0);
     let mut weights = DVector::from_element(1, 1.0);
     let mut before = f64::NAN;
-    recurrence(product, inverse_sqrt_masses, |_, alpha, beta| {
+    recurrence(product, inverse_sqrt_masses, start.clone(), |q, alpha, beta| {
         diagonal.push(alpha);
         let k = diagonal.len();
-        if k % 8 == 0 || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
+        if k <= most {
+            basis.push(q.clone());
+        }
+        let is_due = match goal {
+            Goal::Convergence => k % PERIOD == 0,
+            Goal::Residual(_) => k >= LEAST_ITERATIONS && k % RESIDUAL_PERIOD == 0,
+        };
+        if is_due || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
             let matrix = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
                 0 => diagonal[i],
                 1 => off_diagonal[i.min(j)],
@@ -50,7 +129,14 @@ pub(crate) fn largest(product: Product<'_>, inverse_sqrt_masses: &[f64]) -> Resu
             let eigen = SymmetricEigen::new(matrix);
             let top = eigen.eigenvalues.imax();
             (found, weights) = (eigen.eigenvalues[top], eigen.eigenvectors.column(top).into_owned());
-            if (found - before).abs() <= TOLERANCE * found.abs() {
+            let has_converged = match goal {
+                Goal::Convergence => (found - before).abs() <= TOLERANCE * found.abs(),
+                Goal::Residual(share) => {
+                    residual = (beta * weights[k - 1]).abs();
+                    residual <= share * found.abs()
+                }
+            };
+            if has_converged {
                 return false;
             }
             before = found;
@@ -62,24 +148,26 @@ pub(crate) fn largest(product: Product<'_>, inverse_sqrt_masses: &[f64]) -> Resu
         return Err(Error::NotFinite { what: "the stiffness", node: 0, value: found });
     }
     let mut mode = NodeVectors::zeros(inverse_sqrt_masses.len());
-    let mut k = 0;
-    recurrence(product, inverse_sqrt_masses, |q, _, _| {
-        mode += q * weights[k];
-        k += 1;
-        k < weights.len()
-    });
+    if basis.len() >= weights.len() {
+        basis.iter().zip(weights.iter()).for_each(|(q, weight)| add_scaled(&mut mode, *weight, q));
+    } else {
+        let mut k = 0;
+        recurrence(product, inverse_sqrt_masses, start, |q, _, _| {
+            add_scaled(&mut mode, weights[k], q);
+            k += 1;
+            k < weights.len()
+        });
+    }
     let norm = mode.norm();
-    Ok((found, if norm > 0.0 { mode / norm } else { mode }))
+    if norm > 0.0 {
+        mode /= norm;
+    }
+    Ok(Eigenpair { value: found, residual, mode })
 }
 
-/// Lanczos's three-term recurrence. `visit` receives each basis vector, its diagonal entry and the next off-diagonal
-/// one; the recurrence ends where it returns false.
-pub(crate) fn recurrence(
-    product: Product<'_>,
-    inverse_sqrt_masses: &[f64],
-    mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool,
-) {
-    // A fixed start with a component along every mode: the fractional parts of multiples of the golden ratio.
+/// A fixed unit vector with a component along every mode: the fractional parts of multiples of the golden ratio; zero
+/// where all nodes are held.
+pub(crate) fn fixed_start(inverse_sqrt_masses: &[f64]) -> NodeVectors {
     let mut q = NodeVectors::from_fn(inverse_sqrt_masses.len(), |i, axis| {
         ((3 * i + axis + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5
     });
@@ -91,23 +179,40 @@ pub(crate) fn recurrence(
             .for_each(|(value, _)| *value = 0.0);
     }
     let norm = q.norm();
-    if norm == 0.0 {
+    if norm > 0.0 {
+        q /= norm;
+    }
+    q
+}
+
+/// Lanczos's three-term recurrence from a unit vector. `visit` receives each basis vector, its diagonal entry and the
+/// next off-diagonal one; the recurrence ends where it returns false.
+fn recurrence(
+    product: Product<'_>,
+    inverse_sqrt_masses: &[f64],
+    start: NodeVectors,
+    mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool,
+) {
+    let mut q = start;
+    if q.iter().all(|value| *value == 0.0) {
         visit(&q, 0.0, 0.0);
         return;
     }
-    q /= norm;
-    let (mut previous, mut beta) = (NodeVectors::zeros(inverse_sqrt_masses.len()), 0.0);
+    let zeros = || NodeVectors::zeros(inverse_sqrt_masses.len());
+    let (mut previous, mut next, mut scaled, mut beta) = (zeros(), zeros(), zeros(), 0.0);
     loop {
-        let mut next = apply(product, inverse_sqrt_masses, &q) - previous * beta;
+        apply_into(product, inverse_sqrt_masses, &q, &mut scaled, &mut next);
+        add_scaled(&mut next, -beta, &previous);
         let alpha = q.dot(&next);
-        next -= &q * alpha;
+        add_scaled(&mut next, -alpha, &q);
         beta = next.norm();
         let continues = visit(&q, alpha, beta);
         if !continues || beta.is_nan() || beta == 0.0 {
             return;
         }
-        previous = q;
-        q = next / beta;
+        std::mem::swap(&mut previous, &mut q);
+        std::mem::swap(&mut q, &mut next);
+        q /= beta;
     }
 }
 
@@ -127,7 +232,7 @@ mod tests {
             }
         };
         let exact = 4.0 * (std::f64::consts::FRAC_PI_2 * (n - 1) as f64 / n as f64).sin().powi(2);
-        let (value, mode) = largest(&chain, &vec![1.0; n]).unwrap();
+        let Eigenpair { value, mode, .. } = largest(&chain, &vec![1.0; n], None, Goal::Convergence).unwrap();
         assert!((value / exact - 1.0).abs() < 1e-5, "{value} {exact}");
         assert!((quotient(&chain, &vec![1.0; n], &mode) / exact - 1.0).abs() < 1e-4);
     }
@@ -142,8 +247,27 @@ mod tests {
                 (0..3).for_each(|axis| out[(i, axis)] += value * (1.0 + 0.1 * axis as f64) * p[(i, axis)]);
             }
         };
-        let (value, mode) = largest(&spread, &vec![1.0; n]).unwrap();
+        let Eigenpair { value, mode, .. } = largest(&spread, &vec![1.0; n], None, Goal::Convergence).unwrap();
         assert!((value / 1.2e4 - 1.0).abs() < 1e-9, "{value}");
         assert!((mode.norm() - 1.0).abs() < 1e-14, "{:e}", mode.norm() - 1.0);
+    }
+
+    #[test]
+    fn a_search_up_to_a_residual_encloses_the_eigenvalue_near_any_start() {
+        // One stiff node among many: the start near a mode of another node has hardly a component along it.
+        let n = 3000;
+        let local = |p: &NodeVectors, out: &mut NodeVectors| {
+            for i in 0..n {
+                let value = if i == 7 { 1.3 } else { (i as f64 / n as f64).sqrt() };
+                (0..3).for_each(|axis| out[(i, axis)] += value * p[(i, axis)]);
+            }
+        };
+        let mut other = NodeVectors::zeros(n);
+        other[(n - 1, 2)] = 1.0;
+        for near in [None, Some(&other)] {
+            let found = largest(&local, &vec![1.0; n], near, Goal::Residual(0.01)).unwrap();
+            assert!(found.residual <= 0.01 * found.value && found.residual > 0.0, "{found:?}");
+            assert!(found.value <= 1.3 + 1e-12 && found.upper() >= 1.3, "{} {}", found.value, found.upper());
+        }
     }
 }

@@ -17,14 +17,32 @@ impl Mesh {
     /// # Errors
     /// `DegenerateTriangle`, `SingularTriangle`.
     pub fn spring_constants(&self, youngs_modulus: f64, poisson_ratio: f64, thickness: f64) -> Result<Vec<f64>> {
-        let mut constants = vec![0.0; self.edges.len()];
-        for (triangle, edges) in self.triangle_edges.iter().enumerate() {
-            let shares = self.side_constants(triangle, youngs_modulus, poisson_ratio, thickness)?;
+        Ok(self.sums_on_edges(&self.all_side_constants(youngs_modulus, poisson_ratio, thickness)?))
+    }
+
+    /// Spring constants of the sides of each triangle by eq. (1) \[N/m\].
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`, `SingularTriangle`.
+    pub(crate) fn all_side_constants(
+        &self,
+        youngs_modulus: f64,
+        poisson_ratio: f64,
+        thickness: f64,
+    ) -> Result<Vec<[f64; 3]>> {
+        let of_triangle = |triangle| self.side_constants(triangle, youngs_modulus, poisson_ratio, thickness);
+        (0..self.triangles.len()).map(of_triangle).collect()
+    }
+
+    /// Sums over the sides at each edge.
+    pub(crate) fn sums_on_edges(&self, of_sides: &[[f64; 3]]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.edges.len()];
+        for (edges, shares) in self.triangle_edges.iter().zip(of_sides) {
             for side in 0..3 {
-                constants[edges[side] as usize] += shares[side];
+                sums[edges[side] as usize] += shares[side];
             }
         }
-        Ok(constants)
+        sums
     }
 
     /// Spring constants of the sides of a triangle by eq. (1), side k opposite corner k \[N/m\].

@@ -2,8 +2,9 @@
 //!
 //! The stiffness matrix K is the sum of the stiffest linearisations of all laws at the current positions: all springs
 //! taut, all creases in contact, all contacts closed. Lanczos's method gives the largest eigenvalues of M^-1/2 K M^-1/2
-//! and M^-1/2 C M^-1/2.
+//! and, for damped scenes, of its combinations with M^-1/2 C M^-1/2.
 
+use super::accuracy::Accuracy;
 use super::oscillator::{Mode, largest_step};
 use super::quadratic_eigenproblem::{self, LinearSystem};
 use crate::arrays::state::NodeVectors;
@@ -11,7 +12,7 @@ use crate::error::Result;
 use crate::integrators::Integrator;
 use crate::laws::Instant;
 use crate::laws::Law;
-use crate::linear::lanczos::{largest, quotient};
+use crate::linear::lanczos::{apply, fixed_start, largest, quotient};
 
 /// The limit of the step, and its cause.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,18 +35,33 @@ pub struct Limit {
 /// # Errors
 /// `NotFinite` for an eigenvalue that is not finite, as with coordinates that are not.
 pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, inverse_masses: &[f64]) -> Result<Limit> {
+    limit_to(Accuracy::of(inverse_masses.len()), integrator, laws, at, inverse_masses)
+}
+
+/// As `limit`, to a given accuracy.
+///
+/// # Errors
+/// As `limit`.
+pub fn limit_to(
+    accuracy: Accuracy,
+    integrator: &dyn Integrator,
+    laws: &[&dyn Law],
+    at: Instant<'_>,
+    inverse_masses: &[f64],
+) -> Result<Limit> {
     let linearised = || laws.iter().filter_map(|law| law.linearisation());
     let stiffness =
         |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_stiffness_product(at, p, out));
-    let damping =
-        |p: &NodeVectors, out: &mut NodeVectors| linearised().for_each(|law| law.add_damping_product(at, p, out));
+    let damping = |factor: f64, p: &NodeVectors, out: &mut NodeVectors| {
+        linearised().for_each(|law| law.add_damping_product(factor, at, p, out));
+    };
+    let whole_damping = |p: &NodeVectors, out: &mut NodeVectors| damping(1.0, p, out);
     let inverse_sqrt_masses: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
-    let (square, stiffest) = largest(&stiffness, &inverse_sqrt_masses)?;
-    let (rate, most_damped) = largest(&damping, &inverse_sqrt_masses)?;
+    let stiffest = largest(&stiffness, &inverse_sqrt_masses, None, accuracy.first())?;
     // Omega from the rate 2 Omega of Coriolis: a motion that turns against the frame has a frequency larger by Omega.
     let frame_rate_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
     let frame_rate = laws.iter().map(|law| frame_rate_of(*law)).fold(0.0, f64::max);
-    let omega = square.max(0.0).sqrt();
+    let omega = stiffest.upper().max(0.0).sqrt();
     let system = LinearSystem {
         stiffness: &stiffness,
         damping: &damping,
@@ -53,25 +69,36 @@ pub fn limit(integrator: &dyn Integrator, laws: &[&dyn Law], at: Instant<'_>, in
         frame_rate,
     };
     let properties = integrator.properties();
+    // A vector with a component along every mode has a product with C unless C is zero.
+    let is_damped = || {
+        let product = apply(&whole_damping, &inverse_sqrt_masses, &fixed_start(&inverse_sqrt_masses));
+        product.iter().any(|value| *value != 0.0)
+    };
     let (dt, mode, root) = if properties.is_implicit {
-        (f64::INFINITY, stiffest, omega)
-    } else if rate > 0.0 {
-        let start = [stiffest, most_damped];
+        (f64::INFINITY, stiffest.mode, omega)
+    } else if is_damped() {
         match properties.damping_weight {
-            Some(weight) => quadratic_eigenproblem::limit_by_quotients(integrator, &system, start, weight)?,
-            None => quadratic_eigenproblem::limit_by_roots(integrator, &system, start, omega.max(rate))?,
+            Some(weight) => {
+                quadratic_eigenproblem::limit_by_quotients(integrator, &system, stiffest, weight, accuracy)?
+            }
+            None => {
+                let most_damped = largest(&whole_damping, &inverse_sqrt_masses, None, accuracy.first())?;
+                let (start, scale) = ([stiffest.mode, most_damped.mode], omega.max(most_damped.value));
+                quadratic_eigenproblem::limit_by_roots(integrator, &system, start, scale, accuracy)?
+            }
         }
     } else {
-        (largest_step(integrator, Mode { omega: omega + frame_rate, damping: 0.0 }), stiffest, omega)
+        (largest_step(integrator, Mode { omega: omega + frame_rate, damping: 0.0 }), stiffest.mode, omega)
     };
     // The law with the largest share of the stiffness and damping of the mode, or of the frequency of the frame.
     let share = |law: &dyn Law| {
         let Some(own) = law.linearisation() else { return 0.0 };
         let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &inverse_sqrt_masses, &mode);
-        let viscous = quotient(&|p, out| own.add_damping_product(at, p, out), &inverse_sqrt_masses, &mode);
+        let viscous = quotient(&|p, out| own.add_damping_product(1.0, at, p, out), &inverse_sqrt_masses, &mode);
         elastic + root * viscous + frame_rate_of(law).powi(2)
     };
-    let law = laws.iter().max_by(|a, b| share(**a).total_cmp(&share(**b))).map_or("nothing", |law| law.name());
+    let shares = laws.iter().map(|law| (share(*law), law.name()));
+    let law = shares.max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or("nothing", |(_, name)| name);
     let node = (0..mode.nrows())
         .max_by(|&i, &j| mode.row(i).norm_squared().total_cmp(&mode.row(j).norm_squared()))
         .unwrap_or(0);

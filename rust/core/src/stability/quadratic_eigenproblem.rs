@@ -9,11 +9,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
+use super::accuracy::Accuracy;
 use super::oscillator::{Mode, largest_step};
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 use crate::integrators::Integrator;
-use crate::linear::lanczos::{Product, apply, largest, quotient};
+use crate::linear::lanczos::{Eigenpair, Product, apply, largest, quotient};
 
 /// Largest size of the subspace, and its largest storage on a large mesh \[vectors x nodes\].
 const MOST_VECTORS: usize = 60;
@@ -33,7 +34,8 @@ const UNCHANGED: usize = 4;
 /// A scene as a linear system, y'' = -K y - C y' with y = M^1/2 x.
 pub(super) struct LinearSystem<'a> {
     pub(super) stiffness: Product<'a>,
-    pub(super) damping: Product<'a>,
+    /// Adds a multiple of the product with C.
+    pub(super) damping: &'a dyn Fn(f64, &NodeVectors, &mut NodeVectors),
     /// m^-1/2 of each node \[kg^-1/2\].
     pub(super) inverse_sqrt_masses: &'a [f64],
     /// Largest shift of a frequency by the turning frame \[rad/s\].
@@ -64,9 +66,10 @@ impl Subspace<'_> {
         v /= norm;
         let k = self.basis.len();
         self.basis.push(v);
-        for (matrix, product) in
-            [(&mut self.stiffness, self.system.stiffness), (&mut self.damping, self.system.damping)]
-        {
+        let damping = |p: &NodeVectors, out: &mut NodeVectors| (self.system.damping)(1.0, p, out);
+        let products: [(_, Product<'_>); 2] =
+            [(&mut self.stiffness, self.system.stiffness), (&mut self.damping, &damping)];
+        for (matrix, product) in products {
             let image = apply(product, self.system.inverse_sqrt_masses, &self.basis[k]);
             let mut grown = std::mem::replace(matrix, DMatrix::zeros(0, 0)).resize(k + 1, k + 1, 0.0);
             for (i, q) in self.basis.iter().enumerate() {
@@ -136,7 +139,8 @@ impl Subspace<'_> {
     fn residual(&self, root: Complex<f64>, [re, im]: &[NodeVectors; 2]) -> [NodeVectors; 2] {
         let square = root * root;
         let [k_re, k_im] = [re, im].map(|part| apply(self.system.stiffness, self.system.inverse_sqrt_masses, part));
-        let [c_re, c_im] = [re, im].map(|part| apply(self.system.damping, self.system.inverse_sqrt_masses, part));
+        let damping = |p: &NodeVectors, out: &mut NodeVectors| (self.system.damping)(1.0, p, out);
+        let [c_re, c_im] = [re, im].map(|part| apply(&damping, self.system.inverse_sqrt_masses, part));
         [
             re * square.re - im * square.im + &c_re * root.re - &c_im * root.im + k_re,
             re * square.im + im * square.re + c_re * root.im + c_im * root.re + k_im,
@@ -156,39 +160,36 @@ fn mode_of(root: Complex<f64>, frame_rate: f64) -> Mode {
 
 /// As `limit_by_roots`, for a method whose limit is dt^2 k + w dt c = 4 with the Rayleigh quotients k and c of any
 /// vector, not of solutions alone. The largest eigenvalue of K + w/dt C sets it. Its eigenvector gives the next dt; the
-/// iteration converges from above.
+/// iteration converges from above, from any first mode. A residual of a mode counts as stiffness.
 pub(super) fn limit_by_quotients(
     integrator: &dyn Integrator,
     system: &LinearSystem<'_>,
-    start: [NodeVectors; 2],
+    first: Eigenpair,
     weight: f64,
+    accuracy: Accuracy,
 ) -> Result<(f64, NodeVectors, f64)> {
     let LinearSystem { stiffness, damping, inverse_sqrt_masses, frame_rate } = *system;
-    let limit_of = |shape: &NodeVectors| {
-        let (k, c) = (quotient(stiffness, inverse_sqrt_masses, shape), quotient(damping, inverse_sqrt_masses, shape));
+    let limit_of = |pair: &Eigenpair| {
+        let of = |product: Product<'_>| quotient(product, inverse_sqrt_masses, &pair.mode);
+        let (k, c) = (of(stiffness) + pair.residual, of(&|p, out| damping(1.0, p, out)));
         largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + frame_rate, damping: c.max(0.0) })
     };
-    let [mut mode, other] = start;
-    let mut dt = limit_of(&mode);
-    let other_dt = limit_of(&other);
-    if other_dt < dt {
-        (dt, mode) = (other_dt, other);
-    }
+    let (mut dt, mut pair) = (limit_of(&first), first);
     for _ in 0..MOST_ITERATIONS {
         let sum = |p: &NodeVectors, out: &mut NodeVectors| {
-            let mut damped = NodeVectors::zeros(p.nrows());
-            damping(p, &mut damped);
             stiffness(p, out);
-            *out += damped * (weight / dt);
+            damping(weight / dt, p, out);
         };
-        let (_, shape) = largest(&sum, inverse_sqrt_masses)?;
-        let next = limit_of(&shape);
-        if next.is_nan() || next >= dt * (1.0 - 1e-6) {
+        let found = largest(&sum, inverse_sqrt_masses, Some(&pair.mode), accuracy.last())?;
+        let (next, before) = (limit_of(&found), dt);
+        if next < dt {
+            (dt, pair) = (next, found);
+        }
+        if next.is_nan() || next >= before * (1.0 - accuracy.unchanged_step()) {
             break;
         }
-        (dt, mode) = (next, shape);
     }
-    Ok((dt, mode, weight / dt))
+    Ok((dt, pair.mode, weight / dt))
 }
 
 /// The largest stable step \[s\], the mode that sets it, and the modulus of its root \[1/s\].
@@ -197,6 +198,7 @@ pub(super) fn limit_by_roots(
     system: &LinearSystem<'_>,
     start: [NodeVectors; 2],
     scale: f64,
+    accuracy: Accuracy,
 ) -> Result<(f64, NodeVectors, f64)> {
     let empty = || DMatrix::zeros(0, 0);
     let mut space = Subspace { system, basis: Vec::new(), stiffness: empty(), damping: empty() };
@@ -208,11 +210,11 @@ pub(super) fn limit_by_roots(
     for relative_rate in RELATIVE_RATES {
         let difference = |p: &NodeVectors, out: &mut NodeVectors| {
             let mut damped = NodeVectors::zeros(p.nrows());
-            (system.damping)(p, &mut damped);
+            (system.damping)(1.0, p, &mut damped);
             (system.stiffness)(p, out);
             *out -= damped * (relative_rate * largest_frequency);
         };
-        space.add(largest(&difference, system.inverse_sqrt_masses)?.1);
+        space.add(largest(&difference, system.inverse_sqrt_masses, None, accuracy.first())?.mode);
     }
     let mut limits: Vec<f64> = Vec::new();
     loop {

@@ -105,9 +105,9 @@ impl HistoryDependent for WearingFriction {
 }
 
 impl Linearisation for WearingFriction {
-    fn add_damping_product(&self, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+    fn add_damping_product(&self, factor: f64, _at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         for (node, c) in self.coefficients.iter().enumerate() {
-            (0..3).for_each(|axis| out[(node, axis)] += c * self.factor() * p[(node, axis)]);
+            (0..3).for_each(|axis| out[(node, axis)] += factor * c * self.factor() * p[(node, axis)]);
         }
     }
 

@@ -15,7 +15,6 @@ use crate::arrays::columns::Columns;
 use crate::arrays::state::columns;
 use crate::assembly::Assembly;
 use crate::elements::stress::TriangleStress;
-use crate::error::Result;
 use crate::laws::Instant;
 use crate::model::input::NegativeSprings;
 use crate::model::mesh::sub;
@@ -39,25 +38,22 @@ pub(super) struct FilmTriangles {
 }
 
 impl FilmTriangles {
-    /// The triangles of the mesh.
-    ///
-    /// # Errors
-    /// `DegenerateTriangle`, `SingularTriangle`.
-    pub(super) fn new(assembly: &Assembly) -> Result<Option<Self>> {
+    /// The triangles of the mesh; `None` without springs.
+    pub(super) fn new(assembly: &Assembly) -> Option<Self> {
         let (mesh, numbering) = (&assembly.mesh, &assembly.numbering);
         let has_springs = assembly.model.negative_springs != NegativeSprings::Unused;
-        let Some(film) = assembly.model.film.filter(|_| has_springs) else { return Ok(None) };
-        let triangle = |(row, (&nodes, &sides)): (usize, (&[u32; 3], &[u32; 3]))| {
-            let mut constants = mesh.side_constants(row, film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+        let film = assembly.model.film.filter(|_| has_springs)?;
+        let triangle = |((&nodes, &sides), &constants): ((&[u32; 3], &[u32; 3]), &[f64; 3])| {
+            let mut constants = constants;
             for (constant, side) in constants.iter_mut().zip(sides) {
                 if assembly.edge_stiffness[side as usize] == 0.0 {
                     *constant = 0.0;
                 }
             }
-            Ok(Triangle { nodes: numbering.to_internal(nodes), sides, constants })
+            Triangle { nodes: numbering.to_internal(nodes), sides, constants }
         };
-        let triangles = mesh.triangles.iter().zip(&mesh.triangle_edges).enumerate().map(triangle);
-        Ok(Some(Self { triangles: triangles.collect::<Result<_>>()?, thickness: film.thickness }))
+        let triangles = mesh.triangles.iter().zip(&mesh.triangle_edges).zip(&assembly.side_stiffness).map(triangle);
+        Some(Self { triangles: triangles.collect(), thickness: film.thickness })
     }
 }
 
