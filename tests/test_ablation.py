@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from membrane_rs import AirDrag, InputError, Scene, Simulation, Spin, scenes
-from membrane_rs.folding import Strip
+from membrane_rs import AirDrag, Fixed, InputError, Scene, Simulation, Spin, SpringDamping, Springs, scenes
+from membrane_rs.check import softening_advice
+from membrane_rs.folding import Disc, Strip
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.study import Ablation, ablate
 from membrane_rs.study.ablation import INSTANTS
 from membrane_rs.study.ablation_result import Change
 from membrane_rs.study.variants import variants, without
-from small_scenes import hanging_strip, refused
+from small_scenes import RUBBER, hanging_strip, refused
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +32,7 @@ def test_every_law_and_part_has_a_row(tether: Ablation) -> None:
     assert names == [
         "law spin",
         "law spring_damping",
+        "mean mass in law spring_damping",
         "part tether",
         "all but 2 of 10 segments in part tether",
         "smallest model",
@@ -42,12 +44,12 @@ def test_every_law_and_part_has_a_row(tether: Ablation) -> None:
 
 
 def test_costs_are_shares_of_the_whole(tether: Ablation) -> None:
-    fewer = tether.items[3]
+    fewer = tether.items[4]
     assert fewer.may_go
     assert fewer.step_limit > 3.0
     assert fewer.cost == pytest.approx(fewer.time_per_step / fewer.step_limit)
     assert 0.1 < fewer.time_per_step < 2.0
-    assert math.isnan(tether.items[2].cost)
+    assert math.isnan(tether.items[3].cost)
 
 
 def test_the_smallest_model_is_a_scene_within_the_tolerance(tether: Ablation, tmp_path: Path) -> None:
@@ -66,7 +68,7 @@ def test_the_smallest_model_is_a_scene_within_the_tolerance(tether: Ablation, tm
     assert [row["left_out"] for row in rows] == [item.name for item in tether.items]
     data = json.loads((tmp_path / "ablation.json").read_text())
     assert data["left_out"] == list(tether.left_out)
-    assert data["items"][2]["change"] is None
+    assert data["items"][3]["change"] is None
     table = (tmp_path / "ablation.md").read_text()
     assert table == tether.table()
     assert all(line.count("|") == 10 for line in table.splitlines())
@@ -113,6 +115,61 @@ def test_a_coarser_mesh_may_be_part_of_the_smallest_model() -> None:
 def test_a_mesh_that_cannot_be_coarser_says_why() -> None:
     found = {variant.name: variant for variant in variants(scenes.load("single-crease"))}
     assert "falls inside one of 1 columns" in found["every other line of the mesh"].reason
+
+
+def spun_disc(**material: Any) -> Scene:
+    """A stiff disc that spins slowly, which the rule lets be softened."""
+    mesh = Disc(0.1, rings=2).mesh()
+    film = replace(RUBBER, youngs_modulus=1e8, **material)
+    return Scene(mesh, film, [Springs(buckling=0.0), SpringDamping(), Spin(2.0)], [Fixed((0,))], name="disc")
+
+
+def test_a_softened_film_runs_by_its_own_step() -> None:
+    scene = spun_disc()
+    factor = softening_advice(scene).factor
+    assert factor > 1.5
+    found = ablate(scene, 0.2, tolerance=0.9, members=0, integrator="leapfrog", share=0.5, dense_until=0.01)
+    items = {item.name: item for item in found.items}
+    soft = items[f"all but 1/{factor:g} of the in-plane stiffness"]
+    assert soft.step_limit > 1.2
+    assert soft.step == pytest.approx(soft.step_limit, rel=0.2)  # both divide the interval between two samples
+    assert soft.change is not None
+    assert math.isnan(soft.change.strain)
+    assert soft.change.rate < 1e-3  # the strain of the flat disc
+    assert f"by steps {soft.step:.2g} times as long" in found.table()
+    assert items["law spin"].step <= 1.0
+
+
+def test_a_softened_film_is_joined_with_what_else_is_left_out() -> None:
+    scene = scenes.load("okuizumi-model-1")
+    found = {variant.name: variant for variant in variants(scene)}
+    chosen = [found["all but 1/10 of the in-plane stiffness"], found["law air_drag"]]
+    left = without(scene, chosen)
+    assert left.material == replace(scene.material, softening=10.0)  # type: ignore[type-var]
+    assert [law.kind for law in left.laws] == [law.kind for law in scene.laws if law.kind != "air_drag"]
+    assert "softening = 10.0" in left.to_toml()
+
+
+def test_neither_a_softened_film_nor_reduced_masses_are_simplified_again() -> None:
+    names = [variant.name for variant in variants(spun_disc())]
+    assert "mean mass in law spring_damping" in names
+    reduced = replace(spun_disc(softening=3.0), laws=[Springs(), SpringDamping(mass="reduced"), Spin(2.0)])
+    assert not [v.name for v in variants(reduced) if "stiffness" in v.name or "mean mass" in v.name]
+
+
+def test_a_law_that_is_left_out_is_not_replaced_as_well() -> None:
+    scene = spun_disc()
+    found = {variant.name: variant for variant in variants(scene)}
+    left = without(scene, [found["mean mass in law spring_damping"]])
+    assert left.law(SpringDamping) == SpringDamping(mass="reduced")
+    assert without(scene, [found["law spring_damping"]]).law(SpringDamping) is None
+
+
+def test_starts_are_perturbed_by_the_shift() -> None:
+    scene = scenes.load("spinning-tether")
+    small, large = (ablate(scene, 0.01, members=1, shift=shift).spread.rate for shift in (1e-9, 1e-5))
+    assert 1e2 * small < large
+    assert "(by 1e-05 m)" in ablate(scene, 0.001, members=1, shift=1e-5).heading()
 
 
 def test_peak_stress_is_that_of_the_film() -> None:
@@ -194,6 +251,7 @@ def test_several_things_are_left_out_at_once() -> None:
         ({"tolerance": 0.0}, "tolerance = 0.0: must be greater than 0"),
         ({"tolerance": math.inf}, "tolerance = inf"),
         ({"members": -1}, "members = -1.*--ensemble"),
+        ({"shift": 0.0}, "shift = 0.0: must be above 0"),
         ({"until": -1.0}, "until = -1.0"),
         ({"dense_until": 0.0}, "dense_until = 0.0: must be greater than 0"),
         ({"integrator": "leapfrogs"}, "there is no 'leapfrogs'; did you mean 'leapfrog'"),

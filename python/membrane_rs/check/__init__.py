@@ -12,6 +12,7 @@ from membrane_rs.check.scene_audit import (
     audit_of_motion,
     unaccepted_errors,
 )
+from membrane_rs.check.softening import SofteningAdvice, softening_advice
 from membrane_rs.mesh.findings import Audit, Finding
 
 __all__ = [
@@ -21,8 +22,10 @@ __all__ = [
     "Audit",
     "Check",
     "Finding",
+    "SofteningAdvice",
     "audit",
     "audit_of_motion",
     "facts",
+    "softening_advice",
     "unaccepted_errors",
 ]

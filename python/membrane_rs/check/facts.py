@@ -49,6 +49,8 @@ def facts(scene: Scene) -> dict[str, str]:
         film = scene.material
         waves = (film.youngs_modulus / film.density) ** 0.5
         found["material"] = f"{film.youngs_modulus:.4g} Pa, {film.density:.4g} kg/m3 (waves at {waves:.4g} m/s)"
+        if film.softening is not None:
+            found["softening"] = f"{film.softening:g}-fold in stretch"
         masses = {"film": area * scene.material.thickness * scene.material.density} | masses
     shares = ", ".join(f"{name} {mass:.4g} kg" for name, mass in masses.items() if mass > 0.0)
     found["mass"] = f"{sum(masses.values()):.4g} kg ({shares})"

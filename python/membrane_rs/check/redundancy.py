@@ -45,17 +45,17 @@ def laws_without_effect(scene: Scene) -> Iterator[Finding]:
 
 def step_savings(scene: Scene, integrator: str | None = None) -> list[Saving]:
     """The step without each law and part in turn, the largest first; only gains of 2 % and more."""
-    limit = _limit(scene, integrator)
+    limit = limit_of_step(scene, integrator)
     found = []
     for part, changed, advice in _variants(scene):
-        without = _limit(changed, integrator)
+        without = limit_of_step(changed, integrator)
         gain = without / limit if math.isfinite(limit) else 1.0
         if gain > LEAST_GAIN:
             found.append(Saving(part, without, gain, advice(gain)))
     return sorted([*found, *_at_one_place(scene, integrator, limit)], key=lambda saving: -saving.gain)
 
 
-def _limit(scene: Scene, integrator: str | None) -> float:
+def limit_of_step(scene: Scene, integrator: str | None = None) -> float:
     """The limit of the step; inf without stiffness, NaN where the scene cannot be built."""
     try:
         return Motion(replace(scene, run=replace(scene.run, dt=None)), integrator, dt=1e-300).stable_dt()
@@ -91,7 +91,7 @@ def _at_one_place(scene: Scene, integrator: str | None, limit: float) -> Iterato
         return
     around = scene.mesh.triangles[(scene.mesh.triangles == node).any(axis=1)]
     held = replace(scene, parts=[*scene.parts, Fixed(nodes=tuple(int(i) for i in np.unique(around)))])
-    gain = _limit(held, integrator) / limit
+    gain = limit_of_step(held, integrator) / limit
     if 1.1 < gain < math.inf:
         flatness = float(scene.mesh.flatness()[(scene.mesh.triangles == node).any(axis=1)].min())
         yield Saving(

@@ -25,6 +25,7 @@ from membrane_rs.check.mesh_faults import (
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
+from membrane_rs.check.softening import softening_of_film, softening_without_effect, step_of_softened_film
 from membrane_rs.check.spool import sail_round_spool, spool
 from membrane_rs.check.stages import stages_together
 from membrane_rs.check.step_accuracy import accuracy_of_step
@@ -58,12 +59,14 @@ CHECKS: list[Check] = [
     material_values,
     law_and_part_values,
     laws_without_effect,
+    softening_of_film,
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""
 
 STEPPING_CHECKS: list[SteppingCheck] = [
     step_above_limit,
     settings_without_effect,
+    softening_without_effect,
 ]
 """Checks of the method and the step, made wherever `CHECKS` are."""
 
@@ -73,6 +76,7 @@ COSTLY_CHECKS: list[Check] = [
     net_of_springs,
     stowed_energy,
     accuracy_of_step,
+    step_of_softened_film,
 ]
 """Checks that take longer: made by `check` alone."""
 

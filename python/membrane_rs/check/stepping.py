@@ -29,23 +29,36 @@ class Stepping:
         Those of the scene, whose method and step a caller may have replaced.
     stable_dt : callable
         Gives the largest stable step [s]. Raises MembraneError where the scene cannot be simulated.
+    softening : float or None
+        Of the film [-].
     """
 
     run: RunSettings
     own: RunSettings
     stable_dt: Callable[[], float]
+    softening: float | None = None
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Stepping:
         """As its run settings say."""
-        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt())
+        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt(), _softening(scene))
 
     @classmethod
     def of_motion(cls, sim: Motion) -> Stepping:
         """As a simulation steps its scene."""
         own = sim.stage_scene.run
         run = replace(own, integrator=sim.integrator, dt=sim.given_dt)
-        return cls(run, own, sim.stable_dt)
+        return cls(run, own, sim.stable_dt, _softening(sim.stage_scene))
+
+
+def _softening(scene: Scene) -> float | None:
+    return None if scene.material is None else scene.material.softening
+
+
+def is_explicit(integrator: str) -> bool:
+    """Whether a method has a limit of its step; False for a method that is not known."""
+    facts: IntegratorFacts | None = integrators().get(integrator)
+    return facts is not None and math.isfinite(facts.imaginary_limit)
 
 
 def step_above_limit(stepping: Stepping) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ import typer
 from membrane_rs._extras import need
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli.application import STUDIES, Json, command, print_json, tell
+from membrane_rs.cli.many_runs import Shift
 from membrane_rs.cli.options import (
     Integrator,
     Jobs,
@@ -155,6 +156,7 @@ def ablate(
         numeric_option(help="Allowed change: of the rate, of the phase (turns), of the peaks."),
     ] = 0.01,
     ensemble: Annotated[int, count_option(help="Number of runs from perturbed starts; 0: none.")] = 5,
+    shift: Shift = None,
     integrator: Integrator = None,
     share: Annotated[float | None, numeric_option(help="Steps in multiples of the stability limit.")] = None,
     dense_until: Annotated[float | None, quantity_option("s", help="End of the run on the denser mesh [s].")] = None,
@@ -169,7 +171,7 @@ def ablate(
     report_audit(chosen)
     found = study(
         chosen, until, tolerance=tolerance, members=ensemble, integrator=integrator, share=share,
-        dense_until=dense_until, jobs=jobs, progress=tell,
+        dense_until=dense_until, jobs=jobs, progress=tell, **({} if shift is None else {"shift": shift}),
     )  # fmt: skip
     _save(found, out or Path("runs") / f"{chosen.name}-ablation", json=json)
 

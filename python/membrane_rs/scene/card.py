@@ -30,8 +30,9 @@ def text_of(scene: ShownScene, assembly: Assembly) -> str:
 
 
 def _film(film: Material) -> str:
-    """Its thickness and Young's modulus, such as "7.5 um thick, E = 3.2 GPa"."""
-    return f"{compact(film.thickness, 'm', 4)} thick, E = {compact(film.youngs_modulus, 'Pa', 4)}"
+    """Its thickness and Young's modulus, such as "7.5 um thick, E = 3.2 GPa, softened 10-fold"."""
+    softened = "" if film.softening is None else f", softened {film.softening:g}-fold"
+    return f"{compact(film.thickness, 'm', 4)} thick, E = {compact(film.youngs_modulus, 'Pa', 4)}{softened}"
 
 
 def card_of(scene: ShownScene, assembly: Assembly, counts: Mapping[str, int]) -> Card:

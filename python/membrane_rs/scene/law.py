@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
+import numpy as np
 from typing_extensions import Self
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import validated
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
@@ -115,6 +117,21 @@ class Law:
         """Turns of the hub per second [Hz], at the start or the most of a schedule; None: it does not turn the hub."""
         return None
 
+    def fastest_turning(self, until: float) -> float:
+        """The largest rate at which it turns the hub up to a time, regardless of the sense.
+
+        Parameters
+        ----------
+        until : float
+            [s]
+
+        Returns
+        -------
+        float
+            Turns per second [Hz]; 0 where it does not turn the hub.
+        """
+        return abs(self.hub_frequency or 0.0)
+
     @property
     def spool(self) -> Spool | None:
         """The spool, where the law describes it."""
@@ -205,6 +222,33 @@ class Law:
             Of the same kind.
         """
         return self.for_modulus(1.0 / factor)
+
+    def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
+        """Strains at which the film buckles under compression.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            The membrane.
+        material : Material
+            Of it.
+
+        Returns
+        -------
+        (c,) float64
+            Of each crease [-], or of each edge where there are no creases; none of a law that is not that of the film.
+        """
+        return np.zeros(0)
+
+    def simpler(self) -> tuple[str, Law] | None:
+        """A form of the law that leaves something out, for studies.
+
+        Returns
+        -------
+        (str, Law) or None
+            What it leaves out, in words, and the law; None where there is no such form.
+        """
+        return None
 
     def with_lengths(self, lengths: Mapping[str, float | None]) -> Self:
         """The law with physical lengths [m] in its `length_fields`; None: the mesh's own.

@@ -4,6 +4,9 @@ For each variant the study gives the saving in cost and the change in the result
 tolerance and with the spread of an ensemble of perturbed starts, below which it is indistinguishable from chaos. The
 smallest model leaves out everything that is dispensable. It is run as a whole; where it exceeds the tolerance, the
 laws and parts of the largest change are restored one by one.
+
+All run by one step, so that they differ by the model alone; a variant whose only saving is a longer step, such as a
+softened film, runs by its own step, of the same ratio to its limit.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from membrane_rs.scene import Scene
 from membrane_rs.simulation import integrators
 from membrane_rs.study.ablation_result import SMALLEST, Ablation, Change, Item
 from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.perturbation import SHIFT, shift_of
 from membrane_rs.study.common.run import MOST_MEMBERS, StudyCase, StudyRun, ensemble, run_case, study_case
 from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
@@ -37,6 +41,7 @@ def ablate(
     *,
     tolerance: float = 0.01,
     members: int = 5,
+    shift: float = SHIFT,
     integrator: str | None = None,
     share: float | None = None,
     dense_until: float | None = None,
@@ -53,10 +58,14 @@ def ablate(
         Time at the end [s]; the result holds up to then. Default: the scene's.
     tolerance : float
         Allowed change [-]: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
-        stress by this share of themselves; or of each by the spread of the ensemble, if that is larger.
+        stress by this share of themselves; or of each by the spread of the ensemble, if that is larger. A softened film
+        is not judged by its strain, which is that of another film, but by its stress.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
         the unperturbed start among them; 0: none. A run that the monitor stops is not counted.
+    shift : float
+        Standard deviation of the perturbation of each coordinate of a start [m]. Starts that differ by rounding alone
+        have their first instants in common, and show less than what any small change, of the model too, does there.
     integrator : str, optional
         The method of all runs. Default: the scene's.
     share : float, optional
@@ -100,6 +109,7 @@ def ablate(
         raise InputError(f"tolerance = {tolerance}: must be greater than 0 and finite")
     members = count_of("members", members, 0, MOST_MEMBERS, "perturbed starts, --ensemble")
     dense_until = None if dense_until is None else number_of("dense_until", dense_until)
+    shift = shift_of(shift)
     share = None if share is None else number_of("share", share, "of the stability limit")
     if dense_until is not None and not dense_until > 0.0:
         raise InputError(f"dense_until = {dense_until}: must be greater than 0 (s)")
@@ -110,7 +120,7 @@ def ablate(
     tell = teller(progress)
     case = study_case(scene, until, INSTANTS)
     whole = _simulation(case.scene, integrator, step_ratio=share)
-    reference, *others = ensemble(case, whole.integrator, whole.dt, members, jobs=jobs, tell=tell)
+    reference, *others = ensemble(case, whole.integrator, whole.dt, members, shift=shift, jobs=jobs, tell=tell)
     reference, others = reference.completed(), [member for member in others if member.failure is None]
     spread = _largest([_change(one, other) for one, other in combinations((reference, *others), 2)])
     peak = float(reference.strain.max())
@@ -141,6 +151,7 @@ def ablate(
         items=(*items, *([row] if row else [])),
         left_out=tuple(variant.name for variant in left_out),
         smallest=None if smallest is None else replace(smallest, name=f"{scene.name[:80]}-smallest", run=scene.run),
+        shift=shift,
     )
 
 
@@ -166,13 +177,16 @@ class _Comparison:
         return replace(variant, name=f"{variant.name} (first {case.until:.3g} s)")
 
     def runs(self, chosen: Sequence[Variant]) -> list[StudyRun]:
-        """One run of each by the method and step of the complete scene, or a smaller one where its limit is lower."""
+        """One run of each by the method and step of the complete scene, or a smaller one where its limit is lower; by
+        its own step where that is what it saves.
+        """
         stop = Event()
 
         def job(variant: Variant) -> StudyRun:
             assert variant.scene is not None
+            own = _simulation(variant.scene, self.whole.integrator, self.step_ratio).dt
             # One step that is stable for both: then the runs differ by the model alone.
-            dt = min(self.whole.dt, _simulation(variant.scene, self.whole.integrator, self.step_ratio).dt)
+            dt = own if variant.saves_by_step else min(self.whole.dt, own)
             case = self.case.shortened(self.dense_until) if variant.density > 1.0 else self.case
             return run_case(case.of(variant.scene), self.whole.integrator, dt, stop=stop)
 
@@ -185,19 +199,27 @@ class _Comparison:
         if variant.scene is None or run is None:
             return Item(variant.name, math.nan, math.nan, math.nan, None, f"cannot be left out: {variant.reason}")
         time, limit = cost_against(self.whole, variant.scene)
+        step = run.dt / self.reference.dt
         if run.failure is not None:
             verdict = f"needed: without it the run stops at {run.failure.time:.3g} s ({run.failure.law})"
-            return Item(variant.name, time, limit, time / limit, None, verdict)
+            return Item(variant.name, time, limit, time / limit, None, verdict, step)
         change = _change(run, self.reference)
+        if _softening(variant.scene) != _softening(self.case.scene):
+            # Its stress is the film's, its strain is that of another film.
+            change = replace(change, strain=math.nan)
         if variant.density > 1.0:
             enough = "within tolerance: the mesh is dense enough"
             verdict = enough if change.within(self.allowed) else "beyond tolerance: a denser mesh gives another answer"
-            return Item(variant.name, time, limit, time / limit, change, verdict)
+            return Item(variant.name, time, limit, time / limit, change, verdict, step)
         verdict = "needed"
         if change.within(self.allowed):
             hidden = any(vars(change).values()) and change.within(self.spread)
             verdict = "can be omitted: change within the spread" if hidden else "can be omitted"
-        return Item(variant.name, time, limit, time / limit, change, verdict)
+        return Item(variant.name, time, limit, time / limit, change, verdict, step)
+
+
+def _softening(scene: Scene) -> float | None:
+    return None if scene.material is None else scene.material.softening
 
 
 def _simulation(scene: Scene, integrator: str | None, step_ratio: float | None) -> Simulation:
@@ -219,7 +241,8 @@ def _smallest(
         chosen = [variant for variant, _ in going if variant.other is None or variant.place not in bare]
         try:
             scene = without(comparison.case.scene, chosen)
-            variant = Variant(SMALLEST, ("", 0), scene)
+            by_step = any(variant.saves_by_step for variant in chosen)
+            variant = Variant(SMALLEST, ("", 0), scene, saves_by_step=by_step)
             item = comparison.item(variant, comparison.runs([variant])[0])
         except InputError:  # the remainder is not a valid scene
             item = None

@@ -13,6 +13,7 @@ from membrane_rs._markdown import table
 from membrane_rs.results.run_summary import versions
 from membrane_rs.results.summary import write_summary
 from membrane_rs.scene import Scene
+from membrane_rs.study.common.perturbation import SHIFT
 
 SMALLEST = "smallest model"
 """Folder of the recommended scene, and name of its row in the table."""
@@ -96,6 +97,8 @@ class Item:
     verdict : str
         "can be omitted", "can be omitted: change within the spread", "needed", or the reason why it cannot be left
         out. For a denser mesh: whether the scene's mesh is dense enough.
+    step : float
+        Ratio of the step of its run to that of the complete scene [-]; above 1 where a longer step is what it saves.
 
     Examples
     --------
@@ -111,6 +114,7 @@ class Item:
     cost: float
     change: Change | None
     verdict: str
+    step: float = 1.0
 
     @property
     def may_go(self) -> bool:
@@ -153,6 +157,8 @@ class Ablation:
         What the smallest model leaves out.
     smallest : Scene or None
         None where nothing is dispensable.
+    shift : float
+        Standard deviation of the perturbation of each coordinate of the starts [m].
 
     Examples
     --------
@@ -182,6 +188,7 @@ class Ablation:
     items: tuple[Item, ...]
     left_out: tuple[str, ...]
     smallest: Scene | None
+    shift: float = SHIFT
 
     def table(self) -> str:
         """The rows as a table.
@@ -208,6 +215,7 @@ class Ablation:
         """
         stress = "" if math.isnan(self.peak_stress) else f", peak stress {self.peak_stress:.2e} Pa"
         head = f"{self.scene}, {self.until:g} s by steps of {self.dt:.3g} s, {self.members} perturbed starts"
+        head += "" if self.shift == SHIFT else f" (by {self.shift:g} m)"
         return f"{head}; tolerance {self.tolerance:g}, peak strain {self.peak_strain:.2e}{stress}"
 
     def verdict(self) -> str:
@@ -265,11 +273,11 @@ class Ablation:
         with replacing(folder / "ablation.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             names = ["left_out", "time_per_step", "step_limit", "cost", "rate", "phase_deg", "peak_strain"]
-            names += ["peak_stress", "verdict"]
+            names += ["peak_stress", "verdict", "step"]
             writer.writerow(names)
             for i in self.items:
                 changes = vars(i.change).values() if i.change else [None] * 4
-                writer.writerow([i.name, i.time_per_step, i.step_limit, i.cost, *changes, i.verdict])
+                writer.writerow([i.name, i.time_per_step, i.step_limit, i.cost, *changes, i.verdict, i.step])
         write_summary(folder / "ablation.json", self.as_dict())
         if self.smallest is not None:
             self.smallest.save(folder / SMALLEST.replace(" ", "-"))
@@ -284,5 +292,6 @@ def _row(item: Item) -> tuple[str, ...]:
     def share(value: float) -> str:
         return "-" if math.isnan(value) else f"{100 * value:.0f} %"
 
+    own_step = f"; by steps {item.step:.2g} times as long" if item.step > 1.0 else ""
     changes = _changes(item.change) if item.change else ("-",) * 4
-    return (item.name, share(item.share), share(item.step_limit), share(item.cost), *changes, item.verdict)
+    return (item.name, share(item.share), share(item.step_limit), share(item.cost), *changes, item.verdict + own_step)

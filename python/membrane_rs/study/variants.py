@@ -1,16 +1,22 @@
-"""Variants of a scene: without a law, without a part, with fewer segments in a cord, with a coarser or finer mesh."""
+"""Variants of a scene: without a law or a part, with a simpler or softer one, on a coarser or finer mesh."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
+from membrane_rs.check.softening import LEAST_FACTOR, softening_advice
 from membrane_rs.errors import InputError
+from membrane_rs.material import Material
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Law
 from membrane_rs.scene.parts import Part
 from membrane_rs.study.common.density import denser
+
+T = TypeVar("T")
 
 COARSER = 4
 """Factor by which the number of segments of a cord is reduced."""
@@ -25,13 +31,15 @@ class Variant:
     name : str
         Name of the element that is left out or replaced.
     place : (str, int)
-        Its place in the scene: "laws", "parts" or "mesh", and its index.
+        Its place in the scene: "laws", "parts", "material" or "mesh", and its index.
     scene : Scene or None
         None where it cannot be left out.
     reason : str
         The reason, where it cannot be left out.
-    other : Part or None
-        The part in its place.
+    other : Law, Part, Material or None
+        What stands in its place.
+    saves_by_step : bool
+        Whether a longer step is all that it saves, so that it is judged with that.
     density : float
         Ratio of the density of its mesh to that of the scene.
     """
@@ -40,15 +48,22 @@ class Variant:
     place: tuple[str, int]
     scene: Scene | None = None
     reason: str = ""
-    other: Part | None = None
+    other: Law | Part | Material | None = None
+    saves_by_step: bool = False
     density: float = 1.0
 
 
 def variants(scene: Scene) -> list[Variant]:
-    """The scene without each law and part, and with a quarter of the segments in each cord, in the order of the scene;
-    then with the mesh at half and at twice its density.
+    """The scene without each law and part, with simpler laws, and with a quarter of the segments in each cord, in the
+    order of the scene; then with the film as soft as `softening_advice` says, and with the mesh at half and at twice
+    its density.
     """
-    found = [Variant(f"law {law.kind}", ("laws", k)) for k, law in enumerate(scene.laws)]
+    found = []
+    for k, law in enumerate(scene.laws):
+        found.append(Variant(f"law {law.kind}", ("laws", k)))
+        if (simpler := law.simpler()) is not None:
+            gone, form = simpler
+            found.append(Variant(f"{gone} in law {law.kind}", ("laws", k), other=form, saves_by_step=True))
     kinds = [part.kind for part in scene.parts]
     for k, part in enumerate(scene.parts):
         number = f" {kinds[:k].count(part.kind)}" if kinds.count(part.kind) > 1 else ""
@@ -56,6 +71,12 @@ def variants(scene: Scene) -> list[Variant]:
         if (coarser := part.coarser(COARSER)) is not None:
             gone, other = coarser
             found.append(Variant(f"{gone} in part {part.kind}{number}", ("parts", k), other=other))
+    if scene.material is not None and scene.material.softening is None:
+        factor = softening_advice(scene).factor
+        if factor > LEAST_FACTOR:
+            soft = replace(scene.material, softening=factor)
+            name = f"all but 1/{factor:g} of the in-plane stiffness"
+            found.append(Variant(name, ("material", 0), other=soft, saves_by_step=True))
     if scene.mesh is not None:
         found.append(Variant("every other line of the mesh", ("mesh", 0), density=0.5))
         found.append(Variant("nothing; mesh twice as dense", ("mesh", 0), density=2.0))
@@ -72,11 +93,15 @@ def without(scene: Scene, chosen: Sequence[Variant]) -> Scene:
     InputError
         A density that its mesh cannot represent.
     """
-    gone = {variant.place: variant.other for variant in chosen if variant.density == 1.0}
-    laws = [law for k, law in enumerate(scene.laws) if ("laws", k) not in gone]
-    parts = [gone.get(("parts", k), part) for k, part in enumerate(scene.parts)]
-    left = replace(scene, laws=laws, parts=[part for part in parts if part is not None])
-    return denser(left, math.prod(variant.density for variant in chosen))
+    gone: dict[tuple[str, int], Any] = {variant.place: variant.other for variant in chosen if variant.density == 1.0}
+
+    def left(place: str, members: Sequence[T]) -> list[T]:
+        kept = (gone.get((place, k), member) for k, member in enumerate(members))
+        return [member for member in kept if member is not None]
+
+    material = gone.get(("material", 0), scene.material)
+    rest = replace(scene, material=material, laws=left("laws", scene.laws), parts=left("parts", scene.parts))
+    return denser(rest, math.prod(variant.density for variant in chosen))
 
 
 def _built(scene: Scene, variant: Variant) -> Variant:

@@ -95,6 +95,11 @@ class Spin(Law):
         """That at the start, or the largest of its schedule."""
         return self._at_start if self.schedule is None else max(self.schedule.values, key=abs)
 
+    def fastest_turning(self, until: float) -> float:
+        """That at the start, at the end, or the most of a schedule."""
+        most = abs(self.hub_frequency)
+        return most if self.schedule is not None else max(most, abs(self._at(until)))
+
     @property
     def _at_start(self) -> float:
         """The frequency, 0 beside a schedule."""
@@ -112,7 +117,7 @@ class Spin(Law):
         """
         radius = outermost(scene, with_cords=False)
         end = self._at(scene.run.until)
-        highest, fastest = max(abs(self.hub_frequency), 0.0 if self.schedule else abs(end)), FASTEST
+        highest, fastest = self.fastest_turning(scene.run.until), FASTEST
         if scene.material is not None and scene.mesh is not None:
             tearing = math.sqrt(STRETCHED * scene.material.youngs_modulus / scene.material.density)
             fastest = min(FASTEST, tearing)

@@ -112,6 +112,10 @@ class SpringDamping(Law):
         gain = 2.0 * factor if self.mass == "mean" else factor
         return replace(self, ratio=self.ratio * math.sqrt(gain), mass="reduced")
 
+    def simpler(self) -> tuple[str, SpringDamping] | None:
+        """The reduced mass, which beside a tip mass is far below the mean, and elsewhere half of it."""
+        return None if self.mass == "reduced" else ("mean mass", replace(self, mass="reduced"))
+
     def step_advice(self, gain: float) -> str:
         """A smaller ratio."""
         return "a smaller ratio makes the step longer"

@@ -8,8 +8,12 @@ from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Le
 
+from membrane_rs._arrays import Floats
 from membrane_rs._validation import Finite, NonNegative, Positive, Unit, validated
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
 from membrane_rs.scene.law import Law
+from membrane_rs.scene.laws._buckling import critical_strains
 
 
 @validated
@@ -69,6 +73,10 @@ class Triangles(Law):
         """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
         alpha, on_creases = factor * self.buckling, factor * self.buckling_on_creases
         return replace(self, buckling=alpha, buckling_on_creases=on_creases)
+
+    def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
+        """Those at which creases buckle; edges, where there are no creases."""
+        return critical_strains(self, mesh, material.thickness)
 
     def without_compression(self) -> Triangles:
         """A tension field."""

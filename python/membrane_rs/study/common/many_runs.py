@@ -41,6 +41,7 @@ from membrane_rs.study.common.one_run import (
     packed,
     stop_runs,
 )
+from membrane_rs.study.common.perturbation import shift_of
 from membrane_rs.study.common.pools import GIVEN_CAPACITY, Pool, completed, process_pools, thread_pools
 
 MOST_RUNS = 100_000
@@ -224,9 +225,6 @@ def checked_setup(setup: RunSetup) -> RunSetup:
         raise InputTypeError(f"samples = {show(samples)}: must be a whole number")
     if samples is not None and not 2 <= samples <= MOST_INSTANTS:
         raise InputError(f"samples = {show(samples)}: must be from 2 to {MOST_INSTANTS}")
-    shift = number_of("shift", setup.shift, "m")
-    if shift <= 0.0:
-        raise InputError(f"shift = {shift}: must be above 0 (m)")
     limit = None if setup.time_limit is None else number_of("time_limit", setup.time_limit)
     if limit is not None and limit <= 0.0:
         raise InputError(f"time_limit = {limit}: must be above 0 (s of wall time for each run)")
@@ -235,7 +233,7 @@ def checked_setup(setup: RunSetup) -> RunSetup:
         raise InputError(
             f"record[{taken!r}]: final_{taken} or highest_{taken} is another number of each row; rename it"
         )
-    return RunSetup(until, samples, dict(record_table(setup.record)), shift, limit)
+    return RunSetup(until, samples, dict(record_table(setup.record)), shift_of(setup.shift), limit)
 
 
 def check_picklable(setup: RunSetup) -> None:

@@ -5,10 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs._validation import number_of
+from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
 
 SHIFT = 1e-12
 """Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
+
+
+def shift_of(shift: float) -> float:
+    """A standard deviation of the perturbation [m], checked. Raises InputError and InputTypeError."""
+    shift = number_of("shift", shift, "m")
+    if shift <= 0.0:
+        raise InputError(f"shift = {shift}: must be above 0 (m)")
+    return shift
 
 
 def perturbation(scene: Scene, seed: int, shift: float = SHIFT) -> Floats:

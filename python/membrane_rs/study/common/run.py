@@ -16,7 +16,7 @@ from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.study.common.executor import Tell, run_parallel
-from membrane_rs.study.common.perturbation import perturbation
+from membrane_rs.study.common.perturbation import SHIFT, perturbation
 from membrane_rs.study.common.stages import refuse_stages
 
 MOST_SAMPLES = 10**5
@@ -82,9 +82,11 @@ class StudyCase:
         count = max(1, int(until / self.interval * (1.0 + 1e-9)))
         return replace(self, until=count * self.interval, instants=count)
 
-    def perturbed(self, seed: int) -> StudyCase:
-        """The same case with a random displacement of standard deviation `SHIFT` at every free node of the start."""
-        return replace(self, start=self.start + perturbation(self.scene, seed))
+    def perturbed(self, seed: int, shift: float = SHIFT) -> StudyCase:
+        """The same case with a random displacement of standard deviation `shift` [m] at every free node of the
+        start.
+        """
+        return replace(self, start=self.start + perturbation(self.scene, seed, shift))
 
 
 @dataclass(frozen=True)
@@ -232,12 +234,13 @@ def ensemble(
     dt: float,
     count: int,
     *,
+    shift: float = SHIFT,
     shapes: bool = False,
     jobs: int | None = None,
     tell: Tell | None = None,
 ) -> list[StudyRun]:
     """The run from the unperturbed start, then `count` from perturbed starts with the seeds 0, 1, 2 ..."""
-    cases = [case, *(case.perturbed(seed) for seed in range(count))]
+    cases = [case, *(case.perturbed(seed, shift) for seed in range(count))]
     names = ["unperturbed start", *(f"perturbed start, seed {seed}" for seed in range(count))]
 
     def member(one: StudyCase) -> StudyRun:
