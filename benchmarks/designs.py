@@ -1,8 +1,8 @@
 """Designs per minute: a sweep of the fast sail, by threads and by processes.
 
 Each design is the deployment of `okuizumi-model-1-fast` with another stiffness of its creases, from the cross to the
-end of the paper's figures. Threads and processes alternate; times are medians. What a run costs beside its steps, in one
-thread: the scene from its file, the simulation with its stability limit.
+end of the paper's figures. Threads and processes alternate; times are medians. What a run costs beside its steps, in
+one thread: the scene from its file, the simulation with its stability limit.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def test_what_is_known_depends_on_the_work_alone(monkeypatch: pytest.MonkeyPatch
     assert step_accuracy(scene).reached == scene.run.until
 
 
-@pytest.mark.parametrize("name", [name for name in scenes.names() if name.startswith("okuizumi-model")])
+@pytest.mark.parametrize("name", ["okuizumi-model-1", "okuizumi-model-1-triangles", "okuizumi-model-2"])
 def test_a_run_that_soon_stops_is_told_however_slow_its_steps_are(name: str) -> None:
     sail = scenes.load(name)
     found = step_accuracy(replace(sail, run=replace(sail.run, integrator="generalized_alpha")), work=0.0)
