@@ -69,7 +69,7 @@ def test_the_critical_strain_of_creases_by_hand() -> None:
 
 
 @pytest.mark.parametrize("lengths", [{}, {"buckling_length": 0.01}, {"crease_length": 0.02}])
-def test_a_crease_of_the_core_buckles_at_that_strain(lengths: dict[str, float]) -> None:
+def test_a_crease_of_the_core_buckles_at_that_strain(lengths: dict[str, Any]) -> None:
     scene = square(Springs(1e2, 5e3, **lengths), creases={"creases": [[0, 2]], "fold_angles": [0.0]})
     critical = softening_advice(scene).critical_strain
     sim = Motion(scene)
