@@ -72,6 +72,12 @@ PARTS = (
         [("tools/docs/dashpots.py", "--write")],
         fills_cores=True,
     ),
+    Part(
+        "softening",
+        "docs/softening.md: error and cost of softened films",
+        [("tools/docs/softening.py", "--write")],
+        fills_cores=True,
+    ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
     Part("limits", "docs/limits.md: limits predicted and measured", [("tests/limit_cases.py",)]),
     Part("steps", "docs/step_accuracy.md: errors of default steps", [("tests/step_accuracy_cases.py",)]),

@@ -1,0 +1,158 @@
+"""The study of softened films: distances of ensembles, shares inside a band, fronts, and scenes that it compares."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from membrane_rs import Simulation, SpringDamping, Tethers, scenes
+from membrane_rs._arrays import Floats
+from softening_cases import MODELS, WIDE, Case, coarse, fast, ratio_kept, softened, spun, weak_creases
+from softening_distance import (
+    Distance,
+    chance,
+    distance,
+    expected_inside,
+    front,
+    mean_distance,
+    shares_inside,
+    spread,
+    standard_error,
+)
+from softening_rule import critical_strain, spin_strain
+from softening_runs import RATE, Ensemble, deployed
+from softening_tables import cost_table, displacement_table, distance_table, front_table, starts_table
+
+SAMPLES = 50
+
+
+def noisy(starts: int, seed: int, offset: float = 0.0) -> Floats:
+    """Curves of independent noise of unit variance about a constant."""
+    return np.asarray(offset + np.random.default_rng(seed).standard_normal((starts, SAMPLES)))
+
+
+def test_the_distance_of_constant_curves_is_their_difference() -> None:
+    one, other = np.full((3, SAMPLES), 2.0), np.full((4, SAMPLES), 5.0)
+    found = distance(one, other)
+    assert (found.value, found.error, found.net) == (3.0, 0.0, 3.0)
+    assert found.chance == pytest.approx(1 / 35, abs=0.015)  # one allocation of 7 starts to 3 and 4
+
+
+def test_the_distance_of_means_is_the_root_of_the_mean_square_over_samples() -> None:
+    one, other = np.zeros((2, 4)), np.array([[3.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 4.0]])
+    assert mean_distance(one, other) == 2.5
+
+
+def test_the_standard_error_is_the_distance_of_two_ensembles_of_one_model() -> None:
+    pairs = [(noisy(16, 2 * k), noisy(16, 2 * k + 1)) for k in range(200)]
+    squares = np.mean([mean_distance(*pair) ** 2 for pair in pairs])
+    errors = np.mean([standard_error(*pair) ** 2 for pair in pairs])
+    assert squares == pytest.approx(2 / 16, rel=0.03)
+    assert errors == pytest.approx(2 / 16, rel=0.03)
+
+
+def test_the_net_distance_is_that_without_chance() -> None:
+    assert Distance(5.0, 3.0, 0.0).net == 4.0
+    assert Distance(2.0, 3.0, 0.0).net == 0.0
+    found = distance(noisy(16, 1), noisy(16, 2, offset=0.5))
+    assert found.net == pytest.approx(0.5, abs=0.1)
+    assert found.value > found.net
+
+
+def test_equal_models_are_apart_by_chance_and_others_are_not() -> None:
+    of_equal = [chance(noisy(8, 2 * k), noisy(8, 2 * k + 1), 200) for k in range(40)]
+    assert 0.35 < np.mean(of_equal) < 0.65
+    assert chance(noisy(8, 1), noisy(8, 2, offset=1.0), 200) == 1 / 200
+
+
+def test_spread_and_error_of_one_start_are_unknown() -> None:
+    assert math.isnan(spread(noisy(1, 0)))
+    assert math.isnan(standard_error(noisy(1, 0), noisy(8, 1)))
+    assert spread(noisy(400, 0)) == pytest.approx(1.0, rel=0.02)
+
+
+def test_shares_inside_count_the_bounds() -> None:
+    band = np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0]])
+    curves = np.array([[0.0, 1.0, 0.5, 2.0], [-1.0, 2.0, 0.5, 1.5]])
+    assert shares_inside(curves, band).tolist() == [0.75, 0.25]
+
+
+@pytest.mark.parametrize("count", [2, 8, 16])
+def test_a_start_of_the_same_model_is_inside_as_often_as_counting_says(count: int) -> None:
+    found = [shares_inside(noisy(1, 2 * k), noisy(count, 2 * k + 1))[0] for k in range(400)]
+    assert np.mean(found) == pytest.approx(expected_inside(count), abs=0.02)
+
+
+def test_the_front_has_the_points_that_none_beats_by_ascending_cost() -> None:
+    costs, errors = [5.0, 1.0, 3.0, 2.0, 2.0, 6.0], [0.1, 1.0, 0.5, 0.4, 0.6, 0.1]
+    assert front(costs, errors) == [1, 3, 0]
+    assert front([], []) == []
+    assert front([1.0, 1.0], [2.0, 2.0]) == [0]
+
+
+def ensemble(seed: int, offset: float = 0.0, seconds: float = 2.0) -> Ensemble:
+    times = np.linspace(0.0, 0.8, SAMPLES)
+    numbers = {"steps": np.array(100.0 * seconds), "seconds": np.array(seconds), "error": np.array(-1e-3)}
+    return Ensemble([
+        {"time": times, RATE: rate, "phase_difference_deg": phase, **numbers}
+        for rate, phase in zip(noisy(4, seed, offset), noisy(4, seed + 100, offset), strict=True)
+    ])  # fmt: skip
+
+
+def test_tables_show_distances_costs_and_what_was_stopped() -> None:
+    found = {
+        "model 1": {
+            "full model": ensemble(0), "full model, other starts": ensemble(1), "full model, 1e-12 m": ensemble(2),
+            "softened 3": ensemble(3, 5.0, seconds=0.5), "softened 10": Ensemble([{}]),
+        }
+    }  # fmt: skip
+    rows = distance_table(found).splitlines()
+    assert [row.split(" | ")[1] for row in rows[2:]] == list(found["model 1"])[1:]
+    assert float(rows[4].split(" | ")[2]) == pytest.approx(5.0, abs=0.3)
+    assert rows[-1].count("stopped") == 8
+    costs = cost_table(found).splitlines()
+    assert "| softened 3 | 50 | 4.00 | 0.50 | 4.00 | -0.10 |" in costs[4]
+    assert "60 % of the samples" in starts_table(found)
+    assert front_table(found).splitlines()[2].startswith("| model 1 | softened 3 | 0.50 | 4.0 | 5.")
+    assert displacement_table(found).count("1e-12") == 2
+
+
+def test_the_coarse_mesh_has_half_the_lines_and_the_film_of_the_fine_one() -> None:
+    fine = fast(scenes.load(MODELS["model 1"]))
+    found = coarse(fine)
+    assert fine.mesh is not None
+    assert found.mesh is not None
+    assert found.mesh.node_count < 0.4 * fine.mesh.node_count
+    assert found.mesh.areas().sum() == pytest.approx(fine.mesh.areas().sum(), rel=1e-3)
+    assert [part.segments for part in found.parts if isinstance(part, Tethers)] == [9]
+    assert softened(found, 10).as_simulated.material.youngs_modulus == pytest.approx(3.2e8)  # type: ignore[union-attr]
+
+
+def test_variants_change_what_their_names_say() -> None:
+    scene = fast(scenes.load(MODELS["model 1"]))
+    damping = ratio_kept(scene, 10).law(SpringDamping)
+    assert damping is not None
+    assert (damping.ratio, damping.mass) == (0.02, "reduced")
+    assert spun(scene).value("laws.spin.frequency") == 6.0
+    assert spun(scene).run.until == 0.4
+    assert weak_creases(scene).value("laws.springs.buckling_on_creases") == pytest.approx(100.0)
+
+
+def test_a_start_is_repeated_to_the_bit_and_another_is_another() -> None:
+    case = Case("brief", lambda: coarse(fast(scenes.load(MODELS["model 2"]))))
+    one, again, other = (deployed(case, seed, share=0.005) for seed in (1, 1, 2))
+    assert np.array_equal(one[RATE], again[RATE])
+    assert 0.0 < np.abs(one[RATE] - other[RATE]).max() < 100 * WIDE / 0.1
+    assert one["steps"] > 0
+    limit = Simulation(case.make()).stable_dt()
+    assert float(one["time"][-1]) / float(one["steps"]) == pytest.approx(0.8 * limit, rel=0.1)
+
+
+def test_one_strain_of_the_rule_is_another_in_each_of_its_scenes() -> None:
+    scene = fast(scenes.load(MODELS["model 1"]))
+    spin, critical = spin_strain(scene), critical_strain(scene)
+    assert spin == pytest.approx(1.7e-5, rel=0.02)
+    assert (spin_strain(spun(scene)), critical_strain(spun(scene))) == pytest.approx((4.0 * spin, critical))
+    weak = weak_creases(scene)
+    assert (spin_strain(weak), critical_strain(weak)) == pytest.approx((spin, 0.1 * critical))
