@@ -113,7 +113,8 @@ def page(drawn: work_precision.WorkPrecision, small: Problem) -> str:
     paces = [speed.Pace(*name, 64, step, 8e-6) for name, step in zip(names, steps, strict=True)]
     apart, spreads = {"rate": 0.01, "phase": 9.0}, {"rate": 0.02, "phase": 8.0}
     done = deployment.Deployment(4.5e-6, 5e-6, 177778, 5.5, 5.0, 2e-6, apart, spreads)
-    timed = speed.Speed(small, paces, {"rk4": 1e-4, "leapfrog": 2.5e-5}, "avx2", done)
+    fast = deployment.FastDeployment(4e-5, 4, 10.0, 20000, 0.5)
+    timed = speed.Speed(small, paces, {"rk4": 1e-4, "leapfrog": 2.5e-5}, "avx2", done, fast)
     return report.text(drawn, timed, {"somebody": "1.0"})
 
 
@@ -133,6 +134,14 @@ def test_the_deployment_is_run_and_compared() -> None:
     assert 0.0 < done.errors["rate"] < 1e-3
 
 
+def test_the_fast_scene_is_run_and_timed() -> None:
+    done = deployment.deploy_fast(until=8e-3)
+    assert done.steps * done.dt == pytest.approx(8e-3)
+    assert done.softening > 1.0
+    assert done.substeps > 1
+    assert done.processor > 0.0
+
+
 def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
     own: list[Program] = [*ours.programs(small, "triangles"), *ours.programs(small, "springs")]
     drawn = work_precision.measure(small, own, levels=3)
@@ -143,6 +152,10 @@ def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
     assert "| RK4 step | flat, triangles | MuJoCo RK4, flat, triangles | 18 | 25 | reached |" in words
     assert "| leapfrog step | flat, springs | Newton semi-implicit, flat, springs | 40 | 20 | not reached |" in words
     assert "MuJoCo RK4, flat, triangles: 100 s | 60 | 20 | not reached |" in words
+    assert (
+        "| okuizumi-model-1-fast, 40.00 us a step: 0.5 s | MuJoCo RK4, flat, triangles: 100 s | 96 | 200 | reached |"
+        in words
+    )
     assert "**beyond** the spread" in " ".join(words.split())
     assert all(len(line) <= 118 for line in words.splitlines() if not line.startswith(("|", "!")))
     picture.draw(drawn, tmp_path / "chart.png")

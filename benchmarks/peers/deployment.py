@@ -1,4 +1,4 @@
-"""The whole deployment of model 1: its cost, and its distance from a finer run.
+"""The whole deployment of model 1: its cost, and its distance from a finer run; and that of its fast scene.
 
 The motion is chaotic, so that a run is as good as any where its curves lie no further from a finer run's than those of
 an ensemble of perturbed starts lie from each other. That spread is the one of the diagram in docs/studies.md.
@@ -7,10 +7,11 @@ an ensemble of perturbed starts lie from each other. That spread is the one of t
 from __future__ import annotations
 
 import re
+import statistics
 import time
 from dataclasses import dataclass, replace
 
-from membrane_rs import Scene, Simulation
+from membrane_rs import Scene, Simulation, scenes
 from membrane_rs.study.common.differences import CURVES
 from membrane_rs.study.common.run import run_case, study_case
 from page import DOCS, MarkedPart
@@ -26,6 +27,8 @@ SUBSTEPS = 4
 """Substeps in a step; slow laws are evaluated once a step."""
 FINER, FINER_SHARE = "rk4", 0.25
 """Method and step of the finer run."""
+FAST, REPEATS = "okuizumi-model-1-fast", 5
+"""The softened scene, by its own method and step, and how often it is timed. docs/softening.md has its distance."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,30 @@ class Deployment:
     def is_within(self) -> bool:
         """Whether no curve is further from the finer run's than perturbed starts are from each other."""
         return all(error <= self.spreads[name] for name, error in self.errors.items())
+
+
+@dataclass(frozen=True)
+class FastDeployment:
+    """The fast scene: `dt` of its run [s], its `substeps` and `softening`, and `processor`, the median of the times
+    that `REPEATS` runs take, scaled to 0.8 s [s]. `steps` of a run.
+    """
+
+    dt: float
+    substeps: int
+    softening: float
+    steps: int
+    processor: float
+
+
+def deploy_fast(until: float = UNTIL) -> FastDeployment:
+    """Run the fast scene to its end, or to an earlier one; times are then scaled."""
+    scene = scenes.load(FAST)
+    assert scene.material is not None
+    case = study_case(scene, until, INSTANTS)
+    runs = [run_case(case, scene.run.integrator, Simulation(scene).dt).completed() for _ in range(REPEATS)]
+    processor = statistics.median(run.seconds for run in runs) * UNTIL / until
+    softening = scene.material.softening or 1.0
+    return FastDeployment(runs[0].dt, scene.run.substeps, softening, runs[0].steps, processor)
 
 
 def deploy(scene: Scene, until: float = UNTIL) -> Deployment:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from membrane_rs import Simulation, scenes
 
-from peers.deployment import UNTIL, Deployment, deploy
+from peers.deployment import UNTIL, Deployment, FastDeployment, deploy, deploy_fast
 from peers.measure import largest_step, step_times
 from peers.problem import Problem
 from peers.program import Program
@@ -56,6 +56,7 @@ class Speed(Steps):
     """All that the tables of speed show."""
 
     deployment: Deployment
+    fast: FastDeployment
 
 
 def steps(problem: Problem, programs: Sequence[Program], *, repeats: int, slice_seconds: float) -> Steps:
@@ -88,4 +89,4 @@ def measure(
     found = steps(problem, [*programs, *only_timed], repeats=repeats, slice_seconds=slice_seconds)
     paces = [replace(pace, limit=limit) for pace, limit in zip(found.paces, limits, strict=True)]
     deployment = deploy(scenes.load("okuizumi-model-1"), deploy_until)
-    return Speed(problem, paces, found.model, found.width, deployment)
+    return Speed(problem, paces, found.model, found.width, deployment, deploy_fast(deploy_until))
