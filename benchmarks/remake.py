@@ -75,7 +75,7 @@ PARTS = (
     Part(
         "softening",
         "docs/softening.md: error and cost of softened films",
-        [("tools/docs/softening.py", "--write")],
+        [("tools/docs/softening.py", "--write"), ("tools/docs/mass_scaling.py", "--write")],
         fills_cores=True,
     ),
     Part("integrators", "docs/integrators.md: orders, kinks, limits", [("benchmarks/integrators.py", "--write")]),
