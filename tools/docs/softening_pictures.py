@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -105,7 +105,12 @@ def _draw_points(axes: Axes, points: list[Point], column: str) -> None:
         )
         marker = {FULL: "*", REDUCED: "v", RATIO: "X"}.get(label, "s" if is_coarse else "o")
         text = marked.get(label, label.replace(COARSE, "coarse mesh"))
-        look = {"color": colour, "marker": marker, "markersize": 10 if label == FULL else 7, "linestyle": "none"}
+        look: dict[str, Any] = {
+            "color": colour,
+            "marker": marker,
+            "markersize": 10 if label == FULL else 7,
+            "linestyle": "none",
+        }
         axes.plot(seconds, errors[column], label=text, zorder=2, **look)
 
 
@@ -118,7 +123,7 @@ def _shade(k: int, count: int) -> tuple[float, float, float, float]:
     return colormaps["plasma"](0.85 * k / max(1, count - 1))
 
 
-def _panels(columns: int, **shared: str) -> tuple[Figure, np.ndarray[tuple[int, int], np.dtype[np.object_]]]:
+def _panels(columns: int, **shared: Any) -> tuple[Figure, np.ndarray[tuple[int, int], np.dtype[np.object_]]]:
     figure = Figure(figsize=(SIZE[0] * columns + 0.6, 2 * SIZE[1] + 0.8), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(2, columns, squeeze=False, sharex="col", **shared)
@@ -126,11 +131,12 @@ def _panels(columns: int, **shared: str) -> tuple[Figure, np.ndarray[tuple[int, 
 
 
 def _finish(figure: Figure, panels: np.ndarray[tuple[int, int], np.dtype[np.object_]], picture: Path) -> None:
-    entries = {}
+    entries: dict[str, Any] = {}
     for axes in panels.ravel():
         axes.grid(color="0.92")
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
         entries |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=3, frameon=False)
+    place: Any = "outside lower center"
+    figure.legend(list(entries.values()), list(entries), loc=place, ncols=3, frameon=False)
     save_figure(figure, picture)

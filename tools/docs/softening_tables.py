@@ -40,7 +40,7 @@ def distance_cells(full: Ensemble, own: Ensemble) -> list[str]:
 
 def starts_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
     """Single starts of each ensemble: their spread, and their share inside the full model's band."""
-    body = []
+    body: list[tuple[str, ...]] = []
     for group, found in groups.items():
         for label, own in found.items():
             if not own.is_whole:

@@ -93,8 +93,10 @@ def unwound(case: WoundCase, seed: int) -> dict[str, Floats]:
         return {}
     # Of the sampling it contains some milliseconds.
     seconds = time.thread_time() - began
-    steps, error = sum(record.steps for record in sim.stages), sim.ledger()["error"]
-    return found | {name: np.array(value) for name, value in (("steps", steps), ("seconds", seconds), ("error", error))}
+    steps, residual = sum(record.steps for record in sim.stages), sim.ledger()["error"]
+    return found | {
+        name: np.array(value) for name, value in (("steps", steps), ("seconds", seconds), ("error", residual))
+    }
 
 
 def _samples(sim: Simulation, scene: Scene) -> dict[str, Floats]:
@@ -126,7 +128,7 @@ def _samples(sim: Simulation, scene: Scene) -> dict[str, Floats]:
 
 def wound_table(found: Mapping[str, Ensemble]) -> str:
     """Distance of the mean curves from those of the full model, spread of its starts, order of the arms, cost."""
-    body = []
+    body: list[tuple[str, ...]] = []
     full = found[FULL]
     for label, own in found.items():
         if not own.is_whole:
