@@ -101,7 +101,8 @@ def test_the_scene_keeps_its_own_values() -> None:
     assert soft.as_simulated.as_simulated is soft.as_simulated
     assert plain.as_simulated is plain
     assert "softening = 10.0" in soft.to_toml()
-    assert "softening" not in plain.to_toml()
+    assert "\n# softening: not set\n" in plain.to_toml()
+    assert "\nsoftening" not in plain.to_toml()
 
 
 def test_a_softening_of_one_is_the_film_itself_but_for_its_dashpots() -> None:

@@ -14,7 +14,7 @@ MODELS = {"model 1": "okuizumi-model-1", "model 2": "okuizumi-model-2"}
 SOFTENINGS = (3, 10, 30, 100)
 ON_COARSE = (3, 10, 30)
 SUBSTEPS, SHARE = 4, 0.8
-"""Short steps of leapfrog in one, and the step over its limit."""
+"""Substeps of leapfrog in a step, and the step over its limit."""
 WIDE = 1e-6
 """Standard deviation of the displacement of each start [m]."""
 FAST, SOFT = 2.0, 0.1
@@ -48,7 +48,7 @@ class Case:
 
 
 def fast(scene: Scene) -> Scene:
-    """The scene by leapfrog with short steps, without pictures."""
+    """The scene by leapfrog with substeps, without pictures."""
     run = replace(scene.run, integrator="leapfrog", substeps=SUBSTEPS, snapshots=())
     return replace(scene, run=run)
 

@@ -135,8 +135,12 @@ def _meant(text: str, fault: str) -> str:
     return f": {show(line)}{hint}"
 
 
-def write_scene(content: SceneContent) -> str:
-    """A scene as TOML, every value resolved and its unit beside it; None is written as a comment."""
+def write_scene(content: SceneContent, *, with_later: bool = True) -> str:
+    """A scene as TOML, every value resolved and its unit beside it; None is written as a comment.
+
+    Without `with_later` fields of the material that came later, by keyword alone, are left out where they are not set:
+    the text of a scene that does not use them stays the same, as its digest needs.
+    """
     lines = [f"name = {toml_value(content.name)}"]
     if content.mesh is not None:
         pattern = pattern_name(content.mesh)
@@ -145,7 +149,7 @@ def write_scene(content: SceneContent) -> str:
         if pattern is not None:
             lines += _table(content.mesh.source)
     if content.material is not None:
-        lines += ["", "[material]", *_table(content.material)]
+        lines += ["", "[material]", *_table(content.material, with_later=with_later)]
     for law in content.laws:
         lines += ["", f"[laws.{law.kind}]", *_table(law)]
     for part in content.parts:
@@ -248,11 +252,12 @@ def _as_table(value: object, where: str) -> dict[str, Any]:
     return value
 
 
-def _table(item: Any, left_out: Sequence[str] = ()) -> list[str]:
+def _table(item: Any, left_out: Sequence[str] = (), *, with_later: bool = False) -> list[str]:
     """The fields of a validated dataclass, one line each."""
     lines = []
     for entry in fields(item):
-        if entry.name in left_out or (entry.kw_only and getattr(item, entry.name) is None):
+        is_unset = entry.kw_only and getattr(item, entry.name) is None
+        if entry.name in left_out or (is_unset and not with_later):
             continue  # a field by keyword alone came later: without it a file, and the digest of it, stay the same
         value, unit = getattr(item, entry.name), unit_of(type(item), entry.name)
         suffix = f"  # {unit}" if unit else ""

@@ -24,7 +24,7 @@ def scene_digest(scene: Scene) -> str:
     stages = tuple(replace(stage, frames=None, samples=None) for stage in scene.stages)
     bodies = tuple(scene.bodies)
     content = SceneContent(scene.mesh, scene.material, laws, parts, "", RunSettings(), stages, bodies)
-    found = hashlib.sha256(write_scene(content).encode())
+    found = hashlib.sha256(write_scene(content, with_later=False).encode())
     if scene.mesh is not None:
         mesh = scene.mesh
         for array in (mesh.reference, mesh.triangles, mesh.positions, mesh.creases, mesh.fold_angles, mesh.bridges):
