@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from membrane_rs import Simulation, SpringDamping, Tethers, scenes
+from membrane_rs import Scene, Simulation, SpringDamping, Tethers, scenes
 from membrane_rs._arrays import Floats
+from membrane_rs.check import softening_advice
 from softening_cases import MODELS, WIDE, Case, coarse, fast, ratio_kept, softened, spun, weak_creases
 from softening_distance import (
     Distance,
@@ -20,7 +21,6 @@ from softening_distance import (
     spread,
     standard_error,
 )
-from softening_rule import critical_strain, spin_strain
 from softening_runs import RATE, Ensemble, deployed
 from softening_tables import cost_table, displacement_table, distance_table, front_table, starts_table
 
@@ -151,8 +151,13 @@ def test_a_start_is_repeated_to_the_bit_and_another_is_another() -> None:
 
 def test_one_strain_of_the_rule_is_another_in_each_of_its_scenes() -> None:
     scene = fast(scenes.load(MODELS["model 1"]))
-    spin, critical = spin_strain(scene), critical_strain(scene)
+
+    def strains(one: Scene) -> tuple[float, float]:
+        advice = softening_advice(one)
+        return advice.spin_strain, advice.critical_strain
+
+    spin, critical = strains(scene)
     assert spin == pytest.approx(1.7e-5, rel=0.02)
-    assert (spin_strain(spun(scene)), critical_strain(spun(scene))) == pytest.approx((4.0 * spin, critical))
+    assert strains(spun(scene)) == pytest.approx((4.0 * spin, critical))
     weak = weak_creases(scene)
-    assert (spin_strain(weak), critical_strain(weak)) == pytest.approx((spin, 0.1 * critical))
+    assert strains(weak) == pytest.approx((spin, 0.1 * critical))

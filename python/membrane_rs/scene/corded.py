@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 from membrane_rs.scene.builder import Cord
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import Doubt, implausible
 
 C = TypeVar("C", bound="Corded")
-P = TypeVar("P")
 
 SLOWEST_WAVE, FASTEST_WAVE = 20.0, 3e4
 """sqrt(EA/mu) of a cord [m/s]: some 30 m/s in soft rubber, 18 km/s in carbon fibres."""
@@ -20,7 +19,7 @@ ALONE = 20.0
 """Gain of step from which cords count as the only stiff part."""
 
 
-class Corded:
+class Corded(Part):
     """A part whose fields describe a cord, or several alike."""
 
     segments: int
@@ -51,13 +50,13 @@ class Corded:
         if self.segments == 1:
             return None
         segments = max(1, self.segments // factor)
-        return f"all but {segments} of {self.segments} segments", _with(cast(Part, self), segments=segments)
+        return f"all but {segments} of {self.segments} segments", _with(self, segments=segments)
 
 
-def _with(part: P, **values: Any) -> P:
+def _with(part: C, **values: Any) -> C:
     """The part with other values of its fields."""
     changed: Any = part
-    made: P = replace(changed, **values)
+    made: C = replace(changed, **values)
     return made
 
 

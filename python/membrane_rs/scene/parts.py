@@ -82,7 +82,7 @@ class TipMasses(Part):
 
 
 @validated
-class Tethers(Corded, Part):
+class Tethers(Corded):
     """Cords from the rim of the spool to nodes of the membrane, one for each node.
 
     Each starts on the rim, at z = 0 and at the azimuth that its node has in the flat sail, where it is
@@ -200,7 +200,7 @@ class Tethers(Corded, Part):
 
 
 @validated
-class Tether(Corded, Part):
+class Tether(Corded):
     """A cord of its own between two points, with or without a mass at its end.
 
     It adds the node sets "tether-<k>" (all nodes in order), "tether-<k>-start" and "tether-<k>-end",

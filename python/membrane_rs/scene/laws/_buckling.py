@@ -3,35 +3,48 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
+from membrane_rs.scene.law import Law
+
+F = TypeVar("F", bound="BucklingFilm")
 
 
-class BucklingFilm(Protocol):
-    """A law of the film whose edges buckle."""
+class BucklingFilm(Law):
+    """A law of the film whose edges buckle: alpha, alpha_c, and the lengths in their critical strain [m]."""
 
-    @property
-    def buckling(self) -> float:
-        """alpha [-]."""
+    buckling: float
+    buckling_on_creases: float
+    buckling_length: float | None
+    crease_length: float | None
 
-    @property
-    def buckling_on_creases(self) -> float:
-        """alpha_c [-]."""
+    def with_softened_film(self: F, factor: float) -> F:
+        """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
+        return _with(self, buckling=factor * self.buckling, buckling_on_creases=factor * self.buckling_on_creases)
 
-    @property
-    def buckling_length(self) -> float | None:
-        """In place of the length of each edge [m]."""
+    def without_compression(self: F) -> F:
+        """A film that buckles at once."""
+        return _with(self, buckling=0.0, buckling_on_creases=0.0)
 
-    @property
-    def crease_length(self) -> float | None:
-        """Of a crease with a force of its own [m]."""
+    def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
+        """Those at which creases buckle; edges, where there are no creases."""
+        return _critical_strains(self, mesh, material.thickness)
 
 
-def critical_strains(law: BucklingFilm, mesh: Mesh, thickness: float) -> Floats:
+def _with(law: F, **values: float) -> F:
+    """The law with other values of its fields."""
+    changed: Any = law
+    made: F = replace(changed, **values)
+    return made
+
+
+def _critical_strains(law: BucklingFilm, mesh: Mesh, thickness: float) -> Floats:
     """(c,) alpha pi^2 h^2/(12 L^2) [-] of each crease; (e,) of each edge where there are no creases.
 
     With `crease_length` l_c a crease adds (alpha_c - alpha) pi^2 h^2/(12 l_c L) to the strain of the film.

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from membrane_rs._arrays import Floats
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
-from membrane_rs.material import Material
-from membrane_rs.mesh import Mesh
-from membrane_rs.scene.law import Law, StiffThrough, Surroundings
-from membrane_rs.scene.laws._buckling import critical_strains
+from membrane_rs.scene.law import StiffThrough, Surroundings
+from membrane_rs.scene.laws._buckling import BucklingFilm
 
 
 @validated
-class Springs(Law):
+class Springs(BucklingFilm):
     """Springs along the edges of the membrane, which buckle.
 
     They represent the film in every direction only on equilateral triangles at nu = 1/3; on right triangles they are
@@ -87,16 +83,3 @@ class Springs(Law):
     def step_advice(self, gain: float) -> str:
         """A coarser mesh."""
         return "a coarser mesh of the membrane has a longer step in proportion to its springs"
-
-    def with_softened_film(self, factor: float) -> Springs:
-        """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
-        alpha, on_creases = factor * self.buckling, factor * self.buckling_on_creases
-        return replace(self, buckling=alpha, buckling_on_creases=on_creases)
-
-    def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
-        """Those at which creases buckle; edges, where there are no creases."""
-        return critical_strains(self, mesh, material.thickness)
-
-    def without_compression(self) -> Springs:
-        """Springs that buckle at once."""
-        return replace(self, buckling=0.0, buckling_on_creases=0.0)

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Le
 
-from membrane_rs._arrays import Floats
 from membrane_rs._validation import Finite, NonNegative, Positive, Unit, validated
-from membrane_rs.material import Material
-from membrane_rs.mesh import Mesh
-from membrane_rs.scene.law import Law
-from membrane_rs.scene.laws._buckling import critical_strains
+from membrane_rs.scene.laws._buckling import BucklingFilm
 
 
 @validated
-class Triangles(Law):
+class Triangles(BucklingFilm):
     """The film as triangles of uniform strain, which wrinkle; a scene takes it in place of `Springs`.
 
     St. Venant and Kirchhoff's law in plane stress, with Green's strain: isotropic at any Poisson's ratio, on any
@@ -68,16 +63,3 @@ class Triangles(Law):
     def negative_springs(self) -> str:
         """Nothing uses the constants of springs, so none need be refused."""
         return "unused"
-
-    def with_softened_film(self, factor: float) -> Triangles:
-        """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
-        alpha, on_creases = factor * self.buckling, factor * self.buckling_on_creases
-        return replace(self, buckling=alpha, buckling_on_creases=on_creases)
-
-    def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
-        """Those at which creases buckle; edges, where there are no creases."""
-        return critical_strains(self, mesh, material.thickness)
-
-    def without_compression(self) -> Triangles:
-        """A tension field."""
-        return replace(self, buckling=0.0, buckling_on_creases=0.0)
