@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from membrane_rs.scene.builder import Cord
 from membrane_rs.scene.part import Part
@@ -22,10 +22,11 @@ ALONE = 20.0
 class Corded(Part):
     """A part whose fields describe a cord, or several alike."""
 
-    segments: int
-    axial_stiffness: float
-    linear_density: float
-    strain_limit: float
+    if TYPE_CHECKING:  # fields, in the order of each part, are those of its own class
+        segments: int
+        axial_stiffness: float
+        linear_density: float
+        strain_limit: float
 
     def with_softened_film(self: C, factor: float) -> C:
         """Cords `factor` times as heavy, and no softer: the sail's pull stretches them far more than the film."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -19,10 +19,11 @@ F = TypeVar("F", bound="BucklingFilm")
 class BucklingFilm(Law):
     """A law of the film whose edges buckle: alpha, alpha_c, and the lengths in their critical strain [m]."""
 
-    buckling: float
-    buckling_on_creases: float
-    buckling_length: float | None
-    crease_length: float | None
+    if TYPE_CHECKING:  # fields, in the order of each law, are those of its own class
+        buckling: float
+        buckling_on_creases: float
+        buckling_length: float | None
+        crease_length: float | None
 
     def with_softened_film(self: F, factor: float) -> F:
         """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
