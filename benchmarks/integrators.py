@@ -2,6 +2,7 @@
 
 python benchmarks/integrators.py            # prints the tables
 python benchmarks/integrators.py --write    # puts them into docs/integrators.md
+python benchmarks/integrators.py --only damping    # prints one of them
 """
 
 from __future__ import annotations
@@ -277,15 +278,10 @@ def relaxation_table() -> str:
     return table(head, rows)
 
 
-def plain_scenes() -> list[str]:
-    """Names of the built-in scenes without stages."""
-    return [name for name in scenes.names() if not scenes.load(name).stages]
-
-
 def damping_table() -> str:
     """Reduction of leapfrog's limit by damping: the most that a stabilised method could regain."""
     rows = []
-    for name in plain_scenes():
+    for name in scenes.for_any_method():
         sim = Simulation(scenes.load(name), "leapfrog", 1e-9)
         found = sim._core.limit()
         limit, omega = found.dt, found.largest_frequency
@@ -296,7 +292,7 @@ def damping_table() -> str:
 def tangent_table(steps: int = 5) -> str:
     """Cost of a factorisation of the tangent, with the rest of the Newton iterations."""
     rows = []
-    for name in plain_scenes():
+    for name in scenes.for_any_method():
         sim = Simulation(scenes.load(name), "generalized_alpha", 1e-6)
         sim.step(1)
         began, before = time.process_time(), sim.statistics["factorisations"]
@@ -306,23 +302,26 @@ def tangent_table(steps: int = 5) -> str:
     return table(("scene", "free nodes", "processor time of a factorisation [ms]"), rows)
 
 
+TABLES: dict[str, Callable[[], str]] = {
+    "facts": facts_table,
+    "cost": cost_table,
+    "energy": energy_table,
+    "release": release_table,
+    "relaxation": relaxation_table,
+    "tangent": tangent_table,
+    "damping": damping_table,
+}
+"""In the order of the page."""
+
+
 def main() -> None:
     """Measure, print, and write if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--write", action="store_true", help="put the tables into docs/integrators.md")
+    chosen = parser.add_mutually_exclusive_group()
+    chosen.add_argument("--write", action="store_true", help="put the tables into docs/integrators.md")
+    chosen.add_argument("--only", nargs="+", choices=TABLES, default=list(TABLES), help="print these tables alone")
     options = parser.parse_args()
-    text = "\n".join(
-        (
-            facts_table(),
-            cost_table(),
-            energy_table(),
-            release_table(),
-            relaxation_table(),
-            tangent_table(),
-            damping_table(),
-        )
-    )
-    show(PART, text, write=options.write)
+    show(PART, "\n".join(TABLES[name]() for name in options.only), write=options.write)
 
 
 if __name__ == "__main__":

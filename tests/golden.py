@@ -89,13 +89,13 @@ def simulation(scene: Scene, method: str, width: str) -> Simulation:
 
 def cases() -> Iterator[tuple[str, Callable[[str], dict[str, str]]]]:
     """The name of each case, and what gives its hashes at a width."""
+    by_any_method = scenes.for_any_method()
     for name in scenes.names():
         scene = scenes.load(name)
         if scene.stages:
             continue
         scene = rounded(scene)
-        # A step that a scene gives is one for its own method.
-        for method in METHODS if scene.run.dt is None else (scene.run.integrator,):
+        for method in METHODS if name in by_any_method else (scene.run.integrator,):
             yield f"{name}, {method}", partial(_stepped, scene, method)
     yield "okuizumi-model-1, 20 ms", partial(_deployed, rounded(scenes.load("okuizumi-model-1")))
     yield "okuizumi-whole, bars pressed in, leapfrog", partial(_stepped, rounded(_pressed()), "leapfrog")

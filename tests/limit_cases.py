@@ -117,6 +117,6 @@ def page(rows: list[Limits]) -> str:
 
 if __name__ == "__main__":
     names = list(integrators())
-    built_in = [scene for scene in map(scenes.load, scenes.names()) if not scene.stages]
+    built_in = map(scenes.load, scenes.for_any_method())
     found = [row for scene in [*built_in, *linear_scenes()] for row in limits(scene, names)]
     Path(__file__).parents[1].joinpath("docs", "limits.md").write_text(page(found), encoding="utf-8")

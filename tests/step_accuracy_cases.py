@@ -1,10 +1,12 @@
 """The error of the default step, on the built-in scenes and on random ones, and what `check` says of it.
 
-`python tests/step_accuracy_cases.py` writes docs/step_accuracy.md; it takes some minutes.
+`python tests/step_accuracy_cases.py` writes docs/step_accuracy.md; it takes some minutes. With `--list` it only names
+the scenes.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -167,11 +169,16 @@ def rows_of(scene: Scene, spread: str) -> list[list[str]]:
     return found
 
 
+def all_scenes() -> list[Scene]:
+    """Those of the page: the built-in ones that each method can run by a default step, and others."""
+    built_in = map(scenes.load, scenes.for_any_method())
+    return [*built_in, fast_tether(), short_tether(), *map(random_scene, SEEDS)]
+
+
 def page() -> str:
     """docs/step_accuracy.md."""
     rows: list[list[str]] = []
-    built_in = [scene for scene in map(scenes.load, scenes.names()) if not scene.stages]
-    for scene in [*built_in, fast_tether(), short_tether(), *map(random_scene, SEEDS)]:
+    for scene in all_scenes():
         spread = ""
         bare = replace(scene, run=replace(scene.run, relax=0.0, snapshots=()))
         if scene.name.startswith("okuizumi"):
@@ -195,5 +202,15 @@ says that it knows their error up to a part of the run only. Twenty scenes are r
 """
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Write the page, or name its scenes."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--list", action="store_true", help="name the scenes, without a run")
+    if parser.parse_args().list:
+        print("\n".join(scene.name for scene in all_scenes()))  # noqa: T201
+        return
     Path(__file__).parent.parent.joinpath("docs", "step_accuracy.md").write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -7,10 +7,11 @@ import math
 import time
 from dataclasses import replace
 
+import golden
 import pytest
 from membrane_rs import Scene, Simulation, UnstableError, integrators, scenes
 from membrane_rs.check.step_accuracy import ALLOWED, step_accuracy
-from step_accuracy_cases import fast_tether, random_scene, reference, row, short_tether
+from step_accuracy_cases import all_scenes, fast_tether, random_scene, reference, row, short_tether
 
 METHODS = list(integrators())
 
@@ -30,6 +31,16 @@ def test_a_default_step_is_right_to_a_hundredth_of_the_motion_or_check_warns(sce
         assert error <= ALLOWED or warning, (method, step, error)
         # The estimate is that of the error, and warns of nothing that is right.
         assert not warning or not error <= 0.4 * ALLOWED, (method, step, error, warning)
+
+
+def test_scenes_that_give_their_step_are_run_by_their_own_method_alone() -> None:
+    own = {name for name in scenes.names() if scenes.load(name).run.dt is not None}
+    listed = {scene.name for scene in all_scenes()}
+    assert own
+    assert set(scenes.for_any_method()) < listed
+    assert not own & listed
+    methods = {name: [case for case, _ in golden.cases() if case.startswith(f"{name}, ")] for name in own}
+    assert methods == {name: [f"{name}, {scenes.load(name).run.integrator}"] for name in own}
 
 
 def test_the_explicit_methods_are_right_where_spin_or_few_elements_set_the_motion() -> None:

@@ -11,7 +11,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
 
-__all__ = ["describe", "load", "names", "scene_of", "text"]
+__all__ = ["describe", "for_any_method", "load", "names", "scene_of", "text"]
 
 
 def names() -> list[str]:
@@ -30,6 +30,25 @@ def names() -> list[str]:
     """
     files = resources.files(__name__).iterdir()
     return sorted(file.name.removesuffix(".toml") for file in files if file.name.endswith(".toml"))
+
+
+def for_any_method() -> list[str]:
+    """The names of those that each method of time integration can run: without stages, and without a step of their own.
+
+    A step that a scene gives is one for its own method.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> "okuizumi-model-1" in scenes.for_any_method(), "okuizumi-model-1-fast" in scenes.for_any_method()
+    (True, False)
+    """
+    return [name for name in names() if not (scene := load(name)).stages and scene.run.dt is None]
 
 
 def describe(name: str) -> str:
