@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+import softening_pictures
+from matplotlib.figure import Figure
 from membrane_rs import Scene, Simulation, SpringDamping, Tethers, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.check import softening_advice
@@ -21,6 +25,7 @@ from softening_distance import (
     spread,
     standard_error,
 )
+from softening_pictures import Groups, draw_distances, draw_front
 from softening_runs import RATE, Ensemble, deployed
 from softening_tables import cost_table, displacement_table, distance_table, front_table, starts_table
 
@@ -116,6 +121,31 @@ def test_tables_show_distances_costs_and_what_was_stopped() -> None:
     assert "60 % of the samples" in starts_table(found)
     assert front_table(found).splitlines()[2].startswith("| model 1 | softened 3 | 0.50 | 4.0 | 5.")
     assert displacement_table(found).count("1e-12") == 2
+
+
+@pytest.mark.parametrize(
+    "draw", [lambda found, file: draw_distances(found, dict.fromkeys(found, (3,)), file), draw_front]
+)
+def test_no_point_of_a_picture_lies_beyond_its_axes(
+    draw: Callable[[Groups, Path], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(softening_pictures, "save_figure", lambda figure, _: drawn.append(figure))
+    found = {
+        name: {
+            "full model": ensemble(0),
+            "full model, other starts": ensemble(1),
+            "softened 3": ensemble(2, offset, 0.5),
+        }
+        for name, offset in (("near", 1.0), ("far", 5.0))
+    }
+    draw(found, tmp_path / "picture.png")
+    panels = drawn[0].axes
+    assert len(panels) == 4
+    for axes in panels:
+        low, high = axes.get_ylim()
+        values = np.concatenate([np.ravel(line.get_ydata()) for line in axes.get_lines()])
+        assert low == 0.0 <= values.min() < values.max() < high
 
 
 def test_the_coarse_mesh_has_half_the_lines_and_the_film_of_the_fine_one() -> None:

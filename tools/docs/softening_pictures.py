@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from matplotlib import colormaps
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 LABELS = {RATE: "Deployment rate", PHASE: "Phase difference [deg]"}
 DISTANCES = {RATE: "Distance of the rate", PHASE: "Distance of the phase [deg]"}
 Groups = Mapping[str, Mapping[str, Ensemble]]
+Panels: TypeAlias = np.ndarray[tuple[int, int], np.dtype[np.object_]]
 CHANCE = "standard error of the difference"
 SIZE = (5.0, 3.2)
 """Of a panel [inches]."""
@@ -64,12 +65,12 @@ def draw_distances(groups: Groups, factors: Mapping[str, Sequence[int]], picture
             axes.plot(softenings, [one.value for one in every], "o-", color="C0", label="distance of the means")
             axes.plot(softenings, [one.net for one in every], "s--", color="C1", mfc="white", label="net of chance")
             axes.set_xscale("log")
-            axes.set_ylim(bottom=0.0)
             axes.set_ylabel(label)
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.xaxis.set_minor_formatter(NullFormatter())
         column[-1].set_xlabel("Softening")
+    _begin_at_zero(panels)
     _finish(figure, panels, picture)
 
 
@@ -84,11 +85,11 @@ def draw_front(groups: Groups, picture: Path) -> None:
             error = distance(found[FULL].curves(name), found[AGAIN].curves(name)).error
             axes.axhspan(0.0, error, color="0.88", linewidth=0, label=CHANCE, zorder=0)
             axes.set(xscale="log", ylabel=label)
-            axes.set_ylim(bottom=0.0)
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.xaxis.set_minor_formatter(NullFormatter())
         column[-1].set_xlabel("Processor time of a run [s]")
+    _begin_at_zero(panels)
     _finish(figure, panels, picture)
 
 
@@ -123,14 +124,20 @@ def _shade(k: int, count: int) -> tuple[float, float, float, float]:
     return colormaps["plasma"](0.85 * k / max(1, count - 1))
 
 
-def _panels(columns: int, **shared: Any) -> tuple[Figure, np.ndarray[tuple[int, int], np.dtype[np.object_]]]:
+def _begin_at_zero(panels: Panels) -> None:
+    """Let vertical axes begin at 0, which fixes their upper end: panels of a row share one, and are drawn before."""
+    for axes in panels[:, 0]:
+        axes.set_ylim(bottom=0.0)
+
+
+def _panels(columns: int, **shared: Any) -> tuple[Figure, Panels]:
     figure = Figure(figsize=(SIZE[0] * columns + 0.6, 2 * SIZE[1] + 0.8), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(2, columns, squeeze=False, sharex="col", **shared)
     return figure, panels
 
 
-def _finish(figure: Figure, panels: np.ndarray[tuple[int, int], np.dtype[np.object_]], picture: Path) -> None:
+def _finish(figure: Figure, panels: Panels, picture: Path) -> None:
     entries: dict[str, Any] = {}
     for axes in panels.ravel():
         axes.grid(color="0.92")
