@@ -13,7 +13,19 @@ from matplotlib.figure import Figure
 from membrane_rs import Scene, Simulation, SpringDamping, Tethers, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.check import softening_advice
-from softening_cases import MODELS, WIDE, Case, coarse, fast, ratio_kept, softened, spun, weak_creases
+from softening_cases import (
+    FAST_SCENES,
+    MODELS,
+    WIDE,
+    Case,
+    coarse,
+    fast,
+    fast_scene,
+    ratio_kept,
+    softened,
+    spun,
+    weak_creases,
+)
 from softening_distance import (
     Distance,
     chance,
@@ -27,7 +39,7 @@ from softening_distance import (
 )
 from softening_pictures import Groups, draw_distances, draw_front
 from softening_runs import RATE, Ensemble, deployed
-from softening_tables import cost_table, displacement_table, distance_table, front_table, starts_table
+from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
 
 SAMPLES = 50
 
@@ -146,6 +158,20 @@ def test_no_point_of_a_picture_lies_beyond_its_axes(
         low, high = axes.get_ylim()
         values = np.concatenate([np.ravel(line.get_ydata()) for line in axes.get_lines()])
         assert low == 0.0 <= values.min() < values.max() < high
+
+
+def test_fast_scenes_are_beside_their_full_models() -> None:
+    found = {"model 2": {"full model": ensemble(0), "softened 10": ensemble(1, 5.0, seconds=0.5)}}
+    lines = fast_table(found, FAST_SCENES).splitlines()
+    assert lines[0].startswith("Mean curves of 4 starts")
+    cells = lines[-1].strip("| ").split(" | ")
+    assert cells[:2] == ["`okuizumi-model-2-fast`", "softened 10"]
+    assert [float(cells[k]) for k in (2, 4)] == pytest.approx([5.0, 5.0], abs=0.3)
+    assert cells[-1] == "4.0"
+    for model, name in FAST_SCENES.items():
+        material = scenes.load(name).material
+        assert material is not None
+        assert list(fast_scene(model)) == ["full model", f"softened {material.softening:g}"]
 
 
 def test_the_coarse_mesh_has_half_the_lines_and_the_film_of_the_fine_one() -> None:

@@ -1,7 +1,7 @@
 """The softened film charted, for docs/softening.md: error and cost, work-precision, wound sails, the rule.
 
 Finished runs are kept in the folder `out` and read again; remove it to repeat them, which takes an hour on two cores.
-With `--write` the tables and pictures of docs/softening.md are replaced.
+With `--write` the tables and pictures of docs/softening.md, and the table of fast scenes in README.md, are replaced.
 """
 
 from __future__ import annotations
@@ -12,12 +12,24 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from marked import DOCS, MarkedPart, copy_small
-from softening_cases import FULL, MODELS, RULE, SOFTENINGS, Case, charted, displaced, of_rule, others
+from marked import DOCS, ROOT, MarkedPart, copy_small
+from softening_cases import (
+    FAST_SCENES,
+    FULL,
+    MODELS,
+    RULE,
+    SOFTENINGS,
+    Case,
+    charted,
+    displaced,
+    fast_scene,
+    of_rule,
+    others,
+)
 from softening_pictures import draw_curves, draw_distances, draw_front
 from softening_rule import rule_table
 from softening_runs import Ensemble, Extent, Runs, ensembles
-from softening_tables import cost_table, displacement_table, distance_table, front_table, starts_table
+from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
 from softening_wound import wound_ensembles, wound_table
 
 STARTS, FEW = 8, 4
@@ -69,6 +81,7 @@ ENSEMBLES = {
         },
     ),
     "starts": Part(CHART, starts_table),
+    "fast-scenes": Part(all_cases(fast_scene), lambda found: fast_table(found, FAST_SCENES)),
     "cost": Part(CHART, cost_table),
     "front": Part(FRONT, front_table, {"softening-front.png": draw_front}),
     "variants": Part(FRONT, variants_table),
@@ -81,7 +94,9 @@ OTHER: dict[str, Callable[[Runs], str]] = {
     "rule": lambda _: rule_table(),
     "wound": lambda runs: wound_table(wound_ensembles(runs)),
 }
-PARTS = {name: MarkedPart(DOCS / "softening.md", name) for name in (*ENSEMBLES, *OTHER)}
+ELSEWHERE = {"fast-scenes": ROOT / "README.md"}
+"""Pages of parts that are not in docs/softening.md."""
+PARTS = {name: MarkedPart(ELSEWHERE.get(name, DOCS / "softening.md"), name) for name in (*ENSEMBLES, *OTHER)}
 
 
 def made(name: str, runs: Runs, *, write: bool) -> str:

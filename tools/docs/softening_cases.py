@@ -11,6 +11,7 @@ from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.perturbation import SHIFT
 
 MODELS = {"model 1": "okuizumi-model-1", "model 2": "okuizumi-model-2"}
+FAST_SCENES = {model: f"{name}-fast" for model, name in MODELS.items()}
 SOFTENINGS = (3, 10, 30, 100)
 ON_COARSE = (3, 10, 30)
 SUBSTEPS, SHARE = 4, 0.8
@@ -98,6 +99,15 @@ def weak_creases(scene: Scene) -> Scene:
 def charted(model: str) -> dict[str, Case]:
     """The full model twice, and its softened films."""
     return _softened_cases(lambda: fast(scenes.load(MODELS[model])), SOFTENINGS)
+
+
+def fast_scene(model: str) -> dict[str, Case]:
+    """The full model, and the softened film of its fast scene."""
+    material = scenes.load(FAST_SCENES[model]).material
+    assert material is not None
+    assert material.softening is not None
+    found = charted(model)
+    return {label: found[label] for label in (FULL, soft(material.softening))}
 
 
 def others(model: str) -> dict[str, Case]:

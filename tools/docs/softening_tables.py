@@ -38,6 +38,25 @@ def distance_cells(full: Ensemble, own: Ensemble) -> list[str]:
     return cells
 
 
+def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str, str]) -> str:
+    """Distance of the softened film of each group, its only one, from the full model; `names` of their scenes."""
+    body, count = [], 0
+    for group, found in groups.items():
+        full = found[FULL]
+        ((label, own),) = ((label, own) for label, own in found.items() if label != FULL)
+        cells = [STOPPED] * 5
+        if own.is_whole:
+            distances = {column: distance(full.curves(column), own.curves(column)) for column in FORMS}
+            pairs = [(distances[column], form) for column, form in FORMS.items()]
+            cells = [f"{number:{form}}" for one, form in pairs for number in (one.value, one.error)]
+            cells.append(f"{full.typical('seconds') / own.typical('seconds'):.1f}")
+        body.append((f"`{names[group]}`", label, *cells))
+        count = len(own.runs)
+    heads = [f"{what}{words}" for what in CURVES.values() for words in ("", ", standard error")]
+    found_table = table(("scene", "film", *heads, "processor time less by"), body, words=(0, 1))
+    return f"Mean curves of {count} starts; root of the mean square over the deployment.\n\n{found_table}"
+
+
 def starts_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
     """Single starts of each ensemble: their spread, and their share inside the full model's band."""
     body: list[tuple[str, ...]] = []
