@@ -1,14 +1,14 @@
 //! Facets: triangles as oriented surfaces, for loads and drag, in batches of eight.
 
 use crate::assembly::Assembly;
-use crate::layout::ElementSet;
+use crate::layout::{Coded, ElementSet};
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, sub};
 
 /// All triangles of a mesh, each with its nodes in cyclic order from the lowest: the first node is arbitrary.
 pub(crate) struct FacetSet {
     pub(crate) elements: ElementSet<3>,
     /// 1 for a facet, 0 in padding lanes.
-    pub(crate) presence: Vec<F64x8>,
+    pub(crate) presence: Coded<F64x8>,
 }
 
 impl FacetSet {
@@ -17,7 +17,7 @@ impl FacetSet {
         let oriented: Vec<[u32; 3]> =
             triangles.map(|&nodes| from_lowest(assembly.numbering.to_internal(nodes)).0).collect();
         let elements = ElementSet::new(&oriented, assembly.masses.len());
-        Self { presence: elements.pack(0.0, |_| 1.0), elements }
+        Self { presence: Coded::new(elements.pack(0.0, |_| 1.0)), elements }
     }
 }
 

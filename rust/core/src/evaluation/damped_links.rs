@@ -7,13 +7,14 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::elements::link::{Links, Span};
 use crate::laws::spring_damping::{self, Dashpots};
 use crate::laws::springs;
+use crate::layout::Coded;
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
 
 /// Adds the forces of the springs and dashpots of one tile; the result is the power of the dashpots.
 pub(super) struct DampedLinks<'a> {
     pub(super) links: &'a Links,
-    pub(super) springs: &'a [springs::Parameters],
+    pub(super) springs: &'a Coded<springs::Parameters>,
     pub(super) dashpots: &'a Dashpots,
     pub(super) tile: usize,
     pub(super) positions: Columns<'a>,
@@ -36,8 +37,8 @@ impl DampedLinks<'_> {
     #[inline(always)]
     fn add_forces<V: SimdF64, const KIND: usize, const LIMITED: bool>(&mut self, mut cache: Option<&mut [F64x8]>) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let (parameters, coefficient) = (pass.of(self.springs), pass.of(&self.dashpots.coefficient));
-        let limit = if LIMITED { self.dashpots.limit.as_ref().map(|springs| pass.of(springs)) } else { None };
+        let (parameters, coefficient) = (self.springs.of(&pass), self.dashpots.coefficient.of(&pass));
+        let limit = if LIMITED { self.dashpots.limit.as_ref().map(|springs| springs.of(&pass)) } else { None };
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
@@ -45,7 +46,7 @@ impl DampedLinks<'_> {
             let length = span.length();
             let (tension, inverse) = parameters[batch].tension_per_length(length);
             let mut resistance = spring_damping::resistance_per_length(&coefficient[batch], rate, inverse * inverse);
-            if let Some(springs) = limit {
+            if let Some(springs) = &limit {
                 resistance = spring_damping::limited(resistance, springs[batch].excess(length) * inverse);
             }
             power -= resistance * rate;

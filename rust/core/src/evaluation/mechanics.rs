@@ -261,6 +261,10 @@ impl System for Mechanics {
         self.expects_power_at = is_expected;
     }
 
+    fn reach(&self, tile: usize) -> usize {
+        self.plan.reach(&self.laws, tile)
+    }
+
     fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
@@ -337,11 +341,22 @@ impl System for Mechanics {
         }
     }
 
-    fn power_at(&mut self, point: PhasePoint<'_>, powers: &mut [f64]) {
+    fn power_of_tile(&mut self, tile: usize, point: PhasePoint<'_>, exact: &mut [f64]) {
+        if tile == 0 {
+            exact.fill(0.0);
+        }
         let at = self.instant(point);
         for (row, deferral) in self.deferrals.iter().enumerate().filter(|(row, _)| self.is_selected[*row]) {
             if let Some(Deferral::Resistances(own)) = deferral {
-                powers[row] = self.plan.power_of_resistances(row, own, at);
+                exact[row] += self.plan.power_of_resistances(row, own, tile, at);
+            }
+        }
+    }
+
+    fn replace_power(&self, exact: &[f64], powers: &mut [f64]) {
+        for (row, deferral) in self.deferrals.iter().enumerate().filter(|(row, _)| self.is_selected[*row]) {
+            if let Some(Deferral::Resistances(_)) = deferral {
+                powers[row] = exact[row];
             }
         }
     }

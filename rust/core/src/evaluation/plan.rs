@@ -16,6 +16,7 @@ use crate::laws::Instant;
 use crate::laws::spring_damping::{Dashpots, PowerKernel, ResistanceKernel};
 use crate::laws::springs::{self, TensionKernel};
 use crate::laws::{Kernels, Law, LinkResponse};
+use crate::layout::Coded;
 use crate::simd::lanes::F64x8;
 
 /// A pass.
@@ -31,7 +32,7 @@ enum Pass {
 /// A pass over links, for a law with tension, a law with resistance, or both.
 struct LinkPass {
     links: Arc<Links>,
-    elastic: Option<(usize, Arc<Vec<springs::Parameters>>)>,
+    elastic: Option<(usize, Arc<Coded<springs::Parameters>>)>,
     viscous: Option<Viscous>,
 }
 
@@ -198,9 +199,24 @@ impl Plan {
         }
     }
 
-    /// The power \[W\] of the resistances of the last evaluation of a law on the velocities of `at`, at the positions
-    /// of that evaluation.
-    pub(super) fn power_of_resistances(&self, row: usize, resistances: &[Vec<F64x8>], at: Instant<'_>) -> f64 {
+    /// Bound above the nodes whose motion the laws read for a tile and the tiles before it.
+    pub(super) fn reach(&self, laws: &[Box<dyn Law>], tile: usize) -> usize {
+        let of_pass = |pass: &Pass| match pass {
+            Pass::Prepare(row) | Pass::Elements(row) => laws[*row].reach(tile),
+            Pass::Links(pass) => pass.links.elements.reach(tile),
+        };
+        self.passes.iter().map(of_pass).max().unwrap_or(0)
+    }
+
+    /// The power \[W\] of the resistances of the last evaluation of a law in a tile on the velocities of `at`, at the
+    /// positions of that evaluation.
+    pub(super) fn power_of_resistances(
+        &self,
+        row: usize,
+        resistances: &[Vec<F64x8>],
+        tile: usize,
+        at: Instant<'_>,
+    ) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let mut power = 0.0;
         for (set, resistances) in resistances.iter().enumerate() {
@@ -210,10 +226,7 @@ impl Plan {
                 _ => None,
             });
             let Some(links) = links else { continue };
-            for tile in tiles(positions.rows()) {
-                power +=
-                    links.instructions.run_batches(PowerKernel { links, tile, resistances, positions, velocities });
-            }
+            power += links.instructions.run_batches(PowerKernel { links, tile, resistances, positions, velocities });
         }
         power
     }

@@ -106,25 +106,27 @@ pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: 
     }
 }
 
-/// The drift of the substep that follows, with a kick of the slow accelerations after it, if any.
-pub(super) struct Next<'a> {
+/// The drift of a step or substep, with a kick of the slow accelerations before and after it, if any.
+pub(super) struct RowDrift<'a> {
     pub(super) dt: f64,
-    pub(super) kick: Option<(f64, &'a NodeVectors)>,
+    pub(super) kick: Option<(Kick, &'a NodeVectors)>,
 }
 
-impl Next<'_> {
-    pub(super) fn drift(
-        &self,
-        instructions: InstructionSet,
-        range: Range<usize>,
-        fast: &NodeVectors,
-        state: &mut State,
-    ) {
+/// Weights of the slow accelerations before and after a drift \[s\].
+#[derive(Clone, Copy)]
+pub(super) struct Kick {
+    pub(super) before: f64,
+    pub(super) after: f64,
+}
+
+impl RowDrift<'_> {
+    /// Moves these rows, by accelerations at the start of the drift.
+    pub(super) fn run(&self, instructions: InstructionSet, range: Range<usize>, fast: &NodeVectors, state: &mut State) {
         let changed = [rows_mut(&mut state.positions, range.clone()), rows_mut(&mut state.velocities, range.clone())];
         let (dt, fast) = (self.dt, rows(fast, range.clone()));
         match self.kick {
-            Some((after, slow)) => {
-                on_axes(instructions, &KickedDrift { dt, before: 0.0, after }, [fast, rows(slow, range)], changed);
+            Some((Kick { before, after }, slow)) => {
+                on_axes(instructions, &KickedDrift { dt, before, after }, [fast, rows(slow, range)], changed);
             }
             None => on_axes(instructions, &Drift { dt }, [fast], changed),
         }
@@ -145,12 +147,28 @@ pub(super) struct End<'a> {
 }
 
 impl End<'_> {
-    /// Evaluates the accelerations and corrects the velocities. The `next` drift, if given, follows in each row block
-    /// while it is in the cache, since no element of a later tile uses its nodes.
-    pub(super) fn correct(self, system: &mut dyn System, state: &mut State, next: Option<&Next<'_>>) {
+    /// Evaluates the accelerations and corrects the velocities, in one sweep over the tiles, while their data are in the
+    /// cache. The drift `before`, if given, moves the rows that a tile reads before its evaluation. The drift `after`
+    /// moves each row block once its velocities are known, since no element of a later tile uses its nodes. The power of
+    /// links on the corrected velocities, if `exact` is given, follows as soon as a tile's rows are corrected.
+    pub(super) fn correct(
+        self,
+        system: &mut dyn System,
+        state: &mut State,
+        before: Option<&RowDrift<'_>>,
+        after: Option<&RowDrift<'_>>,
+        mut exact: Option<&mut [f64]>,
+    ) {
         let End { time, half, accelerations, powers, row_block, instructions } = self;
         let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
+        let (mut moved, mut measured) = (0, 0);
         for tile in tiles(count) {
+            let end = rows_of(tile, count).end;
+            if let Some(before) = before {
+                let reach = system.reach(tile).clamp(end, count);
+                before.run(instructions, moved..reach.max(moved), accelerations, state);
+                moved = moved.max(reach);
+            }
             system.accumulate_forces(tile, state.at(time), powers);
             for range in row_blocks(rows_of(tile, count)) {
                 system.accelerations(range.clone(), state.at(time), rows_mut(row_block, 0..range.len()), powers);
@@ -165,10 +183,20 @@ impl End<'_> {
                 }
                 each(instructions, &Correct { half }, [new_z], [az, vz]);
                 system.row_power_at(range.clone(), rows(&state.velocities, range.clone()), powers);
-                if let Some(next) = next {
-                    next.drift(instructions, range, accelerations, state);
+                if let Some(after) = after {
+                    after.run(instructions, range, accelerations, state);
                 }
             }
+            while let Some(exact) = exact.as_deref_mut()
+                && measured <= tile
+                && system.reach(measured).min(count) <= end
+            {
+                system.power_of_tile(measured, state.at(time), exact);
+                measured += 1;
+            }
+        }
+        if let Some(exact) = exact {
+            system.replace_power(exact, powers);
         }
     }
 }

@@ -27,19 +27,20 @@
 //! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
-use super::kick_drift::{Drift, End, add_work, amplification, begin, energy_shift};
+use super::kick_drift::{End, RowDrift, add_work, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, System, saved_works};
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
 use crate::simd::dispatch::InstructionSet;
-use crate::simd::map::each;
 
 /// The method and its history.
 struct Leapfrog {
     /// a_n, and the power of each law there.
     acceleration: NodeVectors,
     powers: Vec<f64>,
+    /// Work array for the power of laws along links with the corrected velocities.
+    exact_powers: Vec<f64>,
     is_started: bool,
     /// a_n+1 of one row block.
     row_block: NodeVectors,
@@ -60,6 +61,7 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     Box::new(Leapfrog {
         acceleration: NodeVectors::zeros(options.nodes),
         powers: vec![0.0; options.works],
+        exact_powers: vec![0.0; options.works],
         is_started: false,
         row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
         instructions: options.instructions,
@@ -86,14 +88,11 @@ impl Integrator for Leapfrog {
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let half = 0.5 * dt;
-        let Self { acceleration, powers, row_block, instructions, .. } = self;
-        let instructions = *instructions;
+        let Self { acceleration, powers, exact_powers, row_block, instructions, .. } = self;
         add_work(work, half, powers);
-        let (x, v) = (state.positions.as_mut_slice(), state.velocities.as_mut_slice());
-        each(instructions, &Drift { dt }, [acceleration.as_slice()], [x, v]);
-        let time = time + dt;
-        End { time, half, accelerations: acceleration, row_block, powers, instructions }.correct(system, state, None);
-        system.power_at(state.at(time), powers);
+        let end =
+            End { time: time + dt, half, accelerations: acceleration, row_block, powers, instructions: *instructions };
+        end.correct(system, state, Some(&RowDrift { dt, kick: None }), None, Some(exact_powers));
         add_work(work, half, powers);
     }
 

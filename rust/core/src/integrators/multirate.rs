@@ -28,14 +28,14 @@
 //! step stays below.
 //! Storage: two vectors per node beside the state.
 
-use super::kick_drift::{End, KickedDrift, Next, add_work, amplification, begin, energy_shift};
+use super::kick_drift::{End, Kick, RowDrift, add_work, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, RateGroup, System, leapfrog, saved_works};
 use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
-use crate::simd::map::{Formula, each, on_axes};
+use crate::simd::map::{Formula, on_axes};
 
 /// Last number of a history before the first step.
 const FIRST: f64 = 1.0;
@@ -163,9 +163,6 @@ impl Integrator for Multirate {
         let is_first = std::mem::take(&mut self.is_first);
         system.select_rate_group(RateGroup::Fast);
         add_work(work, kick, &self.step_powers);
-        let drift = KickedDrift { dt: substep, before: kick, after: 0.0 };
-        let changed = [state.positions.as_mut_slice(), state.velocities.as_mut_slice()];
-        each(self.instructions, &drift, [self.fast.as_slice(), self.slow.as_slice()], changed);
         for k in 1..=self.count {
             let is_last = k == self.count;
             let now = if is_last { time + dt } else { time + f64::from(k) * substep };
@@ -176,12 +173,14 @@ impl Integrator for Multirate {
             }
             let Self { fast, slow, fast_powers, row_block, instructions, .. } = self;
             let (accelerations, powers, instructions) = (&mut *fast, &mut *fast_powers, *instructions);
-            let next = Next { dt: substep, kick: (k + 1 == self.count).then_some((kick, &*slow)) };
+            let drift = |kick: Option<Kick>| RowDrift { dt: substep, kick: kick.map(|kick| (kick, &*slow)) };
+            let first = (k == 1).then(|| drift(Some(Kick { before: kick, after: 0.0 })));
+            let next = drift((k + 1 == self.count).then_some(Kick { before: 0.0, after: kick }));
             let end = End { time: now, half: 0.5 * substep, accelerations, powers, row_block, instructions };
-            end.correct(system, state, (!is_first && !is_last).then_some(&next));
+            end.correct(system, state, first.as_ref(), (!is_first && !is_last).then_some(&next), None);
             if is_first && !is_last {
                 system.power_at(state.at(now), fast_powers);
-                row_blocks(0..fast.nrows()).for_each(|range| next.drift(instructions, range, fast, state));
+                row_blocks(0..fast.nrows()).for_each(|range| next.run(instructions, range, fast, state));
             }
             add_work(work, 0.5 * substep, &self.fast_powers);
         }

@@ -21,6 +21,9 @@ pub trait System {
     fn select_rate_group(&mut self, group: RateGroup);
     /// Whether `power_at` follows the next evaluations, as it does unless this says otherwise.
     fn expect_power_at(&mut self, is_expected: bool);
+    /// Bound above the rows that `accumulate_forces` and `power_of_tile` read for a tile and the tiles before it; it may
+    /// lie above all rows.
+    fn reach(&self, tile: usize) -> usize;
     /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
     /// each law to zero.
     fn accumulate_forces(&mut self, tile: usize, at: PhasePoint<'_>, powers: &mut [f64]);
@@ -52,7 +55,15 @@ pub trait System {
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
     /// Replaces the power of such laws along links, which is that on the predicted velocities: after all rows, by the
     /// power of the forces of the last `accumulate_forces` on the velocities of `at`, at the same positions.
-    fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]);
+    fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]) {
+        let mut exact = vec![0.0; powers.len()];
+        tiles(at.positions.nrows()).for_each(|tile| self.power_of_tile(tile, at, &mut exact));
+        self.replace_power(&exact, powers);
+    }
+    /// Adds that power of the links of a tile. Tiles come in order; the first resets the power of each law to zero.
+    fn power_of_tile(&mut self, tile: usize, at: PhasePoint<'_>, exact: &mut [f64]);
+    /// Replaces the power of such laws by that which `power_of_tile` has found.
+    fn replace_power(&self, exact: &[f64], powers: &mut [f64]);
     /// Factorises the symmetric part of a M - b dF/dv - c dF/dx, for implicit methods. Whether it is positive definite.
     fn factorise(&mut self, at: PhasePoint<'_>, weights: Weights) -> bool;
     /// Replaces accelerations r by the solution u of A u = M r, with A factorised last; 0 for held nodes.

@@ -138,7 +138,7 @@ impl BatchKernel for FlowKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&self.facets.presence);
+        let presence = self.facets.presence.of(&pass);
         for batch in 0..pass.len() {
             let r = pass.read::<V, 3>(self.positions, batch);
             let normal = scale(V::load(&presence[batch]), normal(&r));
@@ -211,7 +211,7 @@ impl BatchKernel for DampingKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.drag.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&self.drag.facets.presence);
+        let presence = self.drag.facets.presence.of(&pass);
         for batch in 0..pass.len() {
             let (r, v) = (pass.read::<V, 3>(self.positions, batch), pass.read::<V, 3>(self.velocities, batch));
             let p = pass.read::<V, 3>(self.p, batch);
@@ -271,6 +271,10 @@ impl Law for AirDrag {
 
     fn kernels(&self) -> Kernels {
         Kernels::default()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.facets.elements.reach(tile)
     }
 
     fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {

@@ -75,6 +75,10 @@ impl Law for Bridges {
         Kernels::of_elements()
     }
 
+    fn reach(&self, tile: usize) -> usize {
+        self.elements.reach(tile)
+    }
+
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         self.add_forces(tile, at.positions, forces, 1.0)
     }

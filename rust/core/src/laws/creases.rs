@@ -30,11 +30,11 @@ use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::hinge::{Facets, oriented};
 use crate::error::Result;
-use crate::layout::{CHUNK, ElementSet};
+use crate::layout::{CHUNK, Coded, ElementSet, Entry, merged};
 use crate::model::checks::{finite, non_negative, positive};
 use crate::model::mesh;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, negate, scale, sum};
+use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, cross, dot, negate, scale, sum};
 
 /// Parameters of the creases.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -65,7 +65,7 @@ impl LawParameters for CreaseParameters {
 /// The law: all creases, in batches of eight. The nodes of an element are A, B, C, D.
 struct Creases {
     elements: ElementSet<4>,
-    parameters: Vec<Parameters>,
+    parameters: Coded<Parameters>,
     contact_penalty: f64,
     natural_angle: f64,
     /// Whether c is zero; the force is then singular as a facet collapses.
@@ -82,6 +82,14 @@ struct Parameters {
     stiffness: F64x8,
     /// 4 (c A0)^2 of facet C and of facet D [m4].
     softening: [F64x8; 2],
+}
+
+impl Entry for Parameters {
+    type Key = [[u64; LANES]; 4];
+
+    fn key(&self) -> Self::Key {
+        [self.sign, self.stiffness, self.softening[0], self.softening[1]].map(|values| values.key())
+    }
 }
 
 /// Factors of the normals of facets C and D in the forces of a batch.
@@ -162,11 +170,15 @@ impl Creases {
         let (nodes, is_exchanged): (Vec<[u32; 4]>, Vec<bool>) =
             assembly.hinges.iter().map(|hinge| oriented(hinge.nodes, &assembly.numbering)).unzip();
         let elements = ElementSet::new(&nodes, assembly.masses.len());
+        let packed = |padding: f64, value: &dyn Fn(usize) -> f64| {
+            let values = merged((0..sizes.len()).map(value).collect());
+            elements.pack(padding, |row| values[row])
+        };
         let softening = |facet: usize| {
-            elements.pack(1.0, |row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_exchanged[row])]).powi(2))
+            packed(1.0, &|row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_exchanged[row])]).powi(2))
         };
         let sign = elements.pack(1.0, |row| assembly.model.creases.fold_signs[row]);
-        let stiffness = elements.pack(0.0, |row| {
+        let stiffness = packed(0.0, &|row| {
             let (length, areas) = sizes[row];
             let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
             let at_reference = 1.0 + collapse * collapse;
@@ -179,7 +191,7 @@ impl Creases {
             softening: [softening[0][batch], softening[1][batch]],
         };
         Ok(Self {
-            parameters: (0..elements.batch_count()).map(of_batch).collect(),
+            parameters: Coded::new((0..elements.batch_count()).map(of_batch)),
             elements,
             contact_penalty,
             natural_angle,
@@ -219,7 +231,7 @@ impl BatchKernel for MomentKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.creases.parameters);
+        let parameters = self.creases.parameters.of(&pass);
         let zeros = [V::zero(); 2];
         let mut factors = [Factors { normal: zeros, in_plane: zeros, at_b: zeros }; CHUNK];
         for chunk in pass.chunks_of_batches() {
@@ -250,7 +262,7 @@ impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.creases.parameters);
+        let parameters = self.creases.parameters.of(&pass);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
             let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[batch];
@@ -275,6 +287,10 @@ impl Law for Creases {
 
     fn kernels(&self) -> Kernels {
         Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.elements.reach(tile)
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {

@@ -91,6 +91,10 @@ impl Law for Gravity {
         Kernels::default()
     }
 
+    fn reach(&self, _tile: usize) -> usize {
+        0
+    }
+
     fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }

@@ -65,6 +65,10 @@ impl Law for MassDamping {
         Kernels::default()
     }
 
+    fn reach(&self, _tile: usize) -> usize {
+        0
+    }
+
     fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }

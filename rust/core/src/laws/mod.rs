@@ -30,6 +30,7 @@ use std::sync::Arc;
 
 use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
+use crate::layout::Coded;
 
 pub use air_drag::AirMotion;
 pub use body::{BodyShape, FeltBy};
@@ -96,7 +97,7 @@ pub struct LinkForce {
 #[derive(Clone)]
 pub(crate) enum LinkResponse {
     /// A tension as a function of the length, see `springs`.
-    Elastic(Arc<Vec<springs::Parameters>>),
+    Elastic(Arc<Coded<springs::Parameters>>),
     /// A resistance to the rate of the length, see `spring_damping`.
     Viscous(Arc<spring_damping::Dashpots>),
 }
@@ -121,6 +122,12 @@ pub trait Law: Send + Sync {
     /// of a potential that depends on time. Tiles come in order. After a tile no element uses its nodes.
     fn add_to_tile(&mut self, _tile: usize, _at: Instant<'_>, _forces: &mut NodeVectors) -> f64 {
         0.0
+    }
+
+    /// Bound above the nodes whose motion `add_to_tile` or `prepare` reads for a tile and the tiles before it; by default
+    /// all nodes. Methods move the nodes of a tile just before it is evaluated.
+    fn reach(&self, _tile: usize) -> usize {
+        usize::MAX
     }
 
     /// The law as a nodal one.

@@ -66,7 +66,7 @@ impl BatchKernel for LoadKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let Pressure { facets, sixth, .. } = self.load;
         let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&facets.presence);
+        let presence = facets.presence.of(&pass);
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let corners = pass.read::<V, 3>(self.positions, batch);
@@ -91,7 +91,7 @@ impl BatchKernel for TorqueKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let Pressure { facets, sixth, .. } = self.load;
         let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let presence = pass.of(&facets.presence);
+        let presence = facets.presence.of(&pass);
         let mut torque = V::zero();
         for batch in 0..pass.len() {
             let corners = pass.read::<V, 3>(self.positions, batch);
@@ -111,6 +111,10 @@ impl Law for Pressure {
 
     fn kernels(&self) -> Kernels {
         Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.facets.elements.reach(tile)
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {

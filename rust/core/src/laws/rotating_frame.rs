@@ -115,6 +115,10 @@ impl Law for RotatingFrame {
         Kernels::default()
     }
 
+    fn reach(&self, _tile: usize) -> usize {
+        0
+    }
+
     fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
     }

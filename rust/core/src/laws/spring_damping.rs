@@ -40,6 +40,7 @@ use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::link::{Links, Span};
 use crate::error::{Error, Result};
+use crate::layout::{Coded, merged};
 use crate::model::checks::{non_negative, positive};
 use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
@@ -103,9 +104,9 @@ struct Network {
 /// Dashpots along links, in batches of eight.
 pub(crate) struct Dashpots {
     /// c [N s/m].
-    pub(crate) coefficient: Vec<F64x8>,
+    pub(crate) coefficient: Coded<F64x8>,
     /// The springs along the same links, whose tension limits the resistance; `None`: no limit.
-    pub(crate) limit: Option<Arc<Vec<springs::Parameters>>>,
+    pub(crate) limit: Option<Arc<Coded<springs::Parameters>>>,
 }
 
 impl Network {
@@ -123,13 +124,14 @@ impl Network {
             return Err(Error::DampingOnNegativeSpring { edge: edge.map(|node| node as usize), stiffness });
         }
         let DampingParameters { ratio, mass, .. } = parameters;
-        let coefficient = links.elements.pack(0.0, |row| {
-            let (nodes, stiffness) = pairs[row];
+        let coefficients = pairs.iter().map(|&(nodes, stiffness)| {
             let nodes = assembly.numbering.to_internal(nodes);
             let of = |values: &[f64]| nodes.map(|node| values[node as usize]);
             let of_nodes = || mass.of(&of(&assembly.masses), &of(&assembly.inverse_masses));
             2.0 * ratio * (stiffness * square.map_or_else(of_nodes, |square| mass.of_equal(square))).sqrt()
         });
+        let values = merged(coefficients.collect());
+        let coefficient = Coded::new(links.elements.pack(0.0, |row| values[row]));
         let limit = limit.map(|springs| springs.parameters());
         Ok(Self { links, dashpots: Arc::new(Dashpots { coefficient, limit }) })
     }
@@ -197,15 +199,15 @@ impl BatchKernel for ResistanceKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let coefficient = pass.of(&self.dashpots.coefficient);
-        let limit = self.dashpots.limit.as_ref().filter(|_| self.is_limited).map(|springs| pass.of(springs));
+        let coefficient = self.dashpots.coefficient.of(&pass);
+        let limit = self.dashpots.limit.as_ref().filter(|_| self.is_limited).map(|springs| springs.of(&pass));
         let mut power = V::zero();
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
             let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
             let inverse_square = V::all(1.0) / span.square().max(V::all(f64::MIN_POSITIVE));
             let mut resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
-            if let Some(springs) = limit {
+            if let Some(springs) = &limit {
                 let (springs, l) = (&springs[batch], span.length());
                 resistance = limited(resistance, springs.excess(l) * springs.tension_per_length(l).1);
             }
@@ -259,6 +261,10 @@ impl Law for SpringDamping {
             response: LinkResponse::Viscous(dashpots.clone()),
         };
         Kernels { elements: self.film.is_some(), links: self.networks.iter().map(along).collect() }
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.film.as_ref().map_or(0, |film| film.reach(tile))
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {

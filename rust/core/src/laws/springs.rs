@@ -36,9 +36,10 @@ use crate::arrays::state::NodeVectors;
 use crate::elements::link::{Links, Span};
 use crate::elements::stress::TriangleStress;
 use crate::error::Result;
+use crate::layout::{Coded, Entry, merged};
 use crate::model::checks::positive;
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, negate, scale};
+use crate::simd::lanes::{F64x8, LANES, SimdF64, negate, scale};
 
 /// Parameters of the membrane's springs.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -69,8 +70,8 @@ struct Spring {
 pub(crate) struct Springs {
     name: &'static str,
     links: Arc<Links>,
-    parameters: Arc<Vec<Parameters>>,
-    strain_limit: Vec<F64x8>,
+    parameters: Arc<Coded<Parameters>>,
+    strain_limit: Coded<F64x8>,
     /// Whether any constant is negative.
     has_negative: bool,
     /// The triangles of a film.
@@ -107,6 +108,14 @@ impl Parameters {
     pub(super) fn excess_at(&self, lane: usize, l: f64) -> (f64, f64) {
         let (k, critical_length) = (self.stiffness.0[lane], self.critical_length.0[lane]);
         if l > critical_length { (k * (l - critical_length), k) } else { (0.0, 0.0) }
+    }
+}
+
+impl Entry for Parameters {
+    type Key = [[u64; LANES]; 3];
+
+    fn key(&self) -> Self::Key {
+        [self.stiffness, self.rest_length, self.critical_length].map(|values| values.key())
     }
 }
 
@@ -166,20 +175,23 @@ impl Springs {
     }
 
     /// One entry per batch of the links.
-    pub(super) fn parameters(&self) -> Arc<Vec<Parameters>> {
+    pub(super) fn parameters(&self) -> Arc<Coded<Parameters>> {
         self.parameters.clone()
     }
 
     fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
-        let stiffness = links.elements.pack(0.0, |row| springs[row].stiffness).into_iter();
-        let rest_length = links.elements.pack(1.0, |row| springs[row].rest_length);
-        let critical_length = links.elements.pack(1.0, |row| springs[row].critical_length);
+        let pack = |padding: f64, of: fn(&Spring) -> f64| {
+            let values = merged(springs.iter().map(of).collect());
+            links.elements.pack(padding, |row| values[row]).into_iter()
+        };
+        let stiffness = pack(0.0, |spring| spring.stiffness);
+        let lengths = pack(1.0, |spring| spring.rest_length).zip(pack(1.0, |spring| spring.critical_length));
         let parameters =
-            |((stiffness, rest_length), critical_length)| Parameters { stiffness, rest_length, critical_length };
+            |(stiffness, (rest_length, critical_length))| Parameters { stiffness, rest_length, critical_length };
         Self {
             name,
-            parameters: Arc::new(stiffness.zip(rest_length).zip(critical_length).map(parameters).collect()),
-            strain_limit: links.elements.pack(f64::INFINITY, |row| springs[row].strain_limit),
+            parameters: Arc::new(Coded::new(stiffness.zip(lengths).map(parameters))),
+            strain_limit: Coded::new(pack(f64::INFINITY, |spring| spring.strain_limit)),
             links,
             has_negative: springs.iter().any(|spring| spring.stiffness < 0.0),
             film: None,
@@ -190,7 +202,7 @@ impl Springs {
 /// Adds the tension of springs to the forces.
 pub(crate) struct TensionKernel<'a> {
     pub(crate) links: &'a Links,
-    pub(crate) parameters: &'a [Parameters],
+    pub(crate) parameters: &'a Coded<Parameters>,
     pub(crate) tile: usize,
     pub(crate) positions: Columns<'a>,
     pub(crate) forces: ColumnsMut<'a>,
@@ -200,7 +212,7 @@ impl BatchKernel for TensionKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(self.parameters);
+        let parameters = self.parameters.of(&pass);
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
             let force = scale(parameters[batch].tension_per_length(span.length()).0, span.d);

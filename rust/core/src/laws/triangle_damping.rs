@@ -50,6 +50,11 @@ impl TriangleDamping {
         self.flat.elements.contiguous_share()
     }
 
+    /// Bound above the nodes of the triangles of a tile and of the tiles before it.
+    pub(super) fn reach(&self, tile: usize) -> usize {
+        self.flat.elements.reach(tile)
+    }
+
     /// Adds sign times the damping forces -C v of the triangles of a tile to `out`, and returns the power of -C v.
     pub(super) fn add_forces(
         &self,

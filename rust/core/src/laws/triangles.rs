@@ -215,6 +215,10 @@ impl Law for Triangles {
         Kernels::of_elements()
     }
 
+    fn reach(&self, tile: usize) -> usize {
+        self.flat.elements.reach(tile)
+    }
+
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
         let kernel = StressKernel { triangles: self, tile, positions, forces };

@@ -106,6 +106,11 @@ impl<const N: usize> ElementSet<N> {
         before..self.reach[tile]
     }
 
+    /// Bound above the nodes of the batches of a tile and of the tiles before it, and above the nodes of these tiles.
+    pub fn reach(&self, tile: usize) -> usize {
+        self.reach[tile]
+    }
+
     /// Number of elements, and number of lanes including padding lanes.
     pub fn lanes(&self) -> [usize; 2] {
         [self.count, LANES * self.batch_count()]

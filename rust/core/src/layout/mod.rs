@@ -1,8 +1,11 @@
 //! Internal order of nodes and elements: the renumbering of nodes, and elements in batches.
 
 mod batches;
+mod coded;
 mod element_set;
 mod renumbering;
 
+pub(crate) use coded::merged;
+pub use coded::{Coded, Entry};
 pub use element_set::{CHUNK, ElementSet, Pass};
 pub use renumbering::Renumbering;

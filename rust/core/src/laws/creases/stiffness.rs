@@ -19,7 +19,7 @@ impl BatchKernel for StiffnessKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.creases.parameters);
+        let parameters = self.creases.parameters.of(&pass);
         let contact = V::all(self.creases.contact_penalty.max(1.0));
         for batch in 0..pass.len() {
             let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));

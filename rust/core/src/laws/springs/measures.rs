@@ -17,7 +17,7 @@ impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.springs.parameters);
+        let parameters = self.springs.parameters.of(&pass);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
             let l = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
@@ -41,7 +41,7 @@ impl BatchKernel for ExcessKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let (parameters, limits) = (pass.of(&self.springs.parameters), pass.of(&self.springs.strain_limit));
+        let (parameters, limits) = (self.springs.parameters.of(&pass), self.springs.strain_limit.of(&pass));
         let mut count = V::zero();
         for batch in 0..pass.len() {
             let l = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
@@ -65,7 +65,7 @@ impl BatchKernel for StiffnessKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let parameters = pass.of(&self.springs.parameters);
+        let parameters = self.springs.parameters.of(&pass);
         let least = V::all(f64::MIN_POSITIVE);
         for batch in 0..pass.len() {
             let span = Span::between(pass.read::<V, 3>(self.positions, batch));
