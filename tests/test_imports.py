@@ -19,8 +19,9 @@ def loaded(code: str, names: tuple[str, ...]) -> set[str]:
 
 def test_the_package_comes_with_nothing_heavy() -> None:
     assert not loaded("import membrane_rs", HEAVY)
-    code = "from membrane_rs import Simulation, scenes; Simulation(scenes.load('spinning-tether')).step(3)"
-    assert not loaded(code, HEAVY)
+    for scene in ("spinning-tether", "okuizumi-model-1"):
+        code = f"from membrane_rs import Simulation, scenes; Simulation(scenes.load('{scene}')).step(3)"
+        assert not loaded(code, HEAVY)
 
 
 def test_only_pictures_need_what_draws(tmp_path: Path) -> None:

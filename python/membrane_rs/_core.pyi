@@ -30,8 +30,10 @@ __all__ = [
     "spring_constants",
 ]
 
-def edges(triangles: NDArray[np.int64], node_count: int) -> NDArray[np.int64]:
-    """Unique edges (e, 2) of triangles (m, 3): lower node first, sorted."""
+def edges(triangles: NDArray[np.int64], node_count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Unique edges (e, 2) of triangles (m, 3), lower node first, sorted; and the three of each triangle, (m, 3), edge k
+    opposite corner k.
+    """
 
 def spring_constants(
     reference: NDArray[np.float64],
@@ -52,6 +54,20 @@ def hinge_count(reference: NDArray[np.float64], triangles: NDArray[np.int64], cr
 
 def crossings(positions: NDArray[np.float64], triangles: NDArray[np.int64], limit: int) -> Crossings:
     """Crossings of triangles (m, 3) at positions (n, 3) [m]: all counted, the first `limit` listed."""
+
+def groups(links: NDArray[np.int64], node_count: int) -> NDArray[np.int64]:
+    """The group that each node is in, (n,), when links (k, 2) tie nodes together; numbered by their lowest nodes."""
+
+def shortest_paths(
+    links: NDArray[np.int64],
+    lengths: NDArray[np.float64],
+    node_count: int,
+    starts: NDArray[np.int64],
+    longest: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Lengths of the shortest paths along links (k, 2) from each start (s,) to each node, (s, n); inf where there is
+    none up to the number in `longest` (s,).
+    """
 
 def integrators() -> list[MethodFacts]:
     """What is known of each method, in the order in which they are listed."""

@@ -53,7 +53,8 @@ def _sag(radius: float, touching: Ints, fixed: Ints, pairs: Ints, lengths: Float
     touches, held = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     touches[touching], held[fixed] = True, True
     touches &= ~held
-    near = touches[pairs].any(axis=1) & (touches | held)[pairs].all(axis=1)
+    a, b = pairs.T
+    near = (touches[a] & (touches | held)[b]) | (held[a] & touches[b])
     if not near.any():
         return
     longest = float(lengths[near].max())

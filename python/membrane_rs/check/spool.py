@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from membrane_rs._arrays import Floats
-from membrane_rs.mesh import Finding
+from membrane_rs._arrays import Floats, Ints
+from membrane_rs.mesh import Finding, Mesh
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scales import outermost, widest_spool
 from membrane_rs.scene.spool import Spool
@@ -40,8 +40,9 @@ def sail_round_spool(scene: Scene) -> Iterator[Finding]:
         return
     place, widest = max((*found, *rims), key=lambda item: item[1].radius)
     for shape, points in (("flat", scene.mesh.reference), ("stowed", scene.mesh.positions)):
-        least = _inner_radius(points[scene.mesh.edges])
-        if least < (1.0 - APART) * widest.radius:
+        bound = (1.0 - APART) * widest.radius
+        least = _inner_radius(points, _near_axis(scene.mesh, points, bound))
+        if least < bound:
             yield Finding(
                 "warning",
                 "spool",
@@ -73,10 +74,20 @@ def _unlike(found: list[Named], rims: list[Named]) -> list[tuple[str, Spool, str
     ]
 
 
-def _inner_radius(ends: Floats) -> float:
-    """The least distance from the z axis of segments with these ends, (e, 2, 3) [m]."""
-    a, d = ends[:, 0, :2], ends[:, 1, :2] - ends[:, 0, :2]
+def _near_axis(mesh: Mesh, points: Floats, radius: float) -> Ints:
+    """(k, 2) the edges of the mesh that may come nearer to the z axis than a radius where nodes lie at `points` [m]."""
+    # A point of an edge is nearer to one of its ends than its length; that of an edge of no length may be infinite.
+    longest = float((mesh.edge_lengths * (1.0 + np.maximum(mesh.strain(), 0.0))).max())
+    is_far = np.hypot(points[:, 0], points[:, 1]) > (radius + longest) * (1.0 + 1e-9)
+    edges: Ints = mesh.edges[~(is_far[mesh.edges[:, 0]] & is_far[mesh.edges[:, 1]])]
+    return edges
+
+
+def _inner_radius(points: Floats, edges: Ints) -> float:
+    """The least distance of edges (k, 2) from the z axis [m]; inf without one."""
+    a = points[edges[:, 0], :2]
+    d = points[edges[:, 1], :2] - a
     square = np.maximum(np.einsum("ij,ij->i", d, d), np.finfo(float).tiny)
     at = np.clip(-np.einsum("ij,ij->i", a, d) / square, 0.0, 1.0)
     nearest = a + at[:, None] * d
-    return float(np.hypot(nearest[:, 0], nearest[:, 1]).min())
+    return float(np.hypot(nearest[:, 0], nearest[:, 1]).min(initial=np.inf))

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from membrane_rs._arrays import Bools, Ints
+from membrane_rs._arrays import Bools
 from membrane_rs.analysis.extent import span
 from membrane_rs.mesh import Finding
-from membrane_rs.mesh.gaps import groups
+from membrane_rs.mesh.links import groups
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scales import node_masses
@@ -26,11 +26,9 @@ def supports(scene: Scene) -> Iterator[Finding]:
     assembly = scene.assemble()
     mesh = scene.mesh
     links = np.concatenate([assembly.cords.nodes, assembly.bridges.nodes])
-    if mesh is None:
-        label = _groups_of_few(links, assembly.node_count)
-    else:
+    if mesh is not None:
         links = np.concatenate([links, mesh.edges])
-        label = groups(links, assembly.node_count)
+    label = groups(links, assembly.node_count)
     joined = np.zeros(assembly.node_count, dtype=np.bool_)
     joined[distinct(links)] = True
     free = joined & ~np.isin(label, label[assembly.fixed])
@@ -65,20 +63,6 @@ def supports(scene: Scene) -> Iterator[Finding]:
             f"nothing holds {_what(scene, balanced)}: it flies freely, and turns about its own centre on the axis",
             "",
         )
-
-
-def _groups_of_few(links: Ints, node_count: int) -> Ints:
-    """As `groups`, but without scipy, which a scene of cords alone does not need elsewhere."""
-    parent = list(range(node_count))
-
-    def root(node: int) -> int:
-        while parent[node] != node:
-            parent[node] = node = parent[parent[node]]
-        return node
-
-    for one, other in links.tolist():
-        parent[root(one)] = root(other)
-    return np.array([root(node) for node in range(node_count)])
 
 
 def _what(scene: Scene, nodes: Bools) -> str:

@@ -12,8 +12,9 @@ from membrane_rs.errors import InputTypeError, MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.crossings import crossings
 from membrane_rs.mesh.findings import Audit, Finding, Severity, first_few
-from membrane_rs.mesh.gaps import gaps, groups
+from membrane_rs.mesh.gaps import gaps
 from membrane_rs.mesh.growing_modes import growing_modes
+from membrane_rs.mesh.links import groups
 from membrane_rs.mesh.overlaps import overlaps
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
@@ -114,9 +115,7 @@ def _nodes(mesh: Triangulation) -> Iterator[Finding]:
 
 def _joints(mesh: Triangulation, wound: Ints) -> Iterator[Finding]:
     """Triangles given twice, edges of three triangles, edges `wound` in opposite senses, and separate pieces."""
-    ordered = np.sort(mesh.triangles, axis=1)
-    order = np.lexsort(ordered.T)
-    again = order[1:][(ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)]
+    again = _again(mesh)
     if len(again):
         yield Finding(
             "error",
@@ -152,8 +151,8 @@ def _joints(mesh: Triangulation, wound: Ints) -> Iterator[Finding]:
     links = np.concatenate([mesh.edges, mesh.bridges])
     label = groups(links, mesh.node_count)
     used = distinct(mesh.triangles)
-    names, starts = np.unique(label[used], return_index=True)
-    if len(names) > 1:
+    if label[used].min() < label[used].max():
+        names, starts = np.unique(label[used], return_index=True)
         yield Finding(
             "warning",
             "pieces",
@@ -164,12 +163,25 @@ def _joints(mesh: Triangulation, wound: Ints) -> Iterator[Finding]:
         )
 
 
+def _again(mesh: Triangulation) -> Ints:
+    """Triangles with the nodes of an earlier one."""
+    # Two sides of a triangle tell all its nodes.
+    a, b, c = mesh.triangle_edges.T
+    sides = np.minimum(np.minimum(a, b), c) * len(mesh.edges) + np.maximum(np.maximum(a, b), c)
+    ordered = np.sort(sides)
+    if (ordered[1:] != ordered[:-1]).all():
+        return np.zeros(0, np.int64)
+    order = np.argsort(sides, kind="stable")
+    again: Ints = order[1:][sides[order[1:]] == sides[order[:-1]]]
+    return again
+
+
 def _wound(mesh: Triangulation) -> Ints:
     """Edges between two triangles wound in opposite senses."""
-    first, second = mesh.triangles[:, [1, 2, 0]], mesh.triangles[:, [2, 0, 1]]
-    sense = np.where(first < second, 1.0, -1.0)
-    total = np.bincount(mesh.triangle_edges.ravel(), weights=sense.ravel(), minlength=len(mesh.edges))
-    return np.flatnonzero((mesh.triangles_per_edge == 2) & (total != 0.0))
+    a, b, c = mesh.triangles.T
+    is_upward = np.stack([b < c, c < a, a < b], axis=1)
+    upward = np.bincount(mesh.triangle_edges[is_upward], minlength=len(mesh.edges))
+    return np.flatnonzero((mesh.triangles_per_edge == 2) & (upward != 1))
 
 
 def _thick(mesh: Triangulation, material: Material) -> Iterator[Finding]:

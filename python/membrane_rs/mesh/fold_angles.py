@@ -6,7 +6,7 @@ import numpy as np
 
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.errors import MeshError
-from membrane_rs.mesh.gaps import groups
+from membrane_rs.mesh.links import groups
 from membrane_rs.mesh.triangulation import Triangulation
 
 FLAT = np.radians(1.0)

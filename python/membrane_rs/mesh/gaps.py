@@ -6,8 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from membrane_rs._arrays import Floats, Ints
+from membrane_rs._arrays import Floats
+from membrane_rs.analysis.extent import span
 from membrane_rs.mesh.findings import Finding, first_few
+from membrane_rs.mesh.links import groups
+from membrane_rs.mesh.neighbours import may_be_near, rows_beside
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import Triangulation
 
@@ -19,22 +22,12 @@ TOUCHING = 1e-3
 
 def gaps(mesh: Triangulation) -> Iterator[Finding]:
     """All of them, in the reference; in none of a size whose square is no number."""
-    if not 1e-140 < float(np.ptp(mesh.reference, axis=0).max()) < 1e140:
+    if not 1e-140 < span(mesh.reference) < 1e140:
         return
     yield from _near_nodes(mesh)
     yield from _hanging_nodes(mesh)
     yield from _pinched_nodes(mesh)
     yield from _long_bridges(mesh)
-
-
-def groups(links: Ints, node_count: int) -> Ints:
-    """(n,) the number of the group that each node is in, when links tie nodes together."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    ones = np.ones(len(links), dtype=np.int8)
-    graph = coo_matrix((ones, (links[:, 0], links[:, 1])), shape=(node_count, node_count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _shortest_edges(mesh: Triangulation) -> Floats:
@@ -47,16 +40,18 @@ def _shortest_edges(mesh: Triangulation) -> Floats:
 
 def _near_nodes(mesh: Triangulation) -> Iterator[Finding]:
     """Nodes that lie where another one does, or much nearer to it than edges are long; bridged ones left out."""
-    from scipy.spatial import cKDTree
-
     used = distinct(mesh.triangles)
     if len(used) < 2:
         return
     points, shortest = mesh.reference[used], _shortest_edges(mesh)[used]
+    size = span(points)
+    bound = max(NEAR * float(shortest.max()), 1e-9 * size)
+    if not may_be_near(points, bound):
+        return
+    from scipy.spatial import cKDTree  # slow to import
+
     # Several neighbours: the nearest may be bridged, or may be the node itself.
     count = min(4, len(used))
-    size = float(np.ptp(points, axis=0).max())
-    bound = max(NEAR * float(shortest.max()), 1e-9 * size)
     distance, other = map(np.asarray, cKDTree(points).query(points, k=count, distance_upper_bound=bound))
     rows, columns = np.nonzero(np.isfinite(distance))
     first, second, apart = rows, other[rows, columns], distance[rows, columns]
@@ -84,19 +79,14 @@ def _near_nodes(mesh: Triangulation) -> Iterator[Finding]:
 
 def _hanging_nodes(mesh: Triangulation) -> Iterator[Finding]:
     """Nodes that lie on an edge of the boundary and are not its ends: the film opens there."""
-    from scipy.spatial import cKDTree
-
     edges = mesh.boundary_edges
     if not len(edges):
         return
     nodes = distinct(edges)
     a, b = mesh.reference[edges[:, 0]], mesh.reference[edges[:, 1]]
     length = np.linalg.norm(b - a, axis=1)
-    tree = cKDTree(mesh.reference[nodes])
-    inside = tree.query_ball_point(0.5 * (a + b), 0.5 * length * (1.0 + TOUCHING))
-    counts = np.fromiter(map(len, inside), np.int64, len(edges))
-    edge = np.repeat(np.arange(len(edges)), counts)
-    node = nodes[np.concatenate([np.asarray(found, np.int64) for found in inside])]
+    edge, row = rows_beside(mesh.reference[nodes], a, b, 2.0 * TOUCHING * length)
+    node = nodes[row]
     along = np.einsum("ij,ij->i", mesh.reference[node] - a[edge], (b - a)[edge]) / np.maximum(length[edge] ** 2, 1e-300)
     foot = a[edge] + along[:, None] * (b - a)[edge]
     apart = np.linalg.norm(mesh.reference[node] - foot, axis=1)
@@ -104,7 +94,7 @@ def _hanging_nodes(mesh: Triangulation) -> Iterator[Finding]:
     is_on &= (node != edges[edge, 0]) & (node != edges[edge, 1])
     found = np.flatnonzero(is_on)
     if len(found):
-        k = found[0]
+        k = found[np.lexsort([node[found], edge[found]])[0]]
         hanging = distinct(node[found])
         yield Finding(
             "warning",
@@ -120,20 +110,17 @@ def _hanging_nodes(mesh: Triangulation) -> Iterator[Finding]:
 def _pinched_nodes(mesh: Triangulation) -> Iterator[Finding]:
     """Nodes at which parts of the film meet in a point: triangles that share the node, and no edge at it."""
     # Corners 3t + k of triangles; the side opposite to corner k of triangle t has the ends k+1 and k+2.
-    sides = mesh.triangle_edges.ravel()
-    order = np.argsort(sides, kind="stable")
-    same = np.flatnonzero(sides[order[1:]] == sides[order[:-1]])
-    one, two = order[same], order[same + 1]
-    node = mesh.triangles.ravel()
-
-    def corner(side: Ints, turn: int) -> Ints:
-        return np.asarray(side - side % 3 + (side % 3 + turn) % 3, dtype=np.int64)
-
-    straight = node[corner(one, 1)] == node[corner(two, 1)]
-    links = [
-        np.stack([corner(one, turn), np.where(straight, corner(two, turn), corner(two, 3 - turn))], axis=1)
-        for turn in (1, 2)
-    ]
+    sides, node = mesh.triangle_edges.ravel(), mesh.triangles.ravel()
+    corners = np.arange(len(node))
+    after = corners.reshape(-1, 3)[:, [1, 2, 0]].ravel()
+    # Each side with the last one at the same edge.
+    last = np.empty(len(mesh.edges), dtype=np.int64)
+    last[sides] = corners
+    one = np.flatnonzero(last[sides] != corners)
+    two = last[sides[one]]
+    ends, other_ends = ((after[side], after[after[side]]) for side in (one, two))
+    straight = node[ends[0]] == node[other_ends[0]]
+    links = [np.stack([ends[k], np.where(straight, other_ends[k], other_ends[1 - k])], axis=1) for k in (0, 1)]
     fan = groups(np.concatenate(links), len(node))
     node_of_fan = np.empty(int(fan.max()) + 1, dtype=np.int64)
     node_of_fan[fan] = node

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -139,10 +140,15 @@ class Mesh(HasCard, Triangulation):
         >>> float(mesh.strain(1.01 * mesh.reference).max().round(6))
         0.01
         """
-        points = self.positions if positions is None else self.checked_positions(positions)
+        given = None if positions is None else self.checked_positions(positions)
+        lengths = self._stowed_lengths if given is None else self._lengths_at(given)
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = self._lengths_at(points) / self.edge_lengths
+            ratio = lengths / self.edge_lengths
         return np.nan_to_num(ratio, nan=np.inf, posinf=np.inf) - 1.0
+
+    @cached_property
+    def _stowed_lengths(self) -> Floats:
+        return frozen(self._lengths_at(self.positions))
 
     def audit(
         self,
@@ -175,7 +181,8 @@ class Mesh(HasCard, Triangulation):
             What was found, errors first.
         """
         points = self.positions if positions is None else self.checked_positions(positions)
-        return audit(self, material, points, self.strain(points), springs=springs, growth=growth, crossings=crossings)
+        strain = self.strain(positions)
+        return audit(self, material, points, strain, springs=springs, growth=growth, crossings=crossings)
 
     def crossings(self, positions: ArrayLike | None = None, *, limit: int = LISTED) -> Crossings:
         """Pairs of triangles that pass through each other, counted exactly.

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs.mesh.boundary import winds_once
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
 
@@ -25,13 +26,15 @@ def overlaps(mesh: Triangulation, *, is_wound_alike: bool) -> Iterator[Finding]:
     points = _in_plane(mesh.reference)
     if points is None:
         return
-    corners = points[mesh.triangles]
-    areas = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    along, across = mesh.sides_along_axes(points)
+    areas = along[0] * across[1] - along[1] * across[0]
     has_area = mesh.flatness() >= NO_AREA
     up, down = (areas > 0.0) & has_area, (areas < 0.0) & has_area
     turned = np.flatnonzero(down if up.sum() >= down.sum() else up)
     sample = np.arange(0, len(areas), 1 + len(areas) // SAMPLE)
-    lies_on = _lies_on_another(corners, has_area, np.union1d(turned, sample))
+    if is_wound_alike and has_area.all() and not len(turned) and winds_once(mesh, points, sample):
+        return
+    lies_on = _lies_on_another(points[mesh.triangles], has_area, np.union1d(turned, sample))
     both = np.intersect1d(turned, lies_on)
     if len(turned):
         is_folded = is_wound_alike and len(both) > 0
@@ -63,10 +66,11 @@ def _in_plane(reference: Floats) -> Floats | None:
     scaled = reference / max(float(np.abs(reference).max()), np.finfo(float).tiny)
     centred = scaled - scaled.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1]
-    heights = np.ptp(centred @ axes, axis=0)
+    places = centred @ axes
+    heights = np.ptp(places, axis=0)
     if heights[0] > FLAT * heights[2] or heights[1] <= FLAT * heights[2]:
         return None
-    return np.asarray(centred @ axes[:, 1:], dtype=np.float64)
+    return np.asarray(places[:, 1:], dtype=np.float64)
 
 
 def _cross(first: Floats, second: Floats) -> Floats:
@@ -75,7 +79,7 @@ def _cross(first: Floats, second: Floats) -> Floats:
 
 def _lies_on_another(corners: Floats, has_area: Bools, tested: Ints) -> Ints:
     """Those of the `tested` triangles whose centroid lies inside a triangle with one of the nearest centroids."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import cKDTree  # slow to import
 
     centroids = corners.mean(axis=1)
     count = min(NEIGHBOURS, len(corners))

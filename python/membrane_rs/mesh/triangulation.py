@@ -51,13 +51,17 @@ class Triangulation(KnownAttributes):
     @cached_property
     def edges(self) -> Ints:
         """(e, 2) node pairs, the smaller index first, in lexicographic order: one spring each."""
-        return frozen(np.asarray(_core.edges(self.triangles, self.node_count), dtype=np.int64))
+        return frozen(self._connectivity[0])
 
     @cached_property
     def triangle_edges(self) -> Ints:
         """(m, 3) index in `edges` of the side opposite to each corner of each triangle."""
-        first, second = self.triangles[:, [1, 2, 0]], self.triangles[:, [2, 0, 1]]
-        return frozen(self._rows_of_edges(np.stack([first.ravel(), second.ravel()], axis=1))[0].reshape(-1, 3))
+        return frozen(self._connectivity[1])
+
+    @cached_property
+    def _connectivity(self) -> tuple[Ints, Ints]:
+        """The edges, and those of each triangle."""
+        return _core.edges(self.triangles, self.node_count)
 
     @cached_property
     def triangles_per_edge(self) -> Ints:
@@ -84,9 +88,14 @@ class Triangulation(KnownAttributes):
         (m,) float64
             [m2]
         """
-        a, b, c = (self.reference[self.triangles[:, i]] for i in range(3))
-        result: Floats = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        return result
+        return self._areas.copy()
+
+    @cached_property
+    def _areas(self) -> Floats:
+        along, across = self.sides_along_axes(self.reference)
+        normal = [along[i] * across[j] - along[j] * across[i] for i, j in ((1, 2), (2, 0), (0, 1))]
+        areas: Floats = 0.5 * np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        return frozen(areas)
 
     def spring_constants(self, material: Material, *, clip: bool = False) -> Floats:
         """(e,) spring constant of each edge [N/m], the sum over its triangles.
@@ -174,8 +183,8 @@ class Triangulation(KnownAttributes):
 
     @cached_property
     def _flatness(self) -> Floats:
-        longest = self.edge_lengths[self.triangle_edges].max(axis=1)
-        ratio: Floats = 2.0 * self.areas() / np.maximum(longest**2, np.finfo(float).tiny)
+        longest = np.maximum.reduce([self.edge_lengths[edges] for edges in self.triangle_edges.T])
+        ratio: Floats = 2.0 * self._areas / np.maximum(longest**2, np.finfo(float).tiny)
         return frozen(np.where(longest > 0.0, ratio, 0.0))
 
     def lengths_in(self, points: Floats) -> Floats:
@@ -207,6 +216,14 @@ class Triangulation(KnownAttributes):
         if points.shape != (self.node_count, 3):
             raise InputError(f"points has shape {points.shape}; it must be ({self.node_count}, 3): a row a node")
         return self._lengths_at(points)
+
+    def sides_along_axes(self, points: Floats) -> tuple[list[Floats], list[Floats]]:
+        """The sides from the first corner of each triangle to its second and to its third one: (m,) for each axis."""
+        a, b, c = (np.ascontiguousarray(corner) for corner in self.triangles.T)
+        places = [np.ascontiguousarray(along) for along in points.T]
+        first = [place[a] for place in places]
+        along, across = ([place[end] - start for place, start in zip(places, first, strict=True)] for end in (b, c))
+        return along, across
 
     def _lengths_at(self, points: Floats) -> Floats:
         difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.extent import span
+from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene.law import Surroundings
 
 
@@ -66,8 +68,14 @@ def pull_of_spin(scene: Surroundings) -> float:
 
 
 def node_masses(scene: Surroundings) -> Floats:
-    """(N,) masses of all nodes, of membrane, cords and tips [kg]."""
-    masses: Floats = scene.assemble().extra_masses.copy()
-    if scene.mesh is not None and scene.material is not None:
-        masses[: scene.mesh.node_count] += scene.mesh.masses(scene.material)
-    return masses
+    """(N,) masses of all nodes, of membrane, cords and tips [kg]; read-only."""
+    if scene not in _MASSES:
+        masses: Floats = scene.assemble().extra_masses.copy()
+        if scene.mesh is not None and scene.material is not None:
+            masses[: scene.mesh.node_count] += scene.mesh.masses(scene.material)
+        _MASSES[scene] = frozen(masses)
+    return _MASSES[scene]
+
+
+_MASSES: WeakKeyDictionary[Surroundings, Floats] = WeakKeyDictionary()
+"""Of scenes that are still there, which never change."""

@@ -82,9 +82,12 @@ pub(crate) fn matrix<'py, T: numpy::Element + Copy, const N: usize>(
     numpy::PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// Node pairs to (n, 2) int64.
-pub(crate) fn pairs<'py>(py: Python<'py>, rows: &[[u32; 2]]) -> PyResult<Bound<'py, PyArray2<i64>>> {
-    let rows: Vec<[i64; 2]> = rows.iter().map(|pair| pair.map(i64::from)).collect();
+/// Rows of indices to (n, N) int64.
+pub(crate) fn indices_to_python<'py, const N: usize>(
+    py: Python<'py>,
+    rows: &[[u32; N]],
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let rows: Vec<[i64; N]> = rows.iter().map(|row| row.map(i64::from)).collect();
     matrix(py, &rows)
 }
 

@@ -7,7 +7,7 @@ use membrane_core::contact;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
-use crate::arrays::{checked, index_rows, pairs, rows};
+use crate::arrays::{checked, index_rows, indices_to_python, rows};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
@@ -44,5 +44,5 @@ pub(crate) fn crossings(
         ControlFlow::Break(interruption) => return Err(interruption),
     };
     let contact::Crossings { count, overlapping, touching, candidates, .. } = found;
-    Ok(Crossings { pairs: pairs(py, &found.pairs)?.unbind(), count, overlapping, touching, candidates })
+    Ok(Crossings { pairs: indices_to_python(py, &found.pairs)?.unbind(), count, overlapping, touching, candidates })
 }

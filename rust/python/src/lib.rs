@@ -4,6 +4,7 @@ mod arrays;
 mod components;
 mod crossings;
 mod errors;
+mod graph;
 mod laws;
 mod mesh;
 mod progress;
@@ -22,6 +23,8 @@ static ALLOCATOR: Aligned = Aligned;
 mod _core {
     #[pymodule_export]
     use super::crossings::{Crossings, crossings};
+    #[pymodule_export]
+    use super::graph::{groups, shortest_paths};
     #[pymodule_export]
     use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
     #[pymodule_export]

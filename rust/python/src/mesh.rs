@@ -4,22 +4,24 @@ use membrane_core::model::mesh::{Mesh, check_indices, unique_edges};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{checked, index_rows, pairs, rows};
+use crate::arrays::{checked, index_rows, indices_to_python, rows};
 
 fn mesh_of(reference: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Mesh> {
     checked(Mesh::new(rows("reference", reference)?, index_rows("triangles", triangles)?))
 }
 
-/// Unique edges of (m, 3) int64 triangles: (e, 2) int64, lower node first, sorted.
+/// Edges (e, 2) int64 of (m, 3) int64 triangles, lower node first, sorted; and for each triangle its three edges,
+/// (m, 3) int64, edge k opposite corner k.
 #[pyfunction]
 pub(crate) fn edges<'py>(
     py: Python<'py>,
     triangles: &Bound<'py, PyAny>,
     node_count: usize,
-) -> PyResult<Bound<'py, PyArray2<i64>>> {
+) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>)> {
     let triangles = index_rows("triangles", triangles)?;
     checked(check_indices("triangle", &triangles, node_count))?;
-    pairs(py, &unique_edges(&triangles).0)
+    let (edges, triangle_edges) = unique_edges(&triangles);
+    Ok((indices_to_python(py, &edges)?, indices_to_python(py, &triangle_edges)?))
 }
 
 /// Spring constant of each edge by eq. (1) [N/m], in the order of `edges`.

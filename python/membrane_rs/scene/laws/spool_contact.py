@@ -105,7 +105,8 @@ class SpoolContact(Law):
         if len(assembly.fixed) == 0 or len(assembly.bridges):
             return None
         limits = (law.edge_strain_limit for law in scene.laws)
-        nearest = nearest_radii(assembly, scene.mesh, next((limit for limit in limits if limit is not None), None))
+        limit = next((limit for limit in limits if limit is not None), None)
+        nearest = nearest_radii(assembly, scene.mesh, limit, self.radius)
         if not (nearest > self.radius).all():
             return None
         least = nearest.min()

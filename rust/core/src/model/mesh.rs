@@ -26,23 +26,34 @@ pub struct Hinge {
 
 /// Unique sorted edges of `triangles`, and the three edges of each triangle (edge k opposite corner k).
 pub fn unique_edges(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
-    let mut sides: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
-    for (row, &[a, b, c]) in triangles.iter().enumerate() {
-        for (k, (i, j)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
-            let key = (u64::from(i.min(j)) << 32) | u64::from(i.max(j));
-            sides.push((key, (3 * row + k) as u32));
-        }
+    let sides_of = |&[a, b, c]: &[u32; 3]| [(b, c), (c, a), (a, b)].map(|(i, j)| (i.min(j), i.max(j)));
+    let sides = || triangles.iter().flat_map(sides_of).zip(0_u32..);
+    // Sides by their lower node: those of node n begin at ends[n], and fill the room up to those of the next one.
+    let node_count = triangles.as_flattened().iter().max().map_or(0, |&node| node as usize + 1);
+    let mut ends = vec![0; node_count + 1];
+    sides().for_each(|((lower, _), _)| ends[lower as usize + 1] += 1);
+    (0..node_count).for_each(|node| ends[node + 1] += ends[node]);
+    let mut by_lower = vec![(0, 0); 3 * triangles.len()];
+    for ((lower, higher), side) in sides() {
+        let end = &mut ends[lower as usize];
+        by_lower[*end] = (higher, side);
+        *end += 1;
     }
-    sides.sort_unstable();
-    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(sides.len() / 2);
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * triangles.len() / 2);
     let mut triangle_edges = vec![[0; 3]; triangles.len()];
-    let mut last = None;
-    for (key, side) in sides {
-        if last != Some(key) {
-            edges.push([(key >> 32) as u32, key as u32]);
-            last = Some(key);
+    let mut begin = 0;
+    for (lower, &end) in (0..).zip(&ends[..node_count]) {
+        let of_node = &mut by_lower[begin..end];
+        of_node.sort_unstable();
+        let mut last = None;
+        for &mut (higher, side) in of_node {
+            if last != Some(higher) {
+                edges.push([lower, higher]);
+                last = Some(higher);
+            }
+            triangle_edges.as_flattened_mut()[side as usize] = edges.len() as u32 - 1;
         }
-        triangle_edges[side as usize / 3][side as usize % 3] = edges.len() as u32 - 1;
+        begin = end;
     }
     (edges, triangle_edges)
 }

@@ -2,6 +2,7 @@
 
 pub mod checks;
 pub mod frame;
+pub mod graph;
 pub mod input;
 pub mod mesh;
 pub mod names;
