@@ -1,7 +1,8 @@
-"""Time to build a mesh of a million nodes, and to import the package.
+"""Time to build a mesh of a million nodes, to import the package, and to make a simulation of a scene.
 
 The mesh is the square sail with its creases: edges, the sides of triangles, hinges, audit. Its pattern, which computes
-the flat and stowed positions, is timed separately. The import is timed in fresh processes with existing byte code.
+the flat and stowed positions, is timed separately. The import is timed in fresh processes with existing byte code, and
+so is `Simulation(scene, "leapfrog")` of model 1, as it is and denser: its audit, the core's model and the stable step.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ ROWS, FEW_ROWS = 392, 48
 """Of a petal: a million nodes, and some thousands."""
 AIMS = {"a mesh, its edges, hinges and audit": 10.0, "import of membrane_rs": 0.3}
 """[s]"""
+
+DENSITIES, FEW_DENSITIES = (1.0, 9.5), (1.0,)
+"""Of the mesh of model 1, of which simulations are made."""
 
 Times = dict[str, list[float]]
 
@@ -60,12 +64,47 @@ def build(rows: int, times: Times) -> Mesh:
     return mesh
 
 
-def import_time() -> float:
-    """Of the package, in a fresh process [s]."""
-    code = "import time; began = time.perf_counter(); import membrane_rs; print(time.perf_counter() - began)"
+def fresh(code: str) -> list[float]:
+    """What code prints in a fresh process: numbers."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    return float(done.stdout)
+    return [float(word) for word in done.stdout.split()]
+
+
+def import_time() -> float:
+    """Of the package, in a fresh process [s]."""
+    return fresh("import time; began = time.perf_counter(); import membrane_rs; print(time.perf_counter() - began)")[0]
+
+
+def making_time(density: float) -> list[float]:
+    """Nodes of model 1 with a mesh so many times as dense, and the time to make its simulation and to step it [s]."""
+    return fresh(f"""
+import time
+from membrane_rs import Simulation, scenes
+from membrane_rs.study.common.density import denser
+scene = denser(scenes.load("okuizumi-model-1"), {density})
+began = time.perf_counter()
+sim = Simulation(scene, "leapfrog")
+made = time.perf_counter() - began
+count = 1 + 2_000_000 // len(sim.positions)
+sim.step(count)
+began = time.perf_counter()
+sim.step(count)
+print(len(sim.positions), made, (time.perf_counter() - began) / count)
+""")
+
+
+def making(repeats: int, densities: tuple[float, ...]) -> str:
+    """The table of the time to make a simulation: medians, those of all sizes by turns."""
+    found: dict[float, list[list[float]]] = {density: [] for density in densities}
+    for _ in range(repeats):
+        for density in densities:
+            found[density].append(making_time(density))
+    rows = []
+    for times in found.values():
+        nodes, made, step = (median(column) for column in zip(*times, strict=True))
+        rows.append((f"{nodes:,.0f}", f"{made:.3f}", f"{1e3 * step:.3g}", f"{made / step:,.0f}"))
+    return table(("nodes of the scene", "a simulation of it [s]", "a step of leapfrog [ms]", "in steps"), rows)
 
 
 def text(mesh: Mesh, times: Times) -> str:
@@ -83,7 +122,8 @@ def main() -> None:
         mesh = build(FEW_ROWS if chosen.quick else ROWS, times)
     import_time()  # writes missing byte code
     times["import of membrane_rs"] = [import_time() for _ in range(3 if chosen.quick else 11)]
-    show(PART, f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}", write=chosen.write)
+    made = making(*(1, FEW_DENSITIES) if chosen.quick else (7, DENSITIES))
+    show(PART, f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}\n{made}", write=chosen.write)
 
 
 if __name__ == "__main__":

@@ -88,7 +88,8 @@ class Triangulation(KnownAttributes):
         (m,) float64
             [m2]
         """
-        return self._areas.copy()
+        areas: Floats = self._areas.copy()
+        return areas
 
     @cached_property
     def _areas(self) -> Floats:
