@@ -24,9 +24,11 @@ __all__ = [
     "StepLimit",
     "crossings",
     "edges",
+    "groups",
     "hinge_count",
     "integrators",
     "lumped_masses",
+    "shortest_paths",
     "spring_constants",
 ]
 

@@ -6,6 +6,8 @@ use pyo3::prelude::*;
 
 use crate::arrays::{checked, index_rows, indices_to_python, rows};
 
+type Indices<'py> = Bound<'py, PyArray2<i64>>;
+
 fn mesh_of(reference: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Mesh> {
     checked(Mesh::new(rows("reference", reference)?, index_rows("triangles", triangles)?))
 }
@@ -17,7 +19,7 @@ pub(crate) fn edges<'py>(
     py: Python<'py>,
     triangles: &Bound<'py, PyAny>,
     node_count: usize,
-) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<i64>>)> {
+) -> PyResult<(Indices<'py>, Indices<'py>)> {
     let triangles = index_rows("triangles", triangles)?;
     checked(check_indices("triangle", &triangles, node_count))?;
     let (edges, triangle_edges) = unique_edges(&triangles);

@@ -75,8 +75,8 @@ impl Network {
         Ok(Self { begins, neighbours })
     }
 
-    /// The length of the shortest path from `start` to each node, by Dijkstra's method; infinite where there is none, or
-    /// none up to `longest`. A link whose length is not a number at or above zero joins nothing.
+    /// The length of the shortest path from `start` to each node, by Dijkstra's method; infinite where there is none up
+    /// to `longest`. A link whose length is not a number at or above zero joins nothing.
     ///
     /// # Errors
     /// `IndexOutOfRange` for an unknown node.
