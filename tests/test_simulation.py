@@ -250,6 +250,18 @@ def test_the_default_step_is_below_the_limit_and_fits_round_times() -> None:
         assert sim.limiting_part.split()[0] in sim.energies() or sim.limiting_part.split()[0] in LAWS
 
 
+@pytest.mark.parametrize("name", ["okuizumi-model-1-fast", "okuizumi-stage-1", "hanging-strip"])
+def test_the_limit_is_that_of_the_start_until_something_moves(name: str) -> None:
+    sim = Simulation(scenes.load(name))
+    searched = sim._core.limit()
+    found = sim.stable_dt(), sim.limiting_node, sim.limiting_part.partition(" (in ")[0]
+    assert found == (searched.dt, searched.node, searched.part)
+    sim.positions = 1.001 * sim.positions
+    assert sim.stable_dt() == sim._core.limit().dt != searched.dt
+    again = Simulation(sim.scene, start=sim)
+    assert again.stable_dt() == again._core.limit().dt == sim.stable_dt()
+
+
 def test_measured_limit_is_the_predicted_one() -> None:
     # The tallest frequency of a net with nothing slack: just below it stays, just above it goes.
     laws = [Springs(buckling=1e9, buckling_on_creases=1e9)]

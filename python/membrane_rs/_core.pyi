@@ -351,6 +351,9 @@ class Simulation:
     def limit(self) -> StepLimit:
         """The limit of the step at the current positions."""
 
+    def start_limit(self) -> StepLimit:
+        """The same at the start, as it was found when the simulation was made."""
+
     def step(self, count: int) -> None:
         """Take steps; Ctrl-C stops between two."""
 

@@ -58,6 +58,7 @@ class Motion(KnownAttributes, Copies, Readings):
 
     ONCE = ("scene", "assembly")
     assembly: Assembly
+    _limit: tuple[tuple[int, float, int], _core.StepLimit] | None
     SETTABLE = ("is_relaxed",)
     INSTEAD = "make another simulation, which may go on from this one (start=)"
 
@@ -75,6 +76,7 @@ class Motion(KnownAttributes, Copies, Readings):
         self.is_relaxed = False
         self._motions_set = 0
         self._simulate(scene.staged(0) if scene.stages else scene, integrator, dt)
+        self._limit = self._now(), self._core.start_limit()
 
     def _simulate(self, scene: Scene, integrator: str | None, dt: float | None) -> None:
         """Make the core of a scene without stages."""
@@ -93,7 +95,7 @@ class Motion(KnownAttributes, Copies, Readings):
         self.__dict__["assembly"] = assembly
         self.__dict__.pop("masses", None)
         self._motions_set += 1
-        self._limit: tuple[tuple[int, float, int], tuple[float, str, int]] | None = None
+        self._limit = None
         if step is None and not self._core.dt > SHORTEST_STEP:
             raise InputError(
                 f"the largest stable step is {self._core.dt} s, set by {self.limiting_part}: nothing moves in so short "
@@ -249,7 +251,7 @@ class Motion(KnownAttributes, Copies, Readings):
         float
             [s]
         """
-        return self._stability()[0]
+        return self._stability().dt
 
     @property
     def instructions(self) -> str:
@@ -259,23 +261,25 @@ class Motion(KnownAttributes, Copies, Readings):
     @property
     def limiting_part(self) -> str:
         """The law and node that set `stable_dt`, and the node set it lies in."""
-        return self._stability()[1]
+        limit = self._stability()
+        sets = [name for name, nodes in self.assembly.node_sets.items() if limit.node in nodes]
+        return f"{limit.part} (in {', '.join(sets)})" if sets else limit.part
 
     @property
     def limiting_node(self) -> int:
         """The node that moves most in the vibration that sets `stable_dt`."""
-        return self._stability()[2]
+        return self._stability().node
 
-    def _stability(self) -> tuple[float, str, int]:
-        """The limit, its part in words, and its node; kept for as long as nothing moves, since it costs many steps."""
-        now = (self.step_count, self.time, self._motions_set)
-        if self._limit is None or self._limit[0] != now:
+    def _stability(self) -> _core.StepLimit:
+        """The limit, kept for as long as nothing moves, since it costs many steps."""
+        if self._limit is None or self._limit[0] != self._now():
             with overflow_named(self.scene):
-                limit = self._core.limit()
-            sets = [name for name, nodes in self.assembly.node_sets.items() if limit.node in nodes]
-            part = f"{limit.part} (in {', '.join(sets)})" if sets else limit.part
-            self._limit = now, (limit.dt, part, limit.node)
+                self._limit = self._now(), self._core.limit()
         return self._limit[1]
+
+    def _now(self) -> tuple[int, float, int]:
+        """What changes with all that moves."""
+        return self.step_count, self.time, self._motions_set
 
     def state(self) -> dict[str, Any]:
         """All that changes while the scene moves, copied, by name: what `set_state` continues from with the same bits.

@@ -135,7 +135,8 @@ impl Simulation {
     ) -> PyResult<Self> {
         let laws = laws.iter().map(|(kind, parameters)| law_of(kind, parameters)).collect::<PyResult<Vec<_>>>()?;
         let settings = settings_of(settings, instructions)?;
-        let core = checked(Core::new(model_of(model)?, &laws, integrator, dt, settings))?;
+        let (py, model) = (model.py(), model_of(model)?);
+        let core = checked(py.detach(|| Core::new(model, &laws, integrator, dt, settings)))?;
         Ok(Self {
             core: Mutex::new(core),
             chunk: AtomicU64::new(1),
@@ -320,7 +321,8 @@ impl Simulation {
 
     /// The largest principal stress of the film [Pa], at least 0, or None without its law.
     fn largest_film_stress(&self, py: Python<'_>) -> Option<f64> {
-        self.core(py).largest_film_stress()
+        let core = self.core(py);
+        py.detach(|| core.largest_film_stress())
     }
 
     /// Crease angles [rad], or None without the law.
@@ -335,7 +337,8 @@ impl Simulation {
 
     /// The load of the sail on the hub.
     fn hub_load(&self, py: Python<'_>) -> HubLoad {
-        self.core(py).hub_load().into()
+        let core: &mut Core = &mut self.core(py);
+        py.detach(|| core.hub_load()).into()
     }
 
     /// The limit of the step at the current positions.
@@ -343,6 +346,12 @@ impl Simulation {
         let core = self.core(py);
         let limit = py.detach(|| core.limit());
         Ok(StepLimit::of(&core, &checked(limit)?))
+    }
+
+    /// The same at the start, as it was found when the simulation was made.
+    fn start_limit(&self, py: Python<'_>) -> StepLimit {
+        let core = self.core(py);
+        StepLimit::of(&core, core.start_limit())
     }
 
     /// Takes `count` steps without the interpreter lock; Ctrl-C stops it between two steps.
@@ -371,7 +380,8 @@ impl Simulation {
 
     /// Checks for a fault, between the regular checks; at the end of a run the energy balance too.
     fn check(&self, py: Python<'_>, is_end: bool) -> PyResult<()> {
-        checked(self.core(py).check(is_end))
+        let core: &mut Core = &mut self.core(py);
+        checked(py.detach(|| core.check(is_end)))
     }
 
     /// The data of a checkpoint, for `resume`.

@@ -313,6 +313,11 @@ impl Simulation {
         self.limit_at(self.instant())
     }
 
+    /// The same at the start, as it was found when the simulation was made.
+    pub fn start_limit(&self) -> &Limit {
+        &self.start_limit
+    }
+
     /// External number of a node.
     pub fn to_external(&self, internal: usize) -> usize {
         self.numbering.to_external(internal)
