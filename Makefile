@@ -57,7 +57,7 @@ golden: $(VENV)/tools
 
 # Times of laws and steps, into benchmarks/README.md; some of them: make bench PART="model_1 steps". QUICK=--quick shows
 # that all works.
-PART_OF_BENCH := model_1 kernels steps building output
+PART_OF_BENCH := model_1 kernels steps building output designs
 bench: $(VENV)/tools
 	@for part in $(or $(PART),$(PART_OF_BENCH)); do $(BIN)/python benchmarks/$$part.py --write $(QUICK) || exit 1; done
 

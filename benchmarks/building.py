@@ -71,9 +71,9 @@ def fresh(code: str) -> list[float]:
     return [float(word) for word in done.stdout.split()]
 
 
-def import_time() -> float:
-    """Of the package, in a fresh process [s]."""
-    return fresh("import time; began = time.perf_counter(); import membrane_rs; print(time.perf_counter() - began)")[0]
+def import_time(module: str = "membrane_rs") -> float:
+    """Of the package, or of one of its modules, in a fresh process [s]."""
+    return fresh(f"import time; began = time.perf_counter(); import {module}; print(time.perf_counter() - began)")[0]
 
 
 def making_time(density: float) -> list[float]:
