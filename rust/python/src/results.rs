@@ -1,7 +1,7 @@
 //! Results of the core, as named types of plain values.
 
 use membrane_core::evaluation::ledger::Ledger;
-use membrane_core::integrators::{Method, Options, Properties, Statistics};
+use membrane_core::integrators::{METHODS, Method, Options, Properties, Statistics};
 use membrane_core::laws::WorkClass;
 use membrane_core::simulation::Simulation as Core;
 use membrane_core::stability::{Limit, axis_limits};
@@ -38,6 +38,12 @@ impl MethodFacts {
             real_limit,
         }
     }
+}
+
+/// Properties of each method, in the order of the list.
+#[pyfunction]
+pub(crate) fn integrators() -> Vec<MethodFacts> {
+    METHODS.iter().map(MethodFacts::of).collect()
 }
 
 /// The energy balance: its terms [J], and the residual over the reference energy.

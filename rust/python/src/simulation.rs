@@ -5,7 +5,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use membrane_core::error::Error;
-use membrane_core::integrators::METHODS;
 use membrane_core::laws::WorkClass;
 use membrane_core::simulation::Simulation as Core;
 use numpy::{PyArray1, PyArray2};
@@ -19,16 +18,10 @@ use crate::errors::wrong_value;
 use crate::laws::law_of;
 use crate::progress::{check_values, progress_of, saved_of};
 use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
-use crate::results::{EnergyBalance, MethodFacts, NewtonStatistics, StepLimit};
+use crate::results::{EnergyBalance, NewtonStatistics, StepLimit};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
-
-/// Properties of each method, in the order of the list.
-#[pyfunction]
-pub(crate) fn integrators() -> Vec<MethodFacts> {
-    METHODS.iter().map(MethodFacts::of).collect()
-}
 
 /// Longest pause between two chunks of steps for other threads that wait to read, in periods of `READER_PERIOD`.
 const READER_PERIODS: u32 = 100;
