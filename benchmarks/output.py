@@ -67,7 +67,7 @@ def run(case: Case, until: float, folder: Path | None) -> Times:
     """One run, into a folder or without one."""
     sim = ready(case, until)
     wall, processor = time.perf_counter(), time.process_time()
-    sim.run(out=folder, pictures=False)
+    sim.run() if folder is None else sim.run(out=folder, pictures=False)
     return Times(time.perf_counter() - wall, time.process_time() - processor)
 
 

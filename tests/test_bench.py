@@ -12,6 +12,7 @@ from pathlib import Path
 
 import building
 import kernels
+import output
 import page
 import pytest
 
@@ -72,3 +73,10 @@ def test_building_builds_a_sound_mesh_and_tells_each_part() -> None:
     shown = building.text(mesh, {**times, "import of membrane_rs": [0.1, 0.2, 0.4]})
     assert "1,836 nodes, 5,292 edges, 3,456 triangles, 756 creases." in shown
     assert "| import of membrane_rs | 0.20 | 0.3 |" in shown
+
+
+def test_output_is_timed_with_a_folder_and_without_one(tmp_path: Path) -> None:
+    case = output.CASES[0]
+    times = [output.run(case, 0.001, folder) for folder in (None, tmp_path / "run")]
+    assert all(found.wall > 0.0 for found in times)
+    assert (tmp_path / "run" / "history.csv").is_file()
