@@ -135,6 +135,7 @@ def test_a_softened_film_runs_by_its_own_step() -> None:
     assert soft.step == pytest.approx(soft.step_limit, rel=0.2)  # both divide the interval between two samples
     assert soft.change is not None
     assert math.isnan(soft.change.strain)
+    assert math.isnan(soft.change.stress)
     assert soft.change.rate < 1e-3  # the strain of the flat disc
     assert f"by steps {soft.step:.2g} times as long" in found.table()
     assert items["law spin"].step <= 1.0
@@ -186,6 +187,17 @@ def test_peak_stress_is_that_of_the_film() -> None:
     sim.positions = scene.mesh.reference * 0.9
     assert peak_stress(sim) == 0.0
     assert math.isnan(peak_stress(Simulation(scenes.load("spinning-tether"))))
+
+
+def test_peak_stress_of_a_softened_film_is_of_its_lower_modulus() -> None:
+    scene = scenes.load("spinning-disc")
+    assert scene.mesh is not None
+    found = []
+    for values in ({}, {"material.softening": 10.0}):
+        sim = Simulation(scene.with_values(values))
+        sim.positions = scene.mesh.reference * [1.001, 1.0, 1.0]
+        found.append(peak_stress(sim))
+    assert found[1] == pytest.approx(found[0] / 10.0)
 
 
 def test_peak_stress_has_a_column(strip: Ablation, tether: Ablation) -> None:

@@ -67,7 +67,7 @@ def peak_stress(sim: Motion) -> float:
     0.0
     """
     check_simulation(sim)
-    mesh, film = sim.scene.mesh, sim.scene.material
+    mesh, film = sim.scene.mesh, sim.stage_scene.as_simulated.material
     if mesh is None or film is None:
         return float("nan")
     if (sim.film_states() >= 0).all():
