@@ -45,15 +45,15 @@ fn simulation(fineness: usize, integrator: &str, settings: Settings) -> Simulati
 
 #[test]
 fn a_step_allocates_no_memory() {
-    for (integrator, evaluations) in [("rk4", 4), ("leapfrog", 1)] {
-        let settings = Settings { check_interval: u64::MAX, ..Settings::default() };
+    for (integrator, substeps, evaluations) in [("rk4", 1, 4), ("leapfrog", 1, 1), ("leapfrog", 4, 4)] {
+        let settings = Settings { substeps, check_interval: u64::MAX, ..Settings::default() };
         let mut simulation = simulation(1, integrator, settings);
         // In the first steps exchanges are recorded.
         simulation.step(100).unwrap();
         let (allocated, evaluated) = (ALLOCATED.get(), simulation.evaluation_count());
         simulation.step(20).unwrap();
-        assert_eq!(ALLOCATED.get() - allocated, 0, "{integrator}");
-        assert_eq!(simulation.evaluation_count() - evaluated, 20 * evaluations, "{integrator}");
+        assert_eq!(ALLOCATED.get() - allocated, 0, "{integrator}, {substeps} substeps");
+        assert_eq!(simulation.evaluation_count() - evaluated, 20 * evaluations, "{integrator}, {substeps} substeps");
     }
 }
 

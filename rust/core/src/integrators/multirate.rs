@@ -52,6 +52,8 @@ struct Multirate {
     fast_powers: Vec<f64>,
     step_powers: Vec<f64>,
     corrections: Vec<f64>,
+    /// Work array for the power of laws along links with the corrected velocities.
+    exact_powers: Vec<f64>,
     /// Whether the next step is the first since a start.
     is_first: bool,
     is_started: bool,
@@ -70,6 +72,7 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
         fast_powers: vec![0.0; options.works],
         step_powers: vec![0.0; options.works],
         corrections: vec![0.0; options.works],
+        exact_powers: vec![0.0; options.works],
         is_first: false,
         is_started: false,
         row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
@@ -99,15 +102,15 @@ impl Multirate {
     /// Evaluates the power of the slow laws and the corrections of the fast ones with the velocities at the end of a
     /// step.
     fn evaluate_step_powers(&mut self, system: &mut dyn System, at: PhasePoint<'_>) {
-        let Self { fast_powers, step_powers, corrections, .. } = self;
+        let Self { fast_powers, step_powers, corrections, exact_powers, .. } = self;
         corrections.copy_from_slice(fast_powers);
-        system.power_at(at, corrections);
+        system.power_at(at, exact_powers, corrections);
         corrections.iter_mut().zip(fast_powers).for_each(|(exact, fast)| *exact -= *fast);
         system.select_rate_group(RateGroup::Slow);
         for range in row_blocks(0..at.velocities.nrows()) {
             system.row_power_at(range.clone(), rows(at.velocities, range), step_powers);
         }
-        system.power_at(at, step_powers);
+        system.power_at(at, exact_powers, step_powers);
         add_work(step_powers, 1.0, corrections);
     }
 }
@@ -171,7 +174,7 @@ impl Integrator for Multirate {
             if is_last {
                 self.evaluate_slow(system, state.at(now));
             }
-            let Self { fast, slow, fast_powers, row_block, instructions, .. } = self;
+            let Self { fast, slow, fast_powers, exact_powers, row_block, instructions, .. } = self;
             let (accelerations, powers, instructions) = (&mut *fast, &mut *fast_powers, *instructions);
             let drift = |kick: Option<Kick>| RowDrift { dt: substep, kick: kick.map(|kick| (kick, &*slow)) };
             let first = (k == 1).then(|| drift(Some(Kick { before: kick, after: 0.0 })));
@@ -179,7 +182,7 @@ impl Integrator for Multirate {
             let end = End { time: now, half: 0.5 * substep, accelerations, powers, row_block, instructions };
             end.correct(system, state, first.as_ref(), (!is_first && !is_last).then_some(&next), None);
             if is_first && !is_last {
-                system.power_at(state.at(now), fast_powers);
+                system.power_at(state.at(now), exact_powers, fast_powers);
                 row_blocks(0..fast.nrows()).for_each(|range| next.run(instructions, range, fast, state));
             }
             add_work(work, 0.5 * substep, &self.fast_powers);

@@ -54,11 +54,11 @@ pub trait System {
     /// potential whose forces depend on velocity, except along links.
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
     /// Replaces the power of such laws along links, which is that on the predicted velocities: after all rows, by the
-    /// power of the forces of the last `accumulate_forces` on the velocities of `at`, at the same positions.
-    fn power_at(&mut self, at: PhasePoint<'_>, powers: &mut [f64]) {
-        let mut exact = vec![0.0; powers.len()];
-        tiles(at.positions.nrows()).for_each(|tile| self.power_of_tile(tile, at, &mut exact));
-        self.replace_power(&exact, powers);
+    /// power of the forces of the last `accumulate_forces` on the velocities of `at`, at the same positions. `exact` is
+    /// a work array of the same length.
+    fn power_at(&mut self, at: PhasePoint<'_>, exact: &mut [f64], powers: &mut [f64]) {
+        tiles(at.positions.nrows()).for_each(|tile| self.power_of_tile(tile, at, exact));
+        self.replace_power(exact, powers);
     }
     /// Adds that power of the links of a tile. Tiles come in order; the first resets the power of each law to zero.
     fn power_of_tile(&mut self, tile: usize, at: PhasePoint<'_>, exact: &mut [f64]);
