@@ -16,8 +16,8 @@ const PERIOD: usize = 8;
 /// that is stiffer than all others has a small component in the start, so that it appears only after some iterations.
 const LEAST_ITERATIONS: usize = 12;
 const RESIDUAL_PERIOD: usize = 4;
-/// Largest storage of a basis \[vectors x nodes\].
-const STORAGE: usize = 24_000_000;
+/// Largest storage of a basis \[bytes\].
+const STORAGE: usize = 256_000_000;
 
 /// A function that adds the product of a matrix and the first argument to the second.
 pub(crate) type Product<'a> = &'a dyn Fn(&NodeVectors, &mut NodeVectors);
@@ -97,6 +97,17 @@ pub(crate) fn largest(
     near: Option<&NodeVectors>,
     goal: Goal,
 ) -> Result<Eigenpair> {
+    largest_within(STORAGE, product, inverse_sqrt_masses, near, goal)
+}
+
+/// The same with a largest storage of the basis \[bytes\], on which the result does not depend.
+fn largest_within(
+    storage: usize,
+    product: Product<'_>,
+    inverse_sqrt_masses: &[f64],
+    near: Option<&NodeVectors>,
+    goal: Goal,
+) -> Result<Eigenpair> {
     let mut start = fixed_start(inverse_sqrt_masses);
     if let Some(near) = near {
         start += near;
@@ -106,7 +117,7 @@ pub(crate) fn largest(
         }
     }
     let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
-    let (mut basis, most) = (Vec::new(), STORAGE / start.nrows().max(1));
+    let (mut basis, most) = (Vec::new(), storage / size_of_val(start.as_slice()).max(1));
     let (mut found, mut residual): (f64, f64) = (0.0, 0.0);
     let mut weights = DVector::from_element(1, 1.0);
     let mut before = f64::NAN;
@@ -115,6 +126,8 @@ pub(crate) fn largest(
         let k = diagonal.len();
         if k <= most {
             basis.push(q.clone());
+        } else {
+            basis = Vec::new();
         }
         let is_due = match goal {
             Goal::Convergence => k % PERIOD == 0,
@@ -250,6 +263,20 @@ mod tests {
         let Eigenpair { value, mode, .. } = largest(&spread, &vec![1.0; n], None, Goal::Convergence).unwrap();
         assert!((value / 1.2e4 - 1.0).abs() < 1e-9, "{value}");
         assert!((mode.norm() - 1.0).abs() < 1e-14, "{:e}", mode.norm() - 1.0);
+    }
+
+    #[test]
+    fn a_mode_has_the_same_bits_with_and_without_a_stored_basis() {
+        let n = 50;
+        let spread = |p: &NodeVectors, out: &mut NodeVectors| {
+            (0..n).for_each(|i| (0..3).for_each(|axis| out[(i, axis)] += (1.0 + i as f64).sqrt() * p[(i, axis)]));
+        };
+        let [whole, part, none] = [STORAGE, 10 * 24 * n, 0].map(|storage| {
+            let found = largest_within(storage, &spread, &vec![1.0; n], None, Goal::Convergence).unwrap();
+            (found.value, found.mode)
+        });
+        assert!(whole == part && whole == none, "{} {} {}", whole.0, part.0, none.0);
+        assert!((whole.1.norm() - 1.0).abs() < 1e-14);
     }
 
     #[test]
