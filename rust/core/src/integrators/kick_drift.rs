@@ -159,6 +159,10 @@ impl End<'_> {
         after: Option<&RowDrift<'_>>,
         mut exact: Option<&mut [f64]>,
     ) {
+        debug_assert!(
+            after.is_none() || exact.is_none(),
+            "the power of links is that at the positions of the evaluation"
+        );
         let End { time, half, accelerations, powers, row_block, instructions } = self;
         let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
         let (mut moved, mut measured) = (0, 0);
