@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +38,8 @@ from softening_distance import (
     standard_error,
 )
 from softening_pictures import Groups, draw_distances, draw_front
-from softening_runs import RATE, Ensemble, deployed
+from softening_runs import RATE, Ensemble, Extent, Run, Runs, deployed, prepared
+from softening_substeps import DESIGNS, deployed_design, substeps_table
 from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
 
 SAMPLES = 50
@@ -169,9 +170,39 @@ def test_fast_scenes_are_beside_their_full_models() -> None:
     assert [float(cells[k]) for k in (2, 4)] == pytest.approx([5.0, 5.0], abs=0.3)
     assert cells[-1] == "4.0"
     for model, name in FAST_SCENES.items():
-        material = scenes.load(name).material
-        assert material is not None
-        assert list(fast_scene(model)) == ["full model", f"softened {material.softening:g}"]
+        scene = scenes.load(name)
+        label = f"softened {scene.value('material.softening'):g}, {scene.run.substeps} substeps"
+        own = fast_scene(model)
+        assert list(own) == ["full model", label]
+        assert prepared(own[label])[1] == scene.run.dt
+
+
+class MadeRuns(Runs):
+    """Runs that are given: those with 4 substeps of the softest creases are stopped, others are the faster the more."""
+
+    def of(self, jobs: Mapping[str, Callable[[], Run]]) -> dict[str, Run]:
+        return {name: self.made(*name.split()[-3:-1]) for name in jobs}
+
+    @staticmethod
+    def made(substeps: str, beta: str) -> Run:
+        if substeps == "4" and float(beta) == DESIGNS[0]:
+            return {}
+        return {"seconds": np.array(8.0 / int(substeps)), "error": np.array(-1e-3 * float(beta))}
+
+
+def test_designs_that_are_stopped_are_counted_by_substeps(tmp_path: Path) -> None:
+    lines = substeps_table(MadeRuns(tmp_path, Extent(1))).splitlines()
+    rows = [[cell.strip() for cell in line.strip("| ").split("|")] for line in lines[2:]]
+    assert [row[1] for row in rows] == ["1", "2", "3", "4"] * 2
+    assert [row[2] for row in rows] == ["0 of 8", "0 of 8", "0 of 8", "1 of 8"] * 2
+    assert [row[5] for row in rows] == ["1.00", "2.00", "3.00", "4.00"] * 2
+    assert rows[0][4] == f"{0.1 * DESIGNS[-1]:.2f}"
+
+
+def test_a_design_runs_with_its_substeps_at_the_share_of_its_own_limit() -> None:
+    found = deployed_design(FAST_SCENES["model 2"], 2, DESIGNS[0], 0.001)
+    assert found["seconds"] > 0.0
+    assert abs(float(found["error"])) < 0.01
 
 
 def test_the_coarse_mesh_has_half_the_lines_and_the_film_of_the_fine_one() -> None:

@@ -29,6 +29,7 @@ from softening_cases import (
 from softening_pictures import draw_curves, draw_distances, draw_front
 from softening_rule import rule_table
 from softening_runs import Ensemble, Extent, Runs, ensembles
+from softening_substeps import substeps_table
 from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
 from softening_wound import wound_ensembles, wound_table
 
@@ -92,6 +93,7 @@ ENSEMBLES = {
 }
 OTHER: dict[str, Callable[[Runs], str]] = {
     "rule": lambda _: rule_table(),
+    "substeps": substeps_table,
     "wound": lambda runs: wound_table(wound_ensembles(runs)),
 }
 ELSEWHERE = {"fast-scenes": ROOT / "README.md"}

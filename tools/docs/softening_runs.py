@@ -105,9 +105,9 @@ def ensembles(runs: Runs, cases: Mapping[str, Mapping[str, Case]]) -> dict[str, 
 
 @cache
 def prepared(case: Case) -> tuple[Scene, float]:
-    """The scene of a case, and its step [s]."""
+    """The scene of a case, and its step [s]: that which the scene gives, or `SHARE` of the limit."""
     scene = case.make()
-    return scene, SHARE * Simulation(scene).stable_dt()
+    return scene, scene.run.dt or SHARE * Simulation(scene).stable_dt()
 
 
 def deployed(case: Case, seed: int, share: float = 1.0) -> dict[str, Floats]:
