@@ -8,17 +8,21 @@ import numpy as np
 import pytest
 from membrane_rs import (
     Cylinder,
+    Mesh,
     Scene,
     Schedule,
     Simulation,
     SpoolContact,
+    Springs,
     Tether,
+    Tethers,
     UnstableError,
     integrators,
     scenes,
 )
 from membrane_rs.check.contact import SAG_SHARE, chord_sag, start_inside
-from membrane_rs.check.spool import spool
+from membrane_rs.check.spool import sail_round_spool, spool
+from small_scenes import FILM
 
 
 def tip() -> Scene:
@@ -110,3 +114,13 @@ def test_single_steps_notice_a_node_that_crosses(method: str) -> None:
     with pytest.raises(UnstableError, match="deep into the spool"):
         step_by_step()
     assert sim.positions[1, 0] > 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_edge_without_length_in_the_flat_shape_is_no_fault_of_the_check() -> None:
+    flat = [[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.0], [0.1, 0.1, 0.0]]
+    stowed = [[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.01, 0.0], [0.1, 0.1, 0.0]]
+    mesh = Mesh(flat, [[0, 1, 2], [0, 2, 3]], positions=stowed)
+    cords = Tethers(nodes=(0,), anchor_radius=0.15, segments=1, axial_stiffness=50.0, linear_density=1e-3)
+    found = list(sail_round_spool(Scene(mesh, FILM, [Springs()], [cords])))
+    assert "the flat sail comes as near to the axis as 0.1 m" in found[0].message

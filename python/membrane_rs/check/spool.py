@@ -77,7 +77,8 @@ def _unlike(found: list[Named], rims: list[Named]) -> list[tuple[str, Spool, str
 def _near_axis(mesh: Mesh, points: Floats, radius: float) -> Ints:
     """(k, 2) the edges of the mesh that may come nearer to the z axis than a radius where nodes lie at `points` [m]."""
     # A point of an edge is nearer to one of its ends than its length; that of an edge of no length may be infinite.
-    longest = float((mesh.edge_lengths * (1.0 + np.maximum(mesh.strain(), 0.0))).max())
+    with np.errstate(invalid="ignore"):  # no length times an infinite strain
+        longest = float((mesh.edge_lengths * (1.0 + np.maximum(mesh.strain(), 0.0))).max())
     is_far = np.hypot(points[:, 0], points[:, 1]) > (radius + longest) * (1.0 + 1e-9)
     edges: Ints = mesh.edges[~(is_far[mesh.edges[:, 0]] & is_far[mesh.edges[:, 1]])]
     return edges
