@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import field, replace
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Lt
+from annotated_types import Ge, Gt, Le, Lt
 
 from membrane_rs._validation import Finite, Positive, Unit, validated
 
@@ -25,9 +25,9 @@ class Material:
     thickness : float
         h [m], above 0.
     softening : float, optional
-        f [-], 1 or above: the film is simulated with E/f against stretch, and with the buckling forces, crease moments
-        and dashpots of E, so that an explicit step is about f^(1/2) times as long. None: as it is. By keyword alone;
-        `Scene.as_simulated` has what it changes.
+        f [-], from 1 to 1e6: the film is simulated with E/f against stretch, and with the buckling forces, crease
+        moments and dashpots of E, so that an explicit step is about f^(1/2) times as long. None: as it is. By keyword
+        alone; `Scene.as_simulated` has what it changes.
 
     Raises
     ------
@@ -49,7 +49,7 @@ class Material:
     poisson_ratio: Annotated[Finite, Gt(-1), Lt(0.5)]
     density: Annotated[Positive, Unit("kg/m3")]
     thickness: Annotated[Positive, Unit("m")]
-    softening: Annotated[Finite, Ge(1)] | None = field(default=None, kw_only=True)
+    softening: Annotated[Finite, Ge(1), Le(1e6)] | None = field(default=None, kw_only=True)
 
     def as_simulated(self) -> Material:
         """The material with its softening carried out.
