@@ -12,11 +12,12 @@ from typing import Any
 import pytest
 from membrane_rs import AirDrag, Fixed, InputError, Scene, Simulation, Spin, SpringDamping, Springs, scenes
 from membrane_rs.check import softening_advice
+from membrane_rs.check.softening import LEAST_FACTOR, step_of_softened_film
 from membrane_rs.folding import Disc, Strip
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.study import Ablation, ablate
 from membrane_rs.study.ablation import INSTANTS
-from membrane_rs.study.ablation_result import Change
+from membrane_rs.study.ablation_result import Change, Item
 from membrane_rs.study.variants import variants, without
 from small_scenes import RUBBER, hanging_strip, refused
 
@@ -156,6 +157,36 @@ def test_neither_a_softened_film_nor_reduced_masses_are_simplified_again() -> No
     assert "mean mass in law spring_damping" in names
     reduced = replace(spun_disc(softening=3.0), laws=[Springs(), SpringDamping(mass="reduced"), Spin(2.0)])
     assert not [v.name for v in variants(reduced) if "stiffness" in v.name or "mean mass" in v.name]
+
+
+def test_a_film_is_softened_for_an_explicit_method_alone() -> None:
+    scene = spun_disc()
+    assert softened_variants(scene, "leapfrog") == softened_variants(scene) != []
+    assert not softened_variants(scene, "generalized_alpha")
+    assert not softened_variants(scene.with_values({"run.integrator": "generalized_alpha"}))
+
+
+def test_the_least_softening_that_check_names_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    advice = replace(softening_advice(spun_disc()), factor=LEAST_FACTOR)
+    monkeypatch.setattr("membrane_rs.study.variants.softening_advice", lambda _: advice)
+    monkeypatch.setattr("membrane_rs.check.softening.softening_advice", lambda _: advice)
+    assert softened_variants(spun_disc())
+    # The disc's step is set by other laws too: what counts is that the factor is not dropped.
+    monkeypatch.setattr("membrane_rs.check.softening.LEAST_GAIN", 0.0)
+    assert list(step_of_softened_film(spun_disc()))
+
+
+def softened_variants(scene: Scene, integrator: str | None = None) -> list[str]:
+    """Names of the variants with a softer film."""
+    return [variant.name for variant in variants(scene, integrator) if "in-plane stiffness" in variant.name]
+
+
+@pytest.mark.parametrize(("step", "is_named"), [(1.0, False), (1.001, False), (1.05, False), (1.2, True)])
+def test_a_step_that_is_hardly_longer_is_not_named(step: float, is_named: bool) -> None:
+    row = Item("law air_drag", 0.8, 1.0, 0.8, Change(0.0, 0.0, 0.0), "can be omitted", step)
+    none = Change(0.0, 0.0, 0.0)
+    table = Ablation("sail", 0.1, 0.01, 0, 1e-5, 1e-3, math.nan, none, none, (row,), (), None).table()
+    assert ("times as long" in table) == is_named
 
 
 def test_a_law_that_is_left_out_is_not_replaced_as_well() -> None:

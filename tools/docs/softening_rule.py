@@ -18,6 +18,6 @@ def rule_table() -> str:
         advice = softening_advice(scene)
         strains = advice.spin_strain, advice.critical_strain
         factors = MOST_STRAIN / strains[0], MOST_CRITICAL_STRAIN / strains[1]
-        body.append((name, *(f"{strain:.2g}" for strain in strains), *(f"{f:.2g}" for f in (*factors, advice.factor))))
+        body.append((name, *(f"{strain:.2g}" for strain in strains), *(f"{f:.3g}" for f in (*factors, advice.factor))))
     heads = ("scene", "eps", "eps_c", "A/eps", "B/eps_c", "softening")
     return table(heads, body)

@@ -7,6 +7,7 @@ import numpy as np
 from membrane_rs._validation import check_kind
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
+from membrane_rs.scene.softened import with_softening
 
 
 def facts(scene: Scene) -> dict[str, str]:
@@ -41,7 +42,9 @@ def facts(scene: Scene) -> dict[str, str]:
         sides = " x ".join(f"{side:.4g}" for side in np.ptp(points, axis=0))
         found[name] = f"{sides} m"
     found |= facts_of(scene.mesh)
-    masses = {"tips and cords": float(assembly.extra_masses.sum())}
+    # Softening makes cords heavier in the simulation alone.
+    own = with_softening(scene.staged(0) if scene.stages else scene, None)
+    masses = {"tips and cords": float(own.assemble().extra_masses.sum())}
     if scene.mesh is not None and scene.material is not None:
         area = float(scene.mesh.areas().sum())
         found["area"] = f"{area:.4g} m2"

@@ -10,6 +10,7 @@ from membrane_rs.errors import MembraneError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import RunSettings
+from membrane_rs.scene.softened import softening_of
 from membrane_rs.simulation.methods import IntegratorFacts, integrators
 from membrane_rs.simulation.motion import Motion
 
@@ -41,18 +42,14 @@ class Stepping:
     @classmethod
     def of_scene(cls, scene: Scene) -> Stepping:
         """As its run settings say."""
-        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt(), _softening(scene))
+        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt(), softening_of(scene))
 
     @classmethod
     def of_motion(cls, sim: Motion) -> Stepping:
         """As a simulation steps its scene."""
         own = sim.stage_scene.run
         run = replace(own, integrator=sim.integrator, dt=sim.given_dt)
-        return cls(run, own, sim.stable_dt, _softening(sim.stage_scene))
-
-
-def _softening(scene: Scene) -> float | None:
-    return None if scene.material is None else scene.material.softening
+        return cls(run, own, sim.stable_dt, softening_of(sim.stage_scene))
 
 
 def is_explicit(integrator: str) -> bool:

@@ -9,6 +9,9 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.extent import span
+from membrane_rs.errors import MeshError
+from membrane_rs.material import Material
+from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene.law import Surroundings
 
@@ -72,9 +75,19 @@ def node_masses(scene: Surroundings) -> Floats:
     if scene not in _MASSES:
         masses: Floats = scene.assemble().extra_masses.copy()
         if scene.mesh is not None and scene.material is not None:
-            masses[: scene.mesh.node_count] += scene.mesh.masses(scene.material)
+            masses[: scene.mesh.node_count] += _film_masses(scene.mesh, scene.material)
         _MASSES[scene] = frozen(masses)
     return _MASSES[scene]
+
+
+def _film_masses(mesh: Mesh, material: Material) -> Floats:
+    """(n,) [kg]; of a mesh that is refused for a triangle without area, which has no mass, as well."""
+    try:
+        return mesh.masses(material)
+    except MeshError:
+        shares = np.repeat(mesh.areas() * (material.density * material.thickness / 3.0), 3)
+        found: Floats = np.bincount(mesh.triangles.ravel(), shares, mesh.node_count).astype(np.float64)
+        return found
 
 
 _MASSES: WeakKeyDictionary[Surroundings, Floats] = WeakKeyDictionary()

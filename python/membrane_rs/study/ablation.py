@@ -23,6 +23,7 @@ from membrane_rs._validation import count_of, nearest, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.softened import softening_of
 from membrane_rs.simulation import integrators
 from membrane_rs.study.ablation_result import SMALLEST, Ablation, Change, Item
 from membrane_rs.study.common.executor import Tell, run_parallel, teller
@@ -129,7 +130,7 @@ def ablate(
     allowed = _largest([spread, wanted])
 
     comparison = _Comparison(case, whole, reference, spread, allowed, share, dense_until, jobs, tell)
-    found = [comparison.named(variant) for variant in variants(case.scene)]
+    found = [comparison.named(variant) for variant in variants(case.scene, whole.integrator)]
     runnable = [variant for variant in found if variant.scene is not None]
     runnable.sort(key=lambda variant: -variant.density)  # the longest run first, so that the cores end together
     runs = dict(zip([v.name for v in runnable], comparison.runs(runnable), strict=True))
@@ -204,7 +205,7 @@ class _Comparison:
             verdict = f"needed: without it the run stops at {run.failure.time:.3g} s ({run.failure.law})"
             return Item(variant.name, time, limit, time / limit, None, verdict, step)
         change = _change(run, self.reference)
-        if _softening(variant.scene) != _softening(self.case.scene):
+        if softening_of(variant.scene) != softening_of(self.case.scene):
             # Its strain and stress, at peaks set by the folding rather than by loads, are those of another film.
             change = replace(change, strain=math.nan, stress=math.nan)
         if variant.density > 1.0:
@@ -216,10 +217,6 @@ class _Comparison:
             hidden = any(vars(change).values()) and change.within(self.spread)
             verdict = "can be omitted: change within the spread" if hidden else "can be omitted"
         return Item(variant.name, time, limit, time / limit, change, verdict, step)
-
-
-def _softening(scene: Scene) -> float | None:
-    return None if scene.material is None else scene.material.softening
 
 
 def _simulation(scene: Scene, integrator: str | None, step_ratio: float | None) -> Simulation:

@@ -17,6 +17,8 @@ from membrane_rs.study.common.perturbation import SHIFT
 
 SMALLEST = "smallest model"
 """Folder of the recommended scene, and name of its row in the table."""
+LONGER = 1.05
+"""Ratio of steps above which a row names it; below it is the rounding to the interval between samples."""
 
 
 @dataclass(frozen=True)
@@ -292,6 +294,6 @@ def _row(item: Item) -> tuple[str, ...]:
     def share(value: float) -> str:
         return "-" if math.isnan(value) else f"{100 * value:.0f} %"
 
-    own_step = f"; by steps {item.step:.2g} times as long" if item.step > 1.0 else ""
+    own_step = f"; by steps {item.step:.2g} times as long" if item.step > LONGER else ""
     changes = _changes(item.change) if item.change else ("-",) * 4
     return (item.name, share(item.share), share(item.step_limit), share(item.cost), *changes, item.verdict + own_step)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from membrane_rs.check.softening import LEAST_FACTOR, softening_advice
+from membrane_rs.check.stepping import is_explicit
 from membrane_rs.errors import InputError
 from membrane_rs.material import Material
 from membrane_rs.runs import Simulation
@@ -53,10 +54,10 @@ class Variant:
     density: float = 1.0
 
 
-def variants(scene: Scene) -> list[Variant]:
+def variants(scene: Scene, integrator: str | None = None) -> list[Variant]:
     """The scene without each law and part, with simpler laws, and with a quarter of the segments in each cord, in the
-    order of the scene; then with the film as soft as `softening_advice` says, and with the mesh at half and at twice
-    its density.
+    order of the scene; then with the film as soft as `softening_advice` says where the method, by default the scene's,
+    is explicit, and with the mesh at half and at twice its density.
     """
     found = []
     for k, law in enumerate(scene.laws):
@@ -71,9 +72,10 @@ def variants(scene: Scene) -> list[Variant]:
         if (coarser := part.coarser(COARSER)) is not None:
             gone, other = coarser
             found.append(Variant(f"{gone} in part {part.kind}{number}", ("parts", k), other=other))
-    if scene.material is not None and scene.material.softening is None:
+    explicit = is_explicit(scene.run.integrator if integrator is None else integrator)
+    if explicit and scene.material is not None and scene.material.softening is None:
         factor = softening_advice(scene).factor
-        if factor > LEAST_FACTOR:
+        if factor >= LEAST_FACTOR:
             soft = replace(scene.material, softening=factor)
             name = f"all but 1/{factor:g} of the in-plane stiffness"
             found.append(Variant(name, ("material", 0), other=soft, saves_by_step=True))
