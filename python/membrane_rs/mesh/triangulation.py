@@ -219,7 +219,26 @@ class Triangulation(KnownAttributes):
         return self._lengths_at(points)
 
     def sides_along_axes(self, points: Floats) -> tuple[list[Floats], list[Floats]]:
-        """The sides from the first corner of each triangle to its second and to its third one: (m,) for each axis."""
+        """The sides from the first corner of each triangle to its second and to its third one, axis by axis.
+
+        Parameters
+        ----------
+        points : numpy.ndarray
+            (n, 2) or (n, 3) places of the nodes [m].
+
+        Returns
+        -------
+        tuple of list of numpy.ndarray
+            (m,) for each axis, to the second and to the third corner [m].
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> mesh = scenes.load("spinning-disc").mesh
+        >>> along, across = mesh.sides_along_axes(mesh.reference)
+        >>> len(along) == len(across) == 3
+        True
+        """
         a, b, c = (np.ascontiguousarray(corner) for corner in self.triangles.T)
         places = [np.ascontiguousarray(along) for along in points.T]
         first = [place[a] for place in places]
