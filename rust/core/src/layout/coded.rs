@@ -6,7 +6,8 @@
 //! without regularity has as many entries as before, and the codes besides.
 //!
 //! Elements that are equal by symmetry differ in the last bits of their parameters, by rounding of the coordinates.
-//! `merged` gives them one value.
+//! `merged` gives them one value in sets that the cache does not hold. A rest length that differs by rounding from the
+//! length itself strains a film at rest, so that smaller sets, which gain nothing, keep their values.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -18,6 +19,9 @@ use crate::simd::lanes::{F64x8, LANES};
 /// Relative difference below which two parameters are one: larger than the rounding of the coordinates on meshes of a
 /// million nodes, and far below any physical meaning.
 const TOLERANCE: f64 = 1e-12;
+
+/// Number of elements up to which parameters remain in the cache as they are.
+const HELD: usize = 40_000;
 
 /// An entry of a batch.
 pub trait Entry: Copy {
@@ -102,8 +106,13 @@ impl<T> Index<usize> for CodedPass<'_, T> {
     }
 }
 
+/// The values of a set of elements, merged where there are more than `HELD`.
+pub(crate) fn merged(values: Vec<f64>) -> Vec<f64> {
+    if values.len() > HELD { within_tolerance(values) } else { values }
+}
+
 /// The values, where those that differ by no more than `TOLERANCE` of the smallest of them are equal to it.
-pub(crate) fn merged(mut values: Vec<f64>) -> Vec<f64> {
+fn within_tolerance(mut values: Vec<f64>) -> Vec<f64> {
     let mut order: Vec<u32> = (0..values.len() as u32).collect();
     order.sort_unstable_by(|&i, &j| values[i as usize].total_cmp(&values[j as usize]).then(i.cmp(&j)));
     let mut least = f64::NAN;
@@ -137,11 +146,18 @@ mod tests {
     #[test]
     fn values_within_rounding_are_merged_and_no_others() {
         let (near, far) = (1.0 + 0.9e-12, 1.0 + 1.1e-12);
-        assert_eq!(merged(vec![near, 5.0, 1.0, -2.0, 0.0, far]), vec![1.0, 5.0, 1.0, -2.0, 0.0, far]);
+        assert_eq!(within_tolerance(vec![near, 5.0, 1.0, -2.0, 0.0, far]), vec![1.0, 5.0, 1.0, -2.0, 0.0, far]);
         // Steps within the tolerance do not add up.
         let chain: Vec<f64> = (0..5).map(|k| 1.0 + 0.6e-12 * f64::from(k)).collect();
-        let found = merged(chain.clone());
+        let found = within_tolerance(chain.clone());
         assert_eq!(found, vec![chain[0], chain[0], chain[2], chain[2], chain[4]]);
-        assert!(merged(vec![]).is_empty());
+        assert!(within_tolerance(vec![]).is_empty());
+    }
+
+    #[test]
+    fn values_of_a_set_that_the_cache_holds_are_kept() {
+        let values = |count| [vec![1.0 + 0.5e-12; count - 1], vec![1.0]].concat();
+        assert_eq!(merged(values(HELD)), values(HELD));
+        assert_eq!(merged(values(HELD + 1)), vec![1.0; HELD + 1]);
     }
 }
