@@ -165,7 +165,10 @@ def test_no_warning_is_without_its_reason(factor: float) -> None:
     scene = scenes.load("okuizumi-model-1").with_values({"material.softening": factor})
     warnings = [one for one in softening_of_film(scene) if one.severity == "warning"]
     assert bool(warnings) == (factor > 10.05)
-    assert all("within chance: " in one.message and "10 is the largest softening" in one.message for one in warnings)
+    assert all(
+        "deploy nearly as unsoftened ones do: " in one.message and "10 is the largest softening" in one.message
+        for one in warnings
+    )
 
 
 def test_cords_that_gain_much_mass_are_warned_of_and_bound_the_advice() -> None:

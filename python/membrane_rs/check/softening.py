@@ -1,7 +1,7 @@
 """How far a film may be softened: a rule from the strains that it bears, and what `check` says of it.
 
 A film that is softened f-fold in stretch (`Material.softening`) has f times its strain, and buckles at f times its
-critical strain. The paper's sails deploy as unsoftened ones do, within chance, for as long as both stay small:
+critical strain. The paper's sails deploy nearly as unsoftened ones do for as long as both stay small:
 
     f = min(A / eps, B / eps_c, 1 + C M / M_c, F), rounded to two digits, at least 1
 
@@ -14,7 +14,7 @@ sum of F.r over the loads, here those of the rotation; over E h S it is a strain
 that of all edges. Cords are simulated f times as heavy: M is the mass of the film, M_c that of its cords.
 
 A and B are the strains that a softened film may have, C the share of the film's mass that its cords may gain, F the
-largest softening that was found within chance of the full model. docs/softening.md argues A, B and F by the error in
+largest softening whose error was within chance in either of them. docs/softening.md argues A, B and F by the error in
 the paper's models.
 """
 
@@ -44,7 +44,7 @@ MOST_CRITICAL_STRAIN = 4.5e-3
 MOST_ADDED_MASS = 0.1
 """C, the mass that cords gain by softening, over that of the film [-]."""
 MOST_FACTOR = 10.0
-"""F, the largest softening that lay within chance of the full model in the scenes charted in docs/softening.md [-]."""
+"""F, the largest softening whose error was within chance in either sail of the paper, docs/softening.md [-]."""
 LEAST_FACTOR = 1.5
 """Softening from which it is worth a word."""
 LEAST_GAIN = 1.2
@@ -84,7 +84,7 @@ def softening_advice(scene: Scene) -> SofteningAdvice:
     """How far the film of a scene may be softened in stretch with little effect on its deployment.
 
     By the strain of its spin, the critical strain of its creases and the mass of its cords, and no further than 10, the
-    largest softening at which the paper's sails deployed as unsoftened ones do, within chance.
+    largest softening at which the paper's sails deploy nearly as unsoftened ones do.
 
     Parameters
     ----------
@@ -164,8 +164,8 @@ def softening_of_film(scene: Scene) -> Iterator[Finding]:
             "warning",
             "softening",
             1,
-            f"material.softening = {factor:g} is above {advice.factor:g}, up to which the paper's sails deploy as "
-            f"unsoftened ones do, within chance: {what}",
+            f"material.softening = {factor:g} is above {advice.factor:g}, up to which the paper's sails deploy nearly "
+            f"as unsoftened ones do: {what}",
             f"take {advice.factor:g}, or compare it with a run without softening",
         )
     yield from _heavier_cords(scene, factor)

@@ -60,7 +60,7 @@ def ablate(
     tolerance : float
         Allowed change [-]: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
         stress by this share of themselves; or of each by the spread of the ensemble, if that is larger. A softened film
-        is not judged by its strain, which is that of another film, but by its stress.
+        is not judged by its strain and stress, which are those of another film.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
         the unperturbed start among them; 0: none. A run that the monitor stops is not counted.

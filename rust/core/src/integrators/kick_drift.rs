@@ -147,10 +147,10 @@ pub(super) struct End<'a> {
 }
 
 impl End<'_> {
-    /// Evaluates the accelerations and corrects the velocities, in one sweep over the tiles, while their data are in the
-    /// cache. The drift `before`, if given, moves the rows that a tile reads before its evaluation. The drift `after`
-    /// moves each row block once its velocities are known, since no element of a later tile uses its nodes. The power of
-    /// links on the corrected velocities, if `exact` is given, follows as soon as a tile's rows are corrected.
+    /// Evaluates the accelerations and corrects the velocities, in one sweep over the tiles, while their data are in
+    /// the cache. The drift `before`, if given, moves the rows that a tile reads before its evaluation. The drift
+    /// `after` moves each row block once its velocities are known, since no element of a later tile uses its nodes. The
+    /// power of links on the corrected velocities, if `exact` is given, follows as soon as a tile's rows are corrected.
     pub(super) fn correct(
         self,
         system: &mut dyn System,

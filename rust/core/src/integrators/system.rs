@@ -21,8 +21,8 @@ pub trait System {
     fn select_rate_group(&mut self, group: RateGroup);
     /// Whether `power_at` follows the next evaluations, as it does unless this says otherwise.
     fn expect_power_at(&mut self, is_expected: bool);
-    /// Bound above the rows that `accumulate_forces` and `power_of_tile` read for a tile and the tiles before it; it may
-    /// lie above all rows.
+    /// Bound above the rows that `accumulate_forces` and `power_of_tile` read for a tile and the tiles before it; it
+    /// may lie above all rows.
     fn reach(&self, tile: usize) -> usize;
     /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
     /// each law to zero.

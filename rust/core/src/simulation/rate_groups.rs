@@ -13,8 +13,8 @@ use crate::stability::{Accuracy, Limit, limit_to};
 /// before it limits the step. Laws are classified at the start, where laws that depend on velocity, such as drag, have
 /// no limit in a scene at rest; `limit_at` therefore includes the limit of the slow laws.
 const RESERVE: f64 = 10.0;
-/// A limit within 1 % tells whether a law is slow, or whether slow laws limit the step, where it is as many times beyond
-/// the bound; otherwise the search is repeated to all digits.
+/// A limit within 1 % tells whether a law is slow, or whether slow laws limit the step, where it is as many times
+/// beyond the bound; otherwise the search is repeated to all digits.
 const DECISIVE: f64 = 1.5;
 /// Largest default step, relative to half a period of the fastest mode.
 const SHARE_OF_HALF_PERIOD: f64 = 0.9;
