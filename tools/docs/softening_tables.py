@@ -163,16 +163,3 @@ def displacement_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
     until = f"first {1e3 * EARLY:.0f} ms"
     heads = ("curve", f"spread, {until}", "spread", f"distance, {until}", "distance", "standard error")
     return table(("scene", "ensemble", *heads), body, words=(0, 1, 2))
-
-
-def ordered(errors: Mapping[float, float], bound: float) -> float:
-    """The largest softening whose distance, and that of all less soft films, is within a bound; 1 where there is none.
-
-    `errors`: by softening, NaN where a run was stopped.
-    """
-    largest = 1.0
-    for factor, error in sorted(errors.items()):
-        if not error <= bound:
-            break
-        largest = factor
-    return largest
