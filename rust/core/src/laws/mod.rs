@@ -125,8 +125,8 @@ pub trait Law: Send + Sync {
     }
 
     /// Bound above the nodes whose motion `add_to_tile` or `prepare` reads for a tile and the tiles before it; by
-    /// default all nodes. Methods move the nodes of a tile just before it is evaluated. None before the tile is read, since
-    /// methods may have moved those on.
+    /// default all nodes. Methods move the nodes of a tile just before it is evaluated. None before the tile is read,
+    /// since methods may have moved those on.
     fn reach(&self, _tile: usize) -> usize {
         usize::MAX
     }
