@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from membrane_rs import Scene, Simulation, SpringDamping, Tethers, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.check import softening_advice
+from membrane_rs.study.common.perturbation import MODEL_SHIFT
 from softening_cases import (
     FAST_SCENES,
     MODELS,
-    WIDE,
     Case,
     coarse,
     fast,
@@ -230,7 +230,7 @@ def test_a_start_is_repeated_to_the_bit_and_another_is_another() -> None:
     case = Case("brief", lambda: coarse(fast(scenes.load(MODELS["model 2"]))))
     one, again, other = (deployed(case, seed, share=0.005) for seed in (1, 1, 2))
     assert np.array_equal(one[RATE], again[RATE])
-    assert 0.0 < np.abs(one[RATE] - other[RATE]).max() < 100 * WIDE / 0.1
+    assert 0.0 < np.abs(one[RATE] - other[RATE]).max() < 100 * MODEL_SHIFT / 0.1
     assert one["steps"] > 0
     limit = Simulation(case.make()).stable_dt()
     assert float(one["time"][-1]) / float(one["steps"]) == pytest.approx(0.8 * limit, rel=0.1)

@@ -46,6 +46,7 @@ NO_LISTS: dict[str, Callable[[Any], object]] = {
     "compare: labels": lambda value: study.compare([MEASURED, OTHER], labels=value),
     "work_precision: methods": lambda value: study.work_precision(TETHER, value),
     "work_precision: densities": lambda value: study.work_precision(TETHER, densities=value, curves=True),
+    "work_precision: softenings": lambda value: study.work_precision(STRIP, softenings=value),
     "RunHistory": RunHistory,
     "mass_of": membrane_rs.SpringDamping().mass_of,
     "Audit.of": check.Audit.of,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from membrane_rs import Scene, SpringDamping, Springs, scenes
 from membrane_rs.study import agreeing
 from membrane_rs.study.common.density import denser
-from membrane_rs.study.common.perturbation import SHIFT
+from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT
 
 MODELS = {"model 1": "okuizumi-model-1", "model 2": "okuizumi-model-2"}
 FAST_SCENES = {model: f"{name}-fast" for model, name in MODELS.items()}
@@ -16,8 +16,6 @@ SOFTENINGS = (3, 10, 30, 100)
 ON_COARSE = (3, 10, 30)
 SUBSTEPS, SHARE = 4, 0.8
 """Substeps of leapfrog in a step, and the step over its limit."""
-WIDE = 1e-6
-"""Standard deviation of the displacement of each start [m]."""
 FAST, SOFT = 2.0, 0.1
 """Factors of the two scenes that tell the bounds of the rule apart: of the rate of spin, and of alpha on creases."""
 
@@ -44,7 +42,7 @@ class Case:
 
     label: str
     make: Callable[[], Scene]
-    shift: float = WIDE
+    shift: float = MODEL_SHIFT
     first_seed: int = 1000
 
 

@@ -13,8 +13,8 @@ from membrane_rs import Scene, Schedule, Simulation, UnstableError
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.analysis.deployment import Corners
-from membrane_rs.study.common.perturbation import perturbation
-from softening_cases import FULL, WIDE, soft, softened
+from membrane_rs.study.common.perturbation import MODEL_SHIFT, perturbation
+from softening_cases import FULL, soft, softened
 from softening_distance import mean_distance, spread
 from softening_runs import PHASE, RATE, Ensemble, Runs
 
@@ -84,7 +84,7 @@ def unwound(case: WoundCase, seed: int) -> dict[str, Floats]:
     """
     scene = case.scene()
     sim = Simulation(scene)
-    sim.positions = sim.positions + perturbation(scene, seed, WIDE)
+    sim.positions = sim.positions + perturbation(scene, seed, MODEL_SHIFT)
     began = time.thread_time()
     try:
         found = _samples(sim, scene)

@@ -31,8 +31,8 @@ NEVER = 1e12
 class Motion:
     """The motion of a diagram: scene, end [s], and kind of comparison.
 
-    `kinks`: end [s] of two more series by rk4, with and without buckling, which show the effect of kinks on the order.
-    `budget` is that of a run [s].
+    `softenings` of films that are compared with that of the scene. `kinks`: end [s] of two more series by rk4, with and
+    without buckling, which show the effect of kinks on the order. `budget` is that of a run [s].
     """
 
     scene: str
@@ -43,6 +43,7 @@ class Motion:
     wanted: float = 1e-3
     repeats: int = 3
     budget: float | None = None
+    softenings: tuple[float, ...] = ()
     kinks: float | None = None
 
 
@@ -51,7 +52,9 @@ DIAGRAMS = {
     "spinning-disc": Motion("spinning-disc", 0.02),
     "single-crease": Motion("single-crease", 0.05, kinks=0.05),
     "release": Motion("okuizumi-model-1", 0.01, members=2, repeats=1, budget=20.0, kinks=0.002),
-    "deployment": Motion("okuizumi-model-1", 0.8, 3, curves=True, members=4, wanted=0.01, repeats=1, budget=80.0),
+    "deployment": Motion(
+        "okuizumi-model-1", 0.8, 3, curves=True, members=4, wanted=0.01, repeats=1, budget=80.0, softenings=(3, 10, 30)
+    ),
 }
 ABLATIONS = {
     "spinning-tether": (0.3, None),
@@ -156,6 +159,7 @@ def _diagram(scene: Scene, motion: Motion, methods: list[str] | None = None) -> 
         steps=motion.steps,
         curves=motion.curves,
         members=motion.members,
+        softenings=motion.softenings,
         wanted=motion.wanted,
         repeats=motion.repeats,
         budget=motion.budget,

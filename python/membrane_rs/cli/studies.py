@@ -103,6 +103,17 @@ def work_precision(
     density: Annotated[
         str, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
     ] = "",
+    softening: Annotated[
+        str, typer.Option(help="Softenings of the film, such as 3,10,30: a line for each, against the film as it is.")
+    ] = "",
+    shift: Annotated[
+        float | None,
+        quantity_option(
+            "m",
+            help="Standard deviation of the coordinates of perturbed starts [m]. Default: 1e-12, or 1e-6 with "
+            "--softening.",
+        ),
+    ] = None,
     error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
     repeats: Annotated[
         int | None, count_option(help="Runs of which the time is the median. Default: 3; 1 with --curves.")
@@ -130,9 +141,10 @@ def work_precision(
     report_audit(chosen)
     names = words(integrators, "--integrators") if integrators is not None else None
     meshes = numbers(density, "--density") if density else []
+    films = numbers(softening, "--softening") if softening else []
     found = study(
-        chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, wanted=error,
-        repeats=repeats, budget=budget, jobs=jobs, progress=tell,
+        chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, softenings=films,
+        shift=shift, wanted=error, repeats=repeats, budget=budget, jobs=jobs, progress=tell,
     )  # fmt: skip
     _save(found, out or Path("runs") / f"{chosen.name}-work-precision", json=json)
 

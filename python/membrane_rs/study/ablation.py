@@ -59,8 +59,8 @@ def ablate(
         Time at the end [s]; the result holds up to then. Default: the scene's.
     tolerance : float
         Allowed change [-]: of the deployment rate by this much, of the phase by this many turns, of the peak strain and
-        stress by this share of themselves; or of each by the spread of the ensemble, if that is larger. A softened film
-        is not judged by its strain and stress, which are those of another film.
+        stress by this share of themselves; or of each by the spread of the ensemble, if that is larger. Neither strain
+        nor stress is compared for a softened film: it strains more under a load, and bears less stress at a fold.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
         the unperturbed start among them; 0: none. A run that the monitor stops is not counted.

@@ -32,9 +32,10 @@ class Change:
     phase : float
         Largest difference in the phase [deg].
     strain : float
-        Difference between the largest strains of any spring at any instant [-].
+        Difference between the largest strains of any spring at any instant [-]; NaN for another softening.
     stress : float
-        Difference between the largest stresses in the film at any instant [Pa]; NaN without film.
+        Difference between the largest stresses in the film at any instant [Pa]; NaN without film, and for another
+        softening.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """Work-precision diagram: the error of every method against its cost, over steps or tolerances.
 
-The reference is a far finer run. For a smooth motion the error is that of the positions. For a chaotic motion it is
-that of the curves, and the spread of an ensemble of perturbed starts bounds it from below.
+The reference is a far finer run, of the film as it is where softened ones are compared. For a smooth motion the error
+is that of the positions. For a chaotic motion it is that of the curves, and the spread of an ensemble of perturbed
+starts bounds it from below.
 
 Steps are multiples of each method's own stability limit at the start. Those beyond the limit show whether the monitor
 detects the instability. An adaptive method takes tolerances; a method without limit takes multiples of the limit of
@@ -16,15 +17,20 @@ from dataclasses import replace
 from statistics import median
 from threading import Event
 
-from membrane_rs._validation import count_of, is_list, nearest, number_of, show, texts_of
+import numpy as np
+
+from membrane_rs._validation import check_kind, count_of, is_list, nearest, number_of, show, texts_of
+from membrane_rs.check.stepping import is_explicit
 from membrane_rs.errors import InputError, InputTypeError
 from membrane_rs.plotting.work_precision import COSTS
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.softened import softening_of, with_softening
 from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
 from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT, shift_of
 from membrane_rs.study.common.run import (
     MOST_MEMBERS,
     MOST_REPEATS,
@@ -39,6 +45,7 @@ from membrane_rs.study.refinement import (
     Point,
     RefinementLevel,
     cheapest,
+    finest_errors,
     measured_order,
     refinement_levels,
 )
@@ -65,6 +72,8 @@ def work_precision(
     curves: bool = False,
     members: int | None = None,
     densities: Sequence[float] = (),
+    softenings: Sequence[float] = (),
+    shift: float | None = None,
     wanted: float = 1e-3,
     repeats: int | None = None,
     instants: int | None = None,
@@ -93,6 +102,13 @@ def work_precision(
     densities : sequence of float
         Other meshes, as multiples of the scene's density [-]; needs `curves`. Each is a line of its own, run by the
         method of the fewest evaluations a step, and all errors are then against the finest mesh.
+    softenings : sequence of float
+        Softenings of the film [-], from 1 to 1e6. Each is a line of its own, run by the explicit method of the fewest
+        evaluations a step from the same start; all errors are against the film that is not softened, even if that of
+        the scene is. They have a floor that no step lessens: what softening changes.
+    shift : float, optional
+        Standard deviation of the perturbation of each coordinate of a start [m]. Default: 1e-12; 1e-6 with
+        `softenings`, since starts that differ by rounding alone show less than what any change of the model does.
     wanted : float
         The target error [-], for which the cheapest method is given (of the rate, with `curves`).
     repeats : int, optional
@@ -114,8 +130,8 @@ def work_precision(
     Raises
     ------
     InputError
-        An unknown method, a number outside its range, a density that the mesh cannot represent, a scene without
-        motion.
+        An unknown method, a number outside its range, a density that the mesh cannot represent, a softening of no
+        film or by implicit methods alone, a scene without motion.
     InputTypeError
         No scene, or no number.
     UnstableError
@@ -138,7 +154,10 @@ def work_precision(
     repeats = count_of("repeats", repeats, 1, MOST_REPEATS, "runs for a median of times")
     wanted = _above_zero("wanted", wanted, "the target error, --error")
     budget = None if budget is None else _above_zero("budget", budget, "s")
-    densities = _densities(densities)
+    densities = _factors("densities", densities, "multiples of the scene's density")
+    softenings = _factors("softenings", softenings, "by which the film is softer in stretch")
+    shift = (MODEL_SHIFT if softenings else SHIFT) if shift is None else shift_of(shift)
+    explicit = _explicit(names, softenings)
     if densities and not curves:
         raise InputError(
             f"densities = {show(densities)}: meshes have different nodes, so only curves can be compared; add --curves"
@@ -146,37 +165,38 @@ def work_precision(
     tell = teller(progress)
     kinds = CURVES if curves else POINTWISE
     count = (100 if curves else 10) if instants is None else instants
-    meshes = {1.0: study_case(scene, until, count)}
-    meshes |= {float(d): study_case(denser(scene, d), until, count) for d in sorted(set(densities)) if d != 1.0}
-    case, finest_mesh = meshes[1.0], max(meshes)
-
-    levels = [level for density, mesh in meshes.items() for level in _levels(mesh, names, density, steps)]
+    cases = _cases(scene, until, count, densities, softenings)
+    (_, film), case = next(iter(cases.items()))
+    true = max(density for density, _ in cases), film
+    levels = []
+    for model, each in cases.items():
+        levels += _levels(each, names if model[1] == film else explicit, model, steps, is_own=each is case)
     finest = min(REFERENCE_SHARE[curves] * COARSEST / 2.0 ** (steps - 1), REFERENCE_MOST)
-    finest *= Simulation(meshes[finest_mesh].scene, REFERENCE).stable_dt()
+    finest *= Simulation(cases[true].scene, REFERENCE).stable_dt()
     stop = Event()
 
-    reference, check = _references(meshes[finest_mesh], finest, stop, shapes=not curves, jobs=jobs, tell=tell)
+    reference, check = _references(cases[true], finest, stop, shapes=not curves, jobs=jobs, tell=tell)
 
-    def errors(run: StudyRun, true: StudyRun = reference) -> dict[str, float]:
+    def errors(run: StudyRun, other: StudyRun = reference) -> dict[str, float]:
         failed = run.failure is not None or run.expected is not None
-        return {name: math.nan if failed else error(run, true, case.start) for name, (_, error) in kinds.items()}
+        return {name: math.nan if failed else error(run, other, case.start) for name, (_, error) in kinds.items()}
 
     floors = dict.fromkeys(kinds, math.nan)
     if members:
         dt = ENSEMBLE_SHARE * Simulation(case.scene, ENSEMBLE).stable_dt()
-        starts = ensemble(case, ENSEMBLE, dt, members, shapes=not curves, jobs=jobs, tell=tell)
+        starts = ensemble(case, ENSEMBLE, dt, members, shift=shift, shapes=not curves, jobs=jobs, tell=tell)
         peer, *others = [run for run in starts if run.failure is None] or starts
         members = len(others) if peer.failure is None else 0
         floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
 
     def at_level(level: RefinementLevel) -> Point:
         def once(*, keep: bool) -> StudyRun:
-            mesh, tolerance = meshes[level.density], level.tolerance
+            model, tolerance = cases[level.model], level.tolerance
             return run_case(
-                mesh, level.integrator, level.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop
+                model, level.integrator, level.dt, tolerance=tolerance, shapes=keep, budget=budget, stop=stop
             )
 
-        is_check = (level.integrator, level.density, level.dt) == (REFERENCE, finest_mesh, check.dt)
+        is_check = (level.integrator, level.model, level.dt) == (REFERENCE, true, check.dt)
         runs = [check if is_check and repeats == 1 else once(keep=not curves)]
         if runs[0].failure is None and runs[0].expected is None:
             runs += [once(keep=False) for _ in range(repeats - 1)]
@@ -197,15 +217,17 @@ def work_precision(
         points=tuple(points),
         labels={name: label for name, (label, _) in kinds.items()},
         reference_dt=reference.dt,
-        reference_density=finest_mesh,
+        reference_density=true[0],
         reference_errors=errors(check),
         floors=floors,
         wanted=wanted,
         orders={
-            line: {name: measured_order(found, name, CLEAR * bounds[name]) for name in kinds}
+            line: {name: measured_order(found, name, CLEAR * _bound(found, name, bounds, film)) for name in kinds}
             for line, found in lines.items()
         },
         best={cost: cheapest(lines, next(iter(kinds)), wanted, cost) for cost in COSTS},
+        shift=shift,
+        reference_softening=film,
     )
 
 
@@ -225,6 +247,22 @@ def _references(
     return reference, check
 
 
+def _cases(
+    scene: Scene, until: float | None, instants: int, densities: Sequence[float], softenings: Sequence[float]
+) -> dict[tuple[float, float | None], StudyCase]:
+    """What is run, by density of the mesh and softening of the film: first the scene itself, with the film as it is
+    where others are compared.
+    """
+    check_kind(scene, Scene, "scene", "a Scene")
+    scene = with_softening(scene, None) if softenings else scene
+    case, film = study_case(scene, until, instants), softening_of(scene)
+    found = {(1.0, film): case}
+    found |= {(d, film): study_case(denser(scene, d), until, instants) for d in sorted(set(densities)) if d != 1.0}
+    for factor in sorted(set(softenings)):  # by the key of scene files, whose errors say what is wrong
+        found[1.0, factor] = case.of(case.scene.with_values({"material.softening": factor}))
+    return found
+
+
 def _above_zero(name: str, value: float, unit: str) -> float:
     number = number_of(name, value, unit)
     if not number > 0.0:
@@ -232,11 +270,11 @@ def _above_zero(name: str, value: float, unit: str) -> float:
     return number
 
 
-def _densities(given: object) -> tuple[float, ...]:
-    """Relative densities of meshes. Raises InputTypeError and InputError."""
+def _factors(name: str, given: object, what: str) -> tuple[float, ...]:
+    """A list of numbers. Raises InputTypeError and InputError."""
     if not is_list(given):
-        raise InputTypeError(f"densities = {show(given)}: must be a list of numbers, multiples of the scene's density")
-    return tuple(number_of("densities", density, "multiples of the scene's density") for density in given)
+        raise InputTypeError(f"{name} = {show(given)}: must be a list of numbers, {what}")
+    return tuple(number_of(name, factor, what) for factor in given)
 
 
 def _methods(wanted: Sequence[str] | None) -> list[str]:
@@ -248,11 +286,32 @@ def _methods(wanted: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(wanted or known))
 
 
-def _levels(case: StudyCase, methods: Sequence[str], density: float, steps: int) -> list[RefinementLevel]:
-    """The levels of all methods; on another mesh than the scene's only of the method with the cheapest step."""
-    facts = integrators()
+def _explicit(methods: Sequence[str], softenings: Sequence[float]) -> list[str]:
+    """The explicit ones. Raises InputError for softened films without any."""
+    found = list(filter(is_explicit, methods))
+    if softenings and not found:
+        raise InputError(
+            f"softenings = {show(softenings)}: make no step longer by {', '.join(methods)}, which is implicit; add an "
+            "explicit method, such as leapfrog"
+        )
+    return found
+
+
+def _bound(points: Sequence[Point], name: str, bounds: dict[str, float], film: float | None) -> float:
+    """What bounds the errors of a line from below; of another film than the reference's its finest error does as well,
+    which the step does not set.
+    """
+    finest, _ = finest_errors(points, name)
+    return bounds[name] if points[0].softening == film else float(np.fmax(bounds[name], finest))
+
+
+def _levels(
+    case: StudyCase, methods: Sequence[str], model: tuple[float, float | None], steps: int, *, is_own: bool
+) -> list[RefinementLevel]:
+    """The levels of all methods; of another model than the scene's own only of the method with the cheapest step."""
+    facts, (density, softening) = integrators(), model
     limits = {name: Simulation(case.scene, name, case.interval * 1e-9).stable_dt() for name in (*methods, REFERENCE)}
-    if density != 1.0:
+    if not is_own:
         limited = [name for name in methods if math.isfinite(limits[name]) and not facts[name].is_adaptive]
         methods = [min(limited or methods, key=lambda name: facts[name].evaluations)]
     found: dict[RefinementLevel, None] = {}
@@ -261,7 +320,8 @@ def _levels(case: StudyCase, methods: Sequence[str], density: float, steps: int)
         for level in refinement_levels(
             name, density, steps, limit=limits[name], unit=limits[REFERENCE], is_adaptive=adaptive
         ):
-            found[level if level.dt is None else replace(level, dt=case.step_near(level.dt))] = None
+            dt = None if level.dt is None else case.step_near(level.dt)
+            found[replace(level, dt=dt, softening=softening)] = None
     return list(found)
 
 
@@ -283,4 +343,5 @@ def _point(level: RefinementLevel, runs: Sequence[StudyRun], errors: dict[str, f
         tolerance=level.tolerance,
         rejected=run.rejected,
         density=level.density,
+        softening=level.softening,
     )

@@ -29,9 +29,15 @@ class RefinementLevel:
     dt: float | None
     tolerance: float | None
     limit: float
+    softening: float | None = None
+
+    @property
+    def model(self) -> tuple[float, float | None]:
+        """What is run: the density of its mesh and the softening of its film."""
+        return self.density, self.softening
 
     def __str__(self) -> str:
-        line = line_name(self.integrator, self.density)
+        line = line_name(self.integrator, self.density, self.softening)
         if self.dt is None:
             return f"{line}, tolerance {self.tolerance:.2g}"
         share = self.dt / self.limit
@@ -69,6 +75,8 @@ class Point:
         Rejected steps of such a method.
     density : float
         Of the mesh, as a multiple of the scene's [-].
+    softening : float or None
+        Of the film [-]; None: as it is.
 
     Examples
     --------
@@ -90,11 +98,14 @@ class Point:
     tolerance: float | None = None
     rejected: int = 0
     density: float = 1.0
+    softening: float | None = None
 
     @property
     def line(self) -> str:
-        """The line of the diagram that it lies on: its method, and its mesh where that is not the scene's own."""
-        return line_name(self.integrator, self.density)
+        """The line of the diagram that it lies on: its method, its mesh where that is not the scene's own, and the
+        softening of its film.
+        """
+        return line_name(self.integrator, self.density, self.softening)
 
     @property
     def resolves(self) -> bool:
@@ -136,6 +147,8 @@ class Best:
         Of a method that chooses its steps [-].
     density : float
         Of the mesh, as a multiple of the scene's [-].
+    softening : float or None
+        Of the film [-]; None: as it is.
 
     Examples
     --------
@@ -149,6 +162,7 @@ class Best:
     cost: float
     tolerance: float | None = None
     density: float = 1.0
+    softening: float | None = None
 
     def words(self) -> str:
         """The method with its step or tolerance as text.
@@ -158,15 +172,16 @@ class Best:
         str
             In one line.
         """
-        name = line_name(self.integrator, self.density)
+        name = line_name(self.integrator, self.density, self.softening)
         if self.tolerance is not None:
             return f"{name} with tolerance = {self.tolerance:.2g}"
         return f"{name} with dt = {self.dt:.3g} s"
 
 
-def line_name(integrator: str, density: float) -> str:
-    """The method, with the density of the mesh where that is not the scene's own."""
-    return integrator if density == 1.0 else f"{integrator} on {density:g} x the mesh"
+def line_name(integrator: str, density: float, softening: float | None = None) -> str:
+    """The method, with the density of the mesh where that is not the scene's own, and the softening of the film."""
+    name = integrator if density == 1.0 else f"{integrator} on {density:g} x the mesh"
+    return name if softening is None else f"{name} (softened {softening:g})"
 
 
 def refinement_levels(
@@ -199,6 +214,14 @@ def measured_order(points: Sequence[Point], name: str, clear: float) -> float:
     return float(np.polyfit(dt, error, 1)[0])
 
 
+def finest_errors(points: Sequence[Point], name: str) -> tuple[float, bool]:
+    """The error at the finest level that came to its end, NaN without any, and whether it has levelled out there: it is
+    more than half of that at the level before. Steps beyond the limit are left out.
+    """
+    errors = [p.errors[name] for p in points if p.is_stable and math.isfinite(p.errors[name])]
+    return (errors or [math.nan])[-1], len(errors) > 1 and errors[-1] > 0.5 * errors[-2]
+
+
 def cheapest(lines: Mapping[str, Sequence[Point]], name: str, wanted: float, cost: str) -> Best | None:
     """The line that reaches an error at least cost, steps beyond the limit excluded.
 
@@ -224,5 +247,5 @@ def cheapest(lines: Mapping[str, Sequence[Point]], name: str, wanted: float, cos
         if here.tolerance is not None and above.tolerance is not None:
             tolerance = between(here.tolerance, above.tolerance)
         spent = between(float(getattr(here, cost)), float(getattr(above, cost)))
-        found.append(Best(here.integrator, between(here.dt, above.dt), spent, tolerance, here.density))
+        found.append(Best(here.integrator, between(here.dt, above.dt), spent, tolerance, here.density, here.softening))
     return min(found, key=lambda best: best.cost, default=None)

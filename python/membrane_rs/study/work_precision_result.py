@@ -17,7 +17,7 @@ from membrane_rs.results.run_summary import versions
 from membrane_rs.results.summary import write_summary
 from membrane_rs.study.common.differences import CURVES
 from membrane_rs.study.common.perturbation import SHIFT
-from membrane_rs.study.refinement import Best, Point, cheapest, line_name
+from membrane_rs.study.refinement import Best, Point, cheapest, finest_errors, line_name
 
 REFERENCE = "rk4"
 """The method of the reference."""
@@ -50,10 +50,14 @@ class WorkPrecision:
     wanted : float
         The target error, of the first kind [-].
     orders : dict of str to dict of str to float
-        Measured order [-], by line (a method, or a method on another mesh) and kind of error; NaN if too few errors
-        exceed the lower bound clearly.
+        Measured order [-], by line (a method, or a method on another mesh or with another film) and kind of error; NaN
+        if too few errors exceed the lower bound clearly, which is at least the finest one for another film.
     best : dict of str to Best or None
         By kind of cost; None if no method reaches the target error.
+    shift : float
+        Standard deviation of the perturbation of each coordinate of a start [m].
+    reference_softening : float or None
+        Softening of the film of the reference [-]; None: as it is.
 
     Examples
     --------
@@ -81,6 +85,8 @@ class WorkPrecision:
     wanted: float
     orders: dict[str, dict[str, float]]
     best: dict[str, Best | None]
+    shift: float = SHIFT
+    reference_softening: float | None = None
 
     def points_of(self, line: str) -> list[Point]:
         """The points of one line.
@@ -88,7 +94,7 @@ class WorkPrecision:
         Parameters
         ----------
         line : str
-            A method, or a method on another mesh, as `orders` has them.
+            A method, or a method on another mesh or with another film, as `orders` has them.
 
         Returns
         -------
@@ -109,13 +115,15 @@ class WorkPrecision:
         for name, label in self.labels.items():
             lines.append(f"{label}:")
             lines.append(
-                f"  reference: {line_name(REFERENCE, self.reference_density)} at {self.reference_dt:.3g} s, "
+                f"  reference: {self._reference} at {self.reference_dt:.3g} s, "
                 f"{self.reference_errors[name]:.1e} from itself at twice that step"
             )
             if self.members:
-                spread = f"  spread of {self.members} starts perturbed by {SHIFT:g} m: {self.floors[name]:.1e}"
+                spread = f"  spread of {self.members} starts perturbed by {self.shift:g} m: {self.floors[name]:.1e}"
                 lines.append(spread + ("; smaller errors are indistinguishable" if name in CURVES else ""))
-            lines += [f"  {line}: {self._described(line, orders[name])}" for line, orders in self.orders.items()]
+            for line, orders in self.orders.items():
+                found = [self._described(line, orders[name]), *self._levelled(line, name)]
+                lines.append(f"  {line}: {', '.join(found)}")
         first = next(iter(self.labels))
         for cost, best in self.best.items():
             what = f"{COSTS[cost].lower()} for an error of {self.wanted:g} ({first})"
@@ -124,14 +132,47 @@ class WorkPrecision:
                 if best
                 else f"Least {what}: no method reaches it below its limit"
             )
-        bound = error_bounds(self.reference_errors, self.floors, curves=first in CURVES)[first]
+        bound = self._bounds[first]
         if self.wanted < bound:
             lines.append(f"An error of {self.wanted:g} is below the lower bound of {bound:.1e}.")
             by_line = {line: self.points_of(line) for line in self.orders}
             for cost, words in COSTS.items():
-                found = cheapest(by_line, first, bound, cost)
-                lines += [f"Least {words.lower()} within the bound: {found.words()}, {found.cost:.3g}"] if found else []
+                best = cheapest(by_line, first, bound, cost)
+                lines += [f"Least {words.lower()} within the bound: {best.words()}, {best.cost:.3g}"] if best else []
+        if self._has_other_films:
+            lines.append(
+                "Errors of softened films are against the film as it is: what softening changes is a floor of them, "
+                "which no step lessens."
+            )
+        elif self.reference_softening is not None:
+            lines.append(
+                f"The reference has the film softened by {self.reference_softening:g} too: errors are of the steps, "
+                "without what softening changes."
+            )
         return "\n".join(lines)
+
+    @property
+    def _bounds(self) -> dict[str, float]:
+        return error_bounds(self.reference_errors, self.floors, curves=next(iter(self.labels)) in CURVES)
+
+    @property
+    def _reference(self) -> str:
+        """The line of the reference."""
+        return line_name(REFERENCE, self.reference_density, self.reference_softening)
+
+    @property
+    def _has_other_films(self) -> bool:
+        return any(point.softening != self.reference_softening for point in self.points)
+
+    def _levelled(self, line: str, name: str) -> list[str]:
+        """Where the errors of a film other than the reference's end, as text."""
+        points = self.points_of(line)
+        error, has_levelled = finest_errors(points, name)
+        if points[0].softening == self.reference_softening or not math.isfinite(error):
+            return []
+        if name in CURVES and error <= self._bounds[name]:
+            return [f"ends within the bounds, at {error:.1e}"]
+        return [f"levels out at {error:.1e}" if has_levelled else f"ends at {error:.1e}"]
 
     def _described(self, line: str, order: float) -> str:
         """A line as text: its order, and the number of runs stopped or left out."""
@@ -162,12 +203,12 @@ class WorkPrecision:
         folder = made_folder(folder)
         with replacing(folder / "chart.csv") as part, part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            names = ["integrator", "density", "dt", "share_of_limit", "tolerance", "steps", "rejected", "evaluations"]
-            names.append("seconds")
+            names = ["integrator", "density", "softening", "dt", "share_of_limit", "tolerance", "steps", "rejected"]
+            names += ["evaluations", "seconds"]
             writer.writerow([*names, *(f"{name}_error" for name in self.labels), "failed_at", "failure"])
             for p in self.points:
-                row = [p.integrator, p.density, p.dt, p.share, p.tolerance, p.steps, p.rejected, p.evaluations]
-                row.append(p.seconds)
+                row = [p.integrator, p.density, p.softening, p.dt, p.share, p.tolerance, p.steps, p.rejected]
+                row += [p.evaluations, p.seconds]
                 writer.writerow([*row, *p.errors.values(), p.failed_at, p.failure])
         write_summary(folder / "chart.json", self.as_dict())
         plot_work_precision(self._rows(), folder / "chart.png", f"{self.scene}, first {1e3 * self.until:g} ms")
@@ -208,7 +249,7 @@ class WorkPrecision:
                 if p.failure is not None:
                     costs[cost][k] = per_step * self.until / p.dt if p.failed_at is not None else math.nan
         order = self.orders[line][name]
-        label = f"{line}: order {order:.1f}" if math.isfinite(order) else line
+        label = f"{line}: order {order:.1f}" if math.isfinite(order) else ": ".join([line, *self._levelled(line, name)])
         errors = np.array([p.errors[name] for p in points])
         return Line(label, costs, errors, np.array([not p.is_stable for p in points]))
 

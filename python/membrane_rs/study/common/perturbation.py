@@ -11,6 +11,9 @@ from membrane_rs.scene import Scene
 
 SHIFT = 1e-12
 """Standard deviation of the perturbation of each coordinate in an ensemble of starts [m]."""
+MODEL_SHIFT = 1e-6
+"""The same where models are compared [m]: starts that differ by rounding alone have their first instants in common, and
+a changed model has not."""
 
 
 def shift_of(shift: float) -> float:
