@@ -9,51 +9,52 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from membrane_rs import folding, scenes
-from membrane_rs.errors import (
-    AuditWarning,
-    DisplayError,
-    ExecutorError,
-    InputError,
-    InputTypeError,
-    Interrupted,
-    MembraneError,
-    MeshError,
-    MissingExtraError,
-    MissingFileError,
-    OutputError,
-    SceneError,
-    UnknownAttributeError,
-    UnstableError,
-)
-from membrane_rs.material import Material
-from membrane_rs.mesh import Mesh
-from membrane_rs.runs import Run, Simulation, open_run, resume, run, view
-from membrane_rs.scene import Scene
-from membrane_rs.scene.bodies import Cylinder, Plane
-from membrane_rs.scene.laws import (
-    AirDrag,
-    Creases,
-    Gravity,
-    MassDamping,
-    Pressure,
-    Spin,
-    SpoolContact,
-    SpringDamping,
-    Springs,
-    Triangles,
-)
-from membrane_rs.scene.parts import Bridges, Fixed, Moved, Tether, Tethers, TipMasses
-from membrane_rs.scene.run_settings import RunSettings
-from membrane_rs.scene.schedule import Schedule
-from membrane_rs.scene.stage import Stage
-from membrane_rs.simulation import IntegratorFacts, integrators
+from membrane_rs._on_demand import OnDemand
 
-__version__ = version("membrane_rs")
+if TYPE_CHECKING:
+    from membrane_rs import folding, scenes
+    from membrane_rs.errors import (
+        AuditWarning,
+        DisplayError,
+        ExecutorError,
+        InputError,
+        InputTypeError,
+        Interrupted,
+        MembraneError,
+        MeshError,
+        MissingExtraError,
+        MissingFileError,
+        OutputError,
+        SceneError,
+        UnknownAttributeError,
+        UnstableError,
+    )
+    from membrane_rs.material import Material
+    from membrane_rs.mesh import Mesh
+    from membrane_rs.runs import Run, Simulation, open_run, resume, run, view
+    from membrane_rs.scene import Scene
+    from membrane_rs.scene.bodies import Cylinder, Plane
+    from membrane_rs.scene.laws import (
+        AirDrag,
+        Creases,
+        Gravity,
+        MassDamping,
+        Pressure,
+        Spin,
+        SpoolContact,
+        SpringDamping,
+        Springs,
+        Triangles,
+    )
+    from membrane_rs.scene.parts import Bridges, Fixed, Moved, Tether, Tethers, TipMasses
+    from membrane_rs.scene.run_settings import RunSettings
+    from membrane_rs.scene.schedule import Schedule
+    from membrane_rs.scene.stage import Stage
+    from membrane_rs.simulation import IntegratorFacts, integrators
+
+    __version__: str
 
 __all__ = [
     "AirDrag",
@@ -107,28 +108,73 @@ __all__ = [
     "view",
 ]
 
+_PLACES = {
+    "membrane_rs.errors": (
+        "AuditWarning",
+        "DisplayError",
+        "ExecutorError",
+        "InputError",
+        "InputTypeError",
+        "Interrupted",
+        "MembraneError",
+        "MeshError",
+        "MissingExtraError",
+        "MissingFileError",
+        "OutputError",
+        "SceneError",
+        "UnknownAttributeError",
+        "UnstableError",
+    ),
+    "membrane_rs.material": ("Material",),
+    "membrane_rs.mesh": ("Mesh",),
+    "membrane_rs.runs": ("Run", "Simulation", "open_run", "resume", "run", "view"),
+    "membrane_rs.scene": ("Scene",),
+    "membrane_rs.scene.bodies": ("Cylinder", "Plane"),
+    "membrane_rs.scene.laws": (
+        "AirDrag",
+        "Creases",
+        "Gravity",
+        "MassDamping",
+        "Pressure",
+        "Spin",
+        "SpoolContact",
+        "SpringDamping",
+        "Springs",
+        "Triangles",
+    ),
+    "membrane_rs.scene.parts": ("Bridges", "Fixed", "Moved", "Tether", "Tethers", "TipMasses"),
+    "membrane_rs.scene.run_settings": ("RunSettings",),
+    "membrane_rs.scene.schedule": ("Schedule",),
+    "membrane_rs.scene.stage": ("Stage",),
+    "membrane_rs.simulation": ("IntegratorFacts", "integrators"),
+}
 _PACKAGES = (
     "analysis",
     "check",
+    "folding",
     "mesh",
     "plotting",
     "report",
     "results",
     "runs",
     "scene",
+    "scenes",
     "simulation",
     "study",
     "units",
 )
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+    _on_demand = OnDemand(__name__, _PLACES, _PACKAGES)
 
     def __getattr__(name: str) -> Any:
-        """A package of this one, imported when it is first named, such as `membrane_rs.study`."""
-        if name in _PACKAGES:
-            return import_module(f"{__name__}.{name}")
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        """A public name or a package of this one, imported when it is first used."""
+        if name == "__version__":
+            from importlib.metadata import version  # slow to import
+
+            return version(__name__)
+        return _on_demand(name)
 
     def __dir__() -> list[str]:
-        """All public names, the packages that are not imported yet among them."""
-        return sorted({*__all__, *_PACKAGES, *(name for name in globals() if name.startswith("__"))})
+        """All public names, also those that are not imported yet."""
+        return sorted({*_on_demand.names(), "__version__"})

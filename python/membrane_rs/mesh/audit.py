@@ -53,8 +53,7 @@ def audit(
         *gaps(mesh),
         *overlaps(mesh, is_wound_alike=not len(wound)),
         *(_thick(mesh, material) if material is not None else ()),
-        *(_springs(mesh, film) if springs else ()),
-        *(growing(mesh, film) if springs and growth else ()),
+        *(_springs(mesh, film, growth=growth) if springs else ()),
         *(crossing(mesh, positions) if crossings else ()),
         *_strain(mesh, strain),
     ]
@@ -208,8 +207,8 @@ def _negative(mesh: Triangulation, material: Material) -> tuple[Ints, Floats]:
     return np.flatnonzero(~(constants >= -1e-12 * np.nanmax(np.abs(constants)))), constants
 
 
-def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
-    """Negative spring constants."""
+def _springs(mesh: Triangulation, material: Material, *, growth: bool) -> Iterator[Finding]:
+    """Negative spring constants, and with `growth` the modes that grow by them."""
     try:
         negative, constants = _negative(mesh, material)
     except MeshError as error:
@@ -230,6 +229,8 @@ def _springs(mesh: Triangulation, material: Material) -> Iterator[Finding]:
         "they come from obtuse triangles: use a mesh without those; clipping them to zero makes it too soft",
         first_few(negative),
     )
+    if growth:
+        yield from _growing(mesh, material, constants)
 
 
 def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
@@ -238,8 +239,12 @@ def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
         negative, constants = _negative(mesh, material)
     except MeshError:
         return
-    if not len(negative):
-        return
+    if len(negative):
+        yield from _growing(mesh, material, constants)
+
+
+def _growing(mesh: Triangulation, material: Material, constants: Floats) -> Iterator[Finding]:
+    """The modes that grow by spring constants (e,), some of them negative [N/m]."""
     if mesh.node_count > GROWTH_LIMIT:
         yield Finding(
             "info",

@@ -7,12 +7,13 @@ import socket
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
-from typing import Any
-
-from filelock import FileLock, Timeout
+from typing import TYPE_CHECKING, Any
 
 from membrane_rs._files import check_writable, output_errors
 from membrane_rs.errors import OutputError
+
+if TYPE_CHECKING:
+    from filelock import FileLock
 
 LOCK = ".membrane_rs.lock"
 """The file that is locked, in the folder. A process that was killed leaves it behind, unlocked."""
@@ -45,6 +46,8 @@ class FolderLock:
 
         Raises OutputError where the folder's file system has no locks.
         """
+        from filelock import Timeout
+
         with output_errors(self._path):
             check_writable(self._path)
             try:
@@ -88,6 +91,8 @@ def is_locked(folder: Path) -> bool:
     path = folder / LOCK
     if not path.is_file():
         return False
+    from filelock import Timeout
+
     lock = _lock(path)
     try:
         lock.acquire(blocking=False)
@@ -106,6 +111,8 @@ def this_process() -> dict[str, Any]:
 
 
 def _lock(path: Path) -> FileLock:
+    from filelock import FileLock  # slow to import
+
     # Not one for each thread: the thread that ends a run may be another than the one that began it.
     return FileLock(path, thread_local=False)
 

@@ -6,7 +6,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.sax.saxutils import quoteattr
 
 from membrane_rs._files import check_regular, check_writable, output_errors, path_of, reading_errors, replacing
 from membrane_rs._validation import check_text, is_list, number_of, show
@@ -161,4 +160,6 @@ def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
 
 
 def _line(time: float, file: str) -> str:
+    from xml.sax.saxutils import quoteattr  # slow to import
+
     return _LINE.format(time=float(time), file=quoteattr(file))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from membrane_rs.results.recorded import Measures, Recorded
 from membrane_rs.runs import signals
 from membrane_rs.runs.recorder import Recorder
 from membrane_rs.runs.request import CHECKPOINT, Request
-from membrane_rs.runs.run_folder import RunFolder
 from membrane_rs.scene import Scene
 from membrane_rs.scene.run_settings import LONGEST, SHORTEST
 from membrane_rs.simulation.motion import Motion
@@ -27,6 +27,9 @@ from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
 from membrane_rs.simulation.stepper import Stepper
 from membrane_rs.simulation.stopping import Stop, StopWhen
+
+if TYPE_CHECKING:
+    from membrane_rs.runs.run_folder import RunFolder
 
 
 class Simulation(Stepper):
@@ -263,6 +266,8 @@ class Simulation(Stepper):
         InputError, InputTypeError
             An end before now or after the last stage, times or a measure that are none, an option without effect.
         """
+        from membrane_rs.runs.run_folder import RunFolder  # slow to import, with all outputs
+
         overwrite, pictures, crossings = flags_of(overwrite=overwrite, pictures=pictures, crossings=crossings)
         settings = self.scene.run
         end = number_of("until", self.planned_end if until is None else until)
