@@ -12,7 +12,7 @@ from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT
 
 MODELS = {"model 1": "okuizumi-model-1", "model 2": "okuizumi-model-2"}
 FAST_SCENES = {model: f"{name}-fast" for model, name in MODELS.items()}
-SOFTENINGS = (3, 10, 30, 100)
+SOFTENINGS = (3, 5, 10, 30, 100)
 ON_COARSE = (3, 10, 30)
 SUBSTEPS, SHARE = 4, 0.8
 """Substeps of leapfrog in a step, and the step over its limit."""

@@ -15,12 +15,12 @@ from membrane_rs._markdown import table
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.study.common.perturbation import MODEL_SHIFT, perturbation
 from softening_cases import FULL, soft, softened
-from softening_distance import mean_distance, spread
+from softening_distance import mean_distance, spread, standard_error
 from softening_runs import PHASE, RATE, Ensemble, Runs
 
 MODEL, DURATION = "model 1", 2.0
 """Of the sail, and of its reeling out [s]."""
-STARTS = 1
+STARTS = 4
 FACTORS = (3, 10, 30)
 OWN = "its stages' own modulus over 10, full in the release"
 REELED, RELEASED = 200, 400
@@ -127,7 +127,7 @@ def _samples(sim: Simulation, scene: Scene) -> dict[str, Floats]:
 
 
 def wound_table(found: Mapping[str, Ensemble]) -> str:
-    """Distance of the mean curves from those of the full model, spread of its starts, order of the arms, cost."""
+    """Distance of the mean curves from those of the full model and its standard error, spread of its starts, cost."""
     body: list[tuple[str, ...]] = []
     full = found[FULL]
     for label, own in found.items():
@@ -137,9 +137,13 @@ def wound_table(found: Mapping[str, Ensemble]) -> str:
         cells = []
         for name, factor, form in (*((name, factor, ".2f") for name, factor in READINGS.items()), *OF_RELEASE):
             mine, other = factor * own.curves(name), factor * full.curves(name)
-            number = spread(mine) if label == FULL else mean_distance(other, mine)
-            words = "spread " if label == FULL else ""
-            cells.append("-" if np.isnan(number) else f"{words}{number:{form}}")
+            if label == FULL:
+                own_spread = spread(mine)
+                cells.append("-" if np.isnan(own_spread) else f"spread {own_spread:{form}}")
+            else:
+                error = standard_error(other, mine)
+                chance = "" if np.isnan(error) else f" ± {error:{form}}"
+                cells.append(f"{mean_distance(other, mine):{form}}{chance}")
         is_ordered = own.curves("apart").max() < IN_ORDER
         seconds = own.typical("seconds")
         body.append((

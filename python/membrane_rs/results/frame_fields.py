@@ -9,7 +9,7 @@ On nodes: velocity [m/s], displacement [m] from the reference. Other fields are 
     von_mises             triangles  [Pa] von Mises's equivalent stress
     film_state            triangles  0 taut, 1 wrinkled, 2 slack, see `Motion.film_states`
     spring_strain         lines      l / L - 1
-    crease_angle          lines      [rad] pi flat, 0 shut, negative where the facets interpenetrate; NaN for no crease
+    crease_angle          lines      [rad] pi flat, 0 shut, 2 pi shut against its side; NaN for no crease
     buckled               lines      1 below the critical length, else 0; with `Triangles` see `Motion.buckled`
     tension               lines      [N] elastic tension of the segments of cords; NaN elsewhere
 

@@ -264,7 +264,7 @@ class Readings:
         Returns
         -------
         (c,) float64
-            [rad]
+            [rad] A crease that is folded against its side has more than pi, and is shut at 2 pi.
         """
         angles = self._core.crease_angles()
         return np.full(len(self.assembly.creases.nodes), np.nan) if angles is None else angles

@@ -2,9 +2,9 @@
 //!
 //! With e = B - A, c = C - A, d = D - A the facets have the normals n_C = e x c and n_D = d x e, twice their vector
 //! areas. The hinge angle theta is pi for flat facets, 0 for a shut hinge, and negative where the facets
-//! interpenetrate. The fold pattern gives its sign, not the geometry.
+//! interpenetrate. The fold pattern gives its sign, not the geometry. Positions give it up to whole turns.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use crate::layout::Renumbering;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, cross, dot, sub};
@@ -39,14 +39,24 @@ impl<V: SimdF64> Facets<V> {
         Self { e, c, d, normal_c: cross(e, c), normal_d: cross(d, e), length, length_square }
     }
 
-    /// The hinge angle [rad]. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut and from flat. The sine
-    /// times the lengths of both normals is |AB| n_D . c, since n_D x n_C = e (n_D . c).
+    /// The sine of the hinge angle, times the product of the lengths of both normals over |AB|: n_D . c, since
+    /// n_D x n_C = e (n_D . c).
     #[inline(always)]
-    pub(crate) fn angle(&self, sign: V) -> V {
-        let sine = sign * self.length * dot(self.normal_d, self.c);
-        let cosine = -dot(self.normal_c, self.normal_d);
-        let angle = V::atan2(sine, cosine);
-        angle.below(V::all(-FRAC_PI_2), angle + V::all(TAU), angle)
+    pub(crate) fn sine(&self, sign: V) -> V {
+        sign * dot(self.normal_d, self.c)
+    }
+
+    /// The cosine, times the product of the lengths of both normals.
+    #[inline(always)]
+    pub(crate) fn cosine(&self) -> V {
+        -dot(self.normal_c, self.normal_d)
+    }
+
+    /// The hinge angle, from `least` up to a turn more; `least` lies in \[-pi, pi\) \[rad\].
+    #[inline(always)]
+    pub(crate) fn angle(&self, sign: V, least: V) -> V {
+        let angle = V::atan2(self.length * self.sine(sign), self.cosine());
+        angle.below(least, angle + V::all(TAU), angle)
     }
 
     /// The shares of forces at C and at D that B bears, normal to the facets; A bears the rest, without torque.

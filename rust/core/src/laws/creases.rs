@@ -4,7 +4,7 @@
 //! given length), J = h^3/12, and the crease angle theta (pi flat, 0 shut, negative where the facets interpenetrate),
 //!
 //!     kappa = beta E J L / H   [N m/rad]
-//!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 min(theta, 0)^2   [J]
+//!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 (min(theta, 0)^2 + max(theta - 2 pi, 0)^2)   [J]
 //!     U     = w_C w_D u,   w = (1 + c^2) A^2 / (A^2 + (c A0)^2)
 //!
 //! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
@@ -12,17 +12,24 @@
 //! weights w the force on an apex, u'/height, is singular as a facet collapses, and a run gains energy there.
 //! With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
 //!
-//! theta is a signed atan2 of the normals of the facets. Its branch cut lies at -pi/2 (or 3 pi/2), 90 degrees from shut
-//! and from flat. The sign of the fold angle gives the side to which a crease folds (valley +1, mountain -1).
-//! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights are added here.
+//! theta is a signed atan2 of the normals of the facets. The sign of the fold angle gives the side to which a crease
+//! folds (valley +1, mountain -1). One that is folded against its side has more than pi, and is shut at 2 pi (`sides`).
+//! Source: Okuizumi et al. (2012), eqs. (3) and (4), with these forces at w = 1; the weights, and the contact at 2 pi,
+//! are added here.
 
+mod sides;
 mod stiffness;
 mod tangent;
 
+use std::f64::consts::TAU;
+
 use serde::Deserialize;
 
+use self::sides::Sides;
 use self::stiffness::StiffnessKernel;
-use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
+use super::{
+    Context, HistoryDependent, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass,
+};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
@@ -66,6 +73,7 @@ impl LawParameters for CreaseParameters {
 struct Creases {
     elements: ElementSet<4>,
     parameters: Coded<Parameters>,
+    sides: Sides,
     contact_penalty: f64,
     natural_angle: f64,
     /// Whether c is zero; the force is then singular as a facet collapses.
@@ -192,6 +200,7 @@ impl Creases {
         };
         Ok(Self {
             parameters: Coded::new((0..elements.batch_count()).map(of_batch)),
+            sides: Sides::own(&elements),
             elements,
             contact_penalty,
             natural_angle,
@@ -203,7 +212,7 @@ impl Creases {
     /// Facets and angles [rad] of a batch.
     fn facets(&self, x: Columns<'_>, batch: usize) -> (Facets, F64x8) {
         let facets = Facets::new(self.elements.read_any(x, batch));
-        let angle = facets.angle(self.parameters[batch].sign);
+        let angle = facets.angle(self.parameters[batch].sign, self.sides.least_angles()[batch]);
         (facets, angle)
     }
 
@@ -211,7 +220,7 @@ impl Creases {
     #[inline(always)]
     fn potential<V: SimdF64>(&self, kappa: V, angle: V) -> (V, V) {
         let opening = angle - V::all(self.natural_angle);
-        let inside = angle.min(V::zero());
+        let inside = angle.min(V::zero()) + (angle - V::all(TAU)).max(V::zero());
         let overlap = V::all(self.contact_penalty - 1.0) * inside;
         (V::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
     }
@@ -232,13 +241,14 @@ impl BatchKernel for MomentKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = self.creases.parameters.of(&pass);
+        let least_angles = pass.of(self.creases.sides.least_angles());
         let zeros = [V::zero(); 2];
         let mut factors = [Factors { normal: zeros, in_plane: zeros, at_b: zeros }; CHUNK];
         for chunk in pass.chunks_of_batches() {
             for (batch, factors) in chunk.clone().zip(&mut factors) {
                 let parameters = &parameters[batch];
                 let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
-                let angle = facets.angle(V::load(&parameters.sign));
+                let angle = facets.angle(V::load(&parameters.sign), V::load(&least_angles[batch]));
                 let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
                 *factors = Factors::new(&facets, parameters, energy, moment);
             }
@@ -263,13 +273,15 @@ impl BatchKernel for EnergyKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
         let parameters = self.creases.parameters.of(&pass);
+        let least_angles = pass.of(self.creases.sides.least_angles());
         let mut energy = V::zero();
         for batch in 0..pass.len() {
             let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[batch];
             let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
             let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
             let weight = square_c / (square_c + V::load(soft_c)) * square_d / (square_d + V::load(soft_d));
-            energy += weight * self.creases.potential(V::load(stiffness), facets.angle(V::load(sign))).0;
+            let angle = facets.angle(V::load(sign), V::load(&least_angles[batch]));
+            energy += weight * self.creases.potential(V::load(stiffness), angle).0;
         }
         energy
     }
@@ -310,6 +322,14 @@ impl Law for Creases {
     }
 
     fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn history_dependent(&self) -> Option<&dyn HistoryDependent> {
+        Some(self)
+    }
+
+    fn history_dependent_mut(&mut self) -> Option<&mut dyn HistoryDependent> {
         Some(self)
     }
 

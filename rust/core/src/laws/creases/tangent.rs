@@ -95,7 +95,7 @@ impl Creases {
         let Parameters { sign, stiffness, softening } = self.parameters[batch];
         let (energy, moment) = self.potential(stiffness, angles);
         let [energy, moment, angle] = [energy, moment, angles].map(|lanes| lanes.0[lane]);
-        let gamma = if angle < 0.0 { self.contact_penalty } else { 1.0 };
+        let gamma = if !(0.0..=std::f64::consts::TAU).contains(&angle) { self.contact_penalty } else { 1.0 };
         let (sign, curvature) = (sign.0[lane], stiffness.0[lane] * gamma);
         let e = b - a;
         let facets = [c - a, d - a];

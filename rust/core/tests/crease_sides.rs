@@ -1,0 +1,134 @@
+//! Creases that are folded against their side: the angle goes on past 3 pi/2, to contact at 2 pi, and back.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use common::{Bench, FILM, creases, methods, simulation_of, springs};
+use membrane_core::assembly::Assembly;
+use membrane_core::error::Error;
+use membrane_core::laws::Law;
+use membrane_core::model::input::{Creases, Model};
+use membrane_core::simulation::{Settings, Simulation};
+
+const SIZE: f64 = 0.01;
+const NATURAL: f64 = 1.0;
+
+/// Two triangles of which one turns about their crease, from an angle at a speed.
+fn hinge(angle: f64, speed: f64) -> Model {
+    let reference = vec![[0.0; 3], [SIZE, 0.0, 0.0], [0.5 * SIZE, -SIZE, 0.0], [0.5 * SIZE, SIZE, 0.0]];
+    let (sine, cosine) = (PI - angle).sin_cos();
+    let mut positions = reference.clone();
+    positions[3] = [0.5 * SIZE, SIZE * cosine, SIZE * sine];
+    let mut velocities = vec![[0.0; 3]; 4];
+    velocities[3] = [0.0, speed * sine, -speed * cosine];
+    Model {
+        positions,
+        velocities,
+        reference,
+        triangles: vec![[0, 2, 1], [0, 1, 3]],
+        film: Some(FILM),
+        creases: Creases { nodes: vec![[0, 1]], fold_signs: vec![1.0] },
+        extra_masses: vec![0.0; 4],
+        fixed: vec![0, 1, 2],
+        ..Model::default()
+    }
+}
+
+fn none(_: &Assembly) -> Vec<Box<dyn Law>> {
+    Vec::new()
+}
+
+/// From flat against its side, fast enough to touch at 2 pi.
+fn turning(method: usize) -> Simulation {
+    let laws = [springs(), creases(NATURAL)];
+    let method = methods().nth(method).unwrap();
+    let settings = Settings { energy_tolerance: 1.0, ..Settings::default() };
+    simulation_of(hinge(PI, 15.0), &laws, method, None, settings, none)
+}
+
+fn angle(simulation: &Simulation) -> f64 {
+    simulation.crease_angles().unwrap()[0]
+}
+
+#[test]
+fn a_crease_turns_past_flat_to_contact_and_back_without_a_jump() {
+    for (row, method) in methods().enumerate() {
+        let mut simulation = turning(row);
+        let (mut last, mut largest, mut is_back) = (angle(&simulation), 0.0_f64, false);
+        assert!((last - PI).abs() < 1e-12);
+        while !is_back {
+            simulation.step(1).unwrap();
+            let now = angle(&simulation);
+            assert!((now - last).abs() < 0.2, "{}: from {last} to {now}", method.name);
+            largest = largest.max(now);
+            (last, is_back) = (now, now < 0.9 * PI);
+            assert!(simulation.time() < 0.1, "{}: still at {now}", method.name);
+        }
+        assert!((TAU + 0.01..TAU + 0.5).contains(&largest), "{}: {largest}", method.name);
+        let error = simulation.ledger().error(&simulation.energy_terms());
+        assert!(error.abs() < 0.03, "{}: {error}", method.name);
+    }
+}
+
+#[test]
+fn the_side_is_saved_with_a_run_and_not_kept_by_a_new_motion() {
+    let mut simulation = turning(0);
+    assert_eq!(simulation.progress().law_histories[1].1, Vec::<f64>::new());
+    while angle(&simulation) < 1.8 * PI {
+        simulation.step(1).unwrap();
+    }
+    let saved = simulation.progress();
+    assert_eq!(saved.law_histories[1], (Vec::new(), vec![1.0]));
+    let mut resumed = turning(0);
+    resumed.resume(&saved).unwrap();
+    assert_eq!(angle(&resumed), angle(&simulation));
+    simulation.step(500).unwrap();
+    resumed.step(500).unwrap();
+    assert_eq!(resumed.progress(), simulation.progress());
+
+    let mut wrong = saved.clone();
+    for numbers in [vec![1.0, 0.0], vec![0.5], vec![f64::NAN]] {
+        wrong.law_histories[1].1 = numbers;
+        assert!(matches!(resumed.resume(&wrong), Err(Error::HistoryMisfit { owner: "creases" })));
+    }
+    resumed.set_motion(&saved.positions, &saved.velocities).unwrap();
+    let own = angle(&resumed);
+    assert!((-0.21 * PI..-0.19 * PI).contains(&own), "{own}");
+}
+
+#[test]
+fn the_side_is_that_on_which_the_crease_was_last_open_and_whole() {
+    let mut bench = Bench::new(hinge(PI, 0.0), &[creases(NATURAL)]);
+    let moved = bench.assembly.numbering.to_internal([3])[0] as usize;
+    let mut at = |angle: f64, height: f64| {
+        let (sine, cosine) = (PI - angle).sin_cos();
+        for (axis, value) in [0.5 * SIZE, height * cosine, height * sine].into_iter().enumerate() {
+            bench.state.positions[(moved, axis)] = value;
+        }
+        let instant = membrane_core::laws::Instant::new(bench.state.at(0.0), &bench.spin);
+        bench.laws[0].history_dependent_mut().unwrap().accept(instant);
+        bench.laws[0].inspection().unwrap().crease_angles(instant).unwrap()[0]
+    };
+    // (angle of the positions, height of the facet, angle of the crease).
+    for (angle, height, expected) in [
+        (0.2, SIZE, 0.2),
+        (-1.5, SIZE, -1.5),
+        (3.0, SIZE, 3.0),
+        (1.6, SIZE, 1.6),
+        (-0.5, SIZE, -0.5),
+        (4.0, SIZE, 4.0),
+        (5.5, SIZE, 5.5),
+        (7.8, SIZE, 7.8),
+        (4.0, 1e-3 * SIZE, 4.0),
+        (5.5, SIZE, 5.5 - TAU),
+        (4.6, SIZE, 4.6),
+        (5.5, SIZE, 5.5),
+        (3.1, SIZE, 3.1),
+        (-0.1, SIZE, -0.1),
+    ] {
+        let found = at(angle, height);
+        assert!((found - expected).abs() < 1e-12, "{found} in place of {expected}");
+    }
+}
