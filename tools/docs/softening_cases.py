@@ -14,7 +14,7 @@ MODELS = {"model 1": "okuizumi-model-1", "model 2": "okuizumi-model-2"}
 FAST_SCENES = {model: f"{name}-fast" for model, name in MODELS.items()}
 SOFTENINGS = (3, 5, 10, 30, 100)
 ON_COARSE = (3, 10, 30)
-SUBSTEPS, SHARE = 4, 0.8
+SUBSTEPS, SHARE = 3, 0.8
 """Substeps of leapfrog in a step, and the step over its limit."""
 FAST, SOFT = 2.0, 0.1
 """Factors of the two scenes that tell the bounds of the rule apart: of the rate of spin, and of alpha on creases."""
