@@ -1,15 +1,15 @@
 //! The side of flat on which each crease is folded.
 //!
-//! Positions give a crease angle up to whole turns. Within 90 degrees of flat there is no doubt: from pi/2 to pi a crease
-//! is on the side of its fold, from pi to 3 pi/2 it is folded against it. A sharper crease is on the side on which it was
-//! last that open:
+//! Positions give a crease angle up to whole turns. Within 90 degrees of flat there is no doubt: from pi/2 to pi a
+//! crease is on the side of its fold, from pi to 3 pi/2 it is folded against it. A sharper crease is on the side on
+//! which it was last that open:
 //!
 //!     on its own side        theta in [-pi/2, 3 pi/2)   shut at 0, facets that interpenetrate below
 //!     on the other side      theta in [pi/2, 5 pi/2)    shut at 2 pi, facets that interpenetrate above
 //!
 //! The side only changes where both ranges overlap, so that neither angle nor energy jumps. By positions alone a crease
-//! that is folded against its side beyond 3 pi/2 would be one with facets that interpenetrate by 90 degrees: a run gains
-//! the energy of that contact.
+//! that is folded against its side beyond 3 pi/2 would be one with facets that interpenetrate by 90 degrees: a run
+//! gains the energy of that contact.
 //!
 //! A collapsed facet has no direction, and turns over at will. Such a crease is on its own side, as at the start.
 
