@@ -145,6 +145,12 @@ def test_groups_and_paths_are_those_of_a_graph_library() -> None:
         assert (groups(ends, count) == connected_components(graph, directed=False)[1]).all()
         starts = np.arange(0, count, 37)
         expected = dijkstra(graph, directed=False, indices=starts)
-        assert (shortest_paths(ends, lengths, count, starts, np.full(len(starts), np.inf)) == expected).all()
-        cut = shortest_paths(ends, lengths, count, starts, np.full(len(starts), 0.8))
-        assert (cut == np.where(expected <= 0.8, expected, np.inf)).all()
+        for k, paths in enumerate(expected):
+            assert (
+                shortest_paths(ends, lengths, count, starts[k : k + 1], begun=np.zeros(1), longest=np.inf) == paths
+            ).all()
+        begun = rng.random(len(starts))
+        least = (begun[:, None] + expected).min(axis=0)
+        for longest in (np.inf, 0.8):
+            found = shortest_paths(ends, lengths, count, starts, begun=begun, longest=longest)
+            assert np.allclose(found, np.where(least <= longest, least, np.inf), rtol=1e-14, atol=0.0)

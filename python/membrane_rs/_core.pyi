@@ -65,10 +65,11 @@ def shortest_paths(
     lengths: NDArray[np.float64],
     node_count: int,
     starts: NDArray[np.int64],
-    longest: NDArray[np.float64],
+    begun: NDArray[np.float64],
+    longest: float,
 ) -> NDArray[np.float64]:
-    """Lengths of the shortest paths along links (k, 2) from each start (s,) to each node, (s, n); inf where there is
-    none up to the number in `longest` (s,).
+    """Length of the shortest path along links (k, 2) to each node from any of the starts (s,), with the length in
+    `begun` (s,) that the paths of each start have already, (n,); inf where there is none up to `longest`.
     """
 
 def integrators() -> list[MethodFacts]:

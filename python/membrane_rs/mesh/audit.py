@@ -76,20 +76,26 @@ def _shapes(mesh: Triangulation) -> Iterator[Finding]:
             "remove triangles without area; move the nodes of slivers apart, or the step becomes very small",
             first_few(gone if len(gone) else thin),
         )
-    sides = np.sort(mesh.edge_lengths[mesh.triangle_edges], axis=1)
-    a, b, c = sides.T
+    sides = [mesh.edge_lengths[edges] for edges in mesh.triangle_edges.T]
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        longest = np.maximum.reduce(sides)
+        excess = 2.0 * longest**2 - np.add.reduce([side**2 for side in sides])
+        others = np.multiply.reduce(sides) / longest
+        may_be = np.flatnonzero(~(excess <= 2e-8 * others) & (flatness >= NO_AREA))
+    a, b, c = np.sort(np.stack([side[may_be] for side in sides]), axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         cosine = np.nan_to_num((a**2 + b**2 - c**2) / (2.0 * a * b))
     angle = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    obtuse = np.flatnonzero((angle > 90.0 + 1e-6) & (flatness >= NO_AREA))
+    is_obtuse = angle > 90.0 + 1e-6
+    obtuse, angle = may_be[is_obtuse], angle[is_obtuse]
     if len(obtuse):
-        worst = obtuse[np.argmax(angle[obtuse])]
+        widest = np.argmax(angle)
         yield Finding(
             "warning",
             "obtuse",
             len(obtuse),
-            f"{len(obtuse)} of {len(angle)} triangles are obtuse, at most {angle[worst]:.1f} degrees "
-            f"(triangle {worst})",
+            f"{len(obtuse)} of {len(flatness)} triangles are obtuse, at most {angle[widest]:.1f} degrees "
+            f"(triangle {obtuse[widest]})",
             "the spring opposite to such an angle is weak; from about 92 degrees it can turn negative, from "
             "125 it always does: flip diagonals or move nodes",
             first_few(obtuse),

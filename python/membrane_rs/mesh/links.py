@@ -14,9 +14,12 @@ def groups(links: Ints, node_count: int) -> Ints:
     return _core.groups(links, node_count)
 
 
-def shortest_paths(links: Ints, lengths: Floats, node_count: int, starts: Ints, longest: Floats) -> Floats:
-    """(s, n) length of the shortest path from each of the starts (s,) to each node, along links (k, 2) [m].
+def shortest_paths(
+    links: Ints, lengths: Floats, node_count: int, starts: Ints, *, begun: Floats, longest: float
+) -> Floats:
+    """(n,) length of the shortest path to each node from any of the starts (s,), along links (k, 2) [m].
 
-    inf where there is none that is no longer than the number in `longest` (s,) of that start.
+    The paths of each start have the length in `begun` (s,) already. inf where there is none that is no longer than
+    `longest`.
     """
-    return _core.shortest_paths(links, lengths, node_count, starts, longest)
+    return _core.shortest_paths(links, lengths, node_count, starts, begun, longest)

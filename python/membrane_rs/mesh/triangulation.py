@@ -246,8 +246,11 @@ class Triangulation(KnownAttributes):
         return along, across
 
     def _lengths_at(self, points: Floats) -> Floats:
-        difference = points[self.edges[:, 1]] - points[self.edges[:, 0]]
-        lengths: Floats = np.sqrt(np.einsum("ij,ij->i", difference, difference))
+        first, second = (np.ascontiguousarray(ends) for ends in self.edges.T)
+        with np.errstate(over="ignore", invalid="ignore"):
+            along = map(np.ascontiguousarray, points.T)
+            x, y, z = ((place[second] - place[first]) ** 2 for place in along)
+            lengths: Floats = np.sqrt((x + z) + y)
         return lengths
 
     def find_edges(self, pairs: Ints) -> tuple[Ints, Bools]:

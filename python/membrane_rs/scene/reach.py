@@ -30,9 +30,10 @@ def nearest_radii(assembly: Assembly, mesh: Mesh | None, edge_strain_limit: floa
     if mesh is not None and edge_strain_limit is not None:
         pairs.append(mesh.edges)
         lengths.append(mesh.edge_lengths * (1.0 + edge_strain_limit))
-    # Rounding is not to cut a path that counts.
-    longest = radii - (1.0 - ROUNDING) * radius
+    # Paths begin at the largest of the radii. Rounding is not to cut one that counts.
+    outermost = float(radii.max())
+    longest = outermost - (1.0 - ROUNDING) * radius
     links = np.concatenate(pairs), np.concatenate(lengths)
-    paths = shortest_paths(*links, assembly.node_count, anchors, longest)[:, assembly.contacts.nodes]
-    nearest: Floats = (radii[:, None] - paths).max(axis=0)
+    paths = shortest_paths(*links, assembly.node_count, anchors, begun=outermost - radii, longest=longest)
+    nearest: Floats = outermost - paths[assembly.contacts.nodes]
     return nearest

@@ -1,7 +1,7 @@
 //! Functions of links between nodes.
 
 use membrane_core::model::graph::{self, Network};
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{checked, index_rows, indices, numbers};
@@ -19,8 +19,8 @@ pub(crate) fn groups<'py>(
     Ok(PyArray1::from_iter(py, groups.into_iter().map(i64::from)))
 }
 
-/// Lengths of the shortest paths along links (k, 2) int64 from each of the starts (s,) int64 to each node, (s, n); inf
-/// where there is no path, or none up to the number in `longest` (s,) of that start.
+/// Length of the shortest path along links (k, 2) int64 to each node from any of the starts (s,) int64, (n,), with the
+/// length in `begun` (s,) that the paths of each start have already; inf where there is none up to `longest`.
 #[pyfunction]
 pub(crate) fn shortest_paths<'py>(
     py: Python<'py>,
@@ -28,18 +28,18 @@ pub(crate) fn shortest_paths<'py>(
     lengths: &Bound<'py, PyAny>,
     node_count: usize,
     starts: &Bound<'py, PyAny>,
-    longest: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (starts, longest) = (indices("starts", starts)?, numbers("longest", longest)?);
-    if starts.len() != longest.len() {
+    begun: &Bound<'py, PyAny>,
+    longest: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (starts, begun) = (indices("starts", starts)?, numbers("begun", begun)?);
+    if starts.len() != begun.len() {
         return Err(wrong_value(format!(
-            "longest has {} rows; give one for each of {} starts",
-            longest.len(),
+            "begun has {} rows; give one for each of {} starts",
+            begun.len(),
             starts.len()
         )));
     }
     let network = checked(Network::new(&index_rows("links", links)?, &numbers("lengths", lengths)?, node_count))?;
-    let paths = starts.iter().zip(&longest).map(|(&start, &longest)| network.shortest_paths(start, longest));
-    let paths: Vec<f64> = checked(paths.collect::<membrane_core::Result<Vec<_>>>())?.concat();
-    numpy::PyArrayMethods::reshape(&PyArray1::from_vec(py, paths), [starts.len(), node_count])
+    let starts: Vec<_> = starts.into_iter().zip(begun).collect();
+    Ok(PyArray1::from_vec(py, checked(network.shortest_paths(&starts, longest))?))
 }

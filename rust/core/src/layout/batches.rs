@@ -8,6 +8,7 @@
 
 use std::collections::VecDeque;
 
+use super::radix::order_by;
 use crate::simd::lanes::{HALF, LANES};
 
 /// Cost of half a split batch and of a gathered element, relative to a contiguous batch.
@@ -63,16 +64,16 @@ pub(super) struct Cover<const N: usize> {
 impl<const N: usize> Cover<N> {
     /// The cover of elements on `node_count` nodes.
     pub(super) fn new(elements: &[[u32; N]], node_count: usize) -> Self {
-        let shape = |nodes: [u32; N]| nodes.map(|node| node.wrapping_sub(nodes[0]));
-        let keys = elements.iter().zip(0..).map(|(&nodes, row): (_, u32)| (shape(nodes), nodes[0], row));
-        let mut keys: Vec<_> = keys.collect();
-        keys.sort_unstable();
-        let rows: Vec<u32> = keys.iter().map(|&(.., row)| row).collect();
+        let shape = |nodes: &[u32; N]| nodes.map(|node| node.wrapping_sub(nodes[0]));
+        // By shapes, and alike ones by their first nodes.
+        let word = |k: usize, row: usize| match k {
+            0 => elements[row][0],
+            k => elements[row][N - k].wrapping_sub(elements[row][0]),
+        };
+        let rows = order_by(elements.len(), N, word);
         let mut cover = Self { contiguous: Vec::new(), split: Vec::new(), gathered: Vec::new() };
-        let mut start = 0;
-        for alike in keys.chunk_by(|(a, ..), (b, ..)| a == b) {
-            cover.add(elements, &rows[start..start + alike.len()], node_count);
-            start += alike.len();
+        for alike in rows.chunk_by(|&a, &b| shape(&elements[a as usize]) == shape(&elements[b as usize])) {
+            cover.add(elements, alike, node_count);
         }
         cover
     }

@@ -3,6 +3,7 @@
 mod batches;
 mod coded;
 mod element_set;
+mod radix;
 mod renumbering;
 
 pub(crate) use coded::merged;

@@ -4,6 +4,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::passes::{add_scaled, orthogonalise, reduce, scale_rows, scaled_into, start_product};
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 
@@ -16,6 +17,10 @@ const PERIOD: usize = 8;
 /// that is stiffer than all others has a small component in the start, so that it appears only after some iterations.
 const LEAST_ITERATIONS: usize = 12;
 const RESIDUAL_PERIOD: usize = 4;
+/// The same of a search for a first guess, and its largest residual.
+const LEAST_OF_GUESS: usize = 4;
+const PERIOD_OF_GUESS: usize = 2;
+const RESIDUAL_OF_GUESS: f64 = 0.05;
 /// Largest storage of a basis \[bytes\].
 const STORAGE: usize = 256_000_000;
 
@@ -29,6 +34,19 @@ pub(crate) enum Goal {
     Convergence,
     /// The residual is at most this share of the eigenvalue.
     Residual(f64),
+    /// A guess, from which another search begins: a mode that the start hardly has may be missed.
+    Guess,
+}
+
+impl Goal {
+    /// Whether a search is to be checked after so many iterations.
+    fn is_due(self, k: usize) -> bool {
+        match self {
+            Self::Convergence => k.is_multiple_of(PERIOD),
+            Self::Residual(_) => k >= LEAST_ITERATIONS && k.is_multiple_of(RESIDUAL_PERIOD),
+            Self::Guess => k >= LEAST_OF_GUESS && k.is_multiple_of(PERIOD_OF_GUESS),
+        }
+    }
 }
 
 /// The largest eigenvalue and its mode, as far as a search has found them.
@@ -50,37 +68,34 @@ impl Eigenpair {
     }
 }
 
-/// y += a x
-fn add_scaled(y: &mut NodeVectors, a: f64, x: &NodeVectors) {
-    y.as_mut_slice().iter_mut().zip(x.as_slice()).for_each(|(y, x)| *y += a * x);
-}
+/// Vectors that one search leaves to the next, so that their memory is not requested again.
+#[derive(Debug, Default)]
+pub(crate) struct Spare(Vec<NodeVectors>);
 
-/// Multiplies each row by a number.
-fn scale_rows(vectors: &mut NodeVectors, factors: &[f64]) {
-    for mut column in vectors.column_iter_mut() {
-        column.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+impl Spare {
+    /// A vector of `nodes` nodes with any values.
+    fn take(&mut self, nodes: usize) -> NodeVectors {
+        self.0.pop().filter(|vector| vector.nrows() == nodes).unwrap_or_else(|| NodeVectors::zeros(nodes))
+    }
+
+    /// Keeps a vector that is no longer used.
+    pub(crate) fn keep(&mut self, vector: NodeVectors) {
+        self.0.push(vector);
     }
 }
 
-/// out = M^-1/2 A M^-1/2 q, with a work array.
-fn apply_into(
-    product: Product<'_>,
-    inverse_sqrt_masses: &[f64],
-    q: &NodeVectors,
-    scaled: &mut NodeVectors,
-    out: &mut NodeVectors,
-) {
-    scaled.copy_from(q);
-    scale_rows(scaled, inverse_sqrt_masses);
-    out.fill(0.0);
-    product(scaled, out);
-    scale_rows(out, inverse_sqrt_masses);
+/// M^-1/2 q
+pub(crate) fn scaled_by(inverse_sqrt_masses: &[f64], q: &NodeVectors) -> NodeVectors {
+    let mut scaled = NodeVectors::zeros(q.nrows());
+    scaled_into(inverse_sqrt_masses, q, &mut scaled);
+    scaled
 }
 
 /// M^-1/2 A M^-1/2 q
 pub(crate) fn apply(product: Product<'_>, inverse_sqrt_masses: &[f64], q: &NodeVectors) -> NodeVectors {
-    let (mut scaled, mut out) = (NodeVectors::zeros(q.nrows()), NodeVectors::zeros(q.nrows()));
-    apply_into(product, inverse_sqrt_masses, q, &mut scaled, &mut out);
+    let mut out = NodeVectors::zeros(q.nrows());
+    product(&scaled_by(inverse_sqrt_masses, q), &mut out);
+    scale_rows(&mut out, inverse_sqrt_masses);
     out
 }
 
@@ -96,8 +111,9 @@ pub(crate) fn largest(
     inverse_sqrt_masses: &[f64],
     near: Option<&NodeVectors>,
     goal: Goal,
+    spare: &mut Spare,
 ) -> Result<Eigenpair> {
-    largest_within(STORAGE, product, inverse_sqrt_masses, near, goal)
+    largest_within(STORAGE, product, inverse_sqrt_masses, near, goal, spare)
 }
 
 /// The same with a largest storage of the basis \[bytes\], on which the result does not depend.
@@ -107,6 +123,7 @@ fn largest_within(
     inverse_sqrt_masses: &[f64],
     near: Option<&NodeVectors>,
     goal: Goal,
+    spare: &mut Spare,
 ) -> Result<Eigenpair> {
     let mut start = fixed_start(inverse_sqrt_masses);
     if let Some(near) = near {
@@ -117,23 +134,14 @@ fn largest_within(
         }
     }
     let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
-    let (mut basis, most) = (Vec::new(), storage / size_of_val(start.as_slice()).max(1));
+    let most = storage / size_of_val(start.as_slice()).max(1);
     let (mut found, mut residual): (f64, f64) = (0.0, 0.0);
     let mut weights = DVector::from_element(1, 1.0);
     let mut before = f64::NAN;
-    recurrence(product, inverse_sqrt_masses, start.clone(), |q, alpha, beta| {
+    let basis = recurrence(product, inverse_sqrt_masses, start, most, spare, |_, alpha, beta| {
         diagonal.push(alpha);
         let k = diagonal.len();
-        if k <= most {
-            basis.push(q.clone());
-        } else {
-            basis = Vec::new();
-        }
-        let is_due = match goal {
-            Goal::Convergence => k % PERIOD == 0,
-            Goal::Residual(_) => k >= LEAST_ITERATIONS && k % RESIDUAL_PERIOD == 0,
-        };
-        if is_due || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
+        if goal.is_due(k) || k == MOST_ITERATIONS || beta.is_nan() || beta <= 1e-12 * found.abs() {
             let matrix = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
                 0 => diagonal[i],
                 1 => off_diagonal[i.min(j)],
@@ -142,12 +150,14 @@ fn largest_within(
             let eigen = SymmetricEigen::new(matrix);
             let top = eigen.eigenvalues.imax();
             (found, weights) = (eigen.eigenvalues[top], eigen.eigenvectors.column(top).into_owned());
+            let mut is_within = |share: f64| {
+                residual = (beta * weights[k - 1]).abs();
+                residual <= share * found.abs()
+            };
             let has_converged = match goal {
                 Goal::Convergence => (found - before).abs() <= TOLERANCE * found.abs(),
-                Goal::Residual(share) => {
-                    residual = (beta * weights[k - 1]).abs();
-                    residual <= share * found.abs()
-                }
+                Goal::Residual(share) => is_within(share),
+                Goal::Guess => is_within(RESIDUAL_OF_GUESS),
             };
             if has_converged {
                 return false;
@@ -160,16 +170,21 @@ fn largest_within(
     if !found.is_finite() {
         return Err(Error::NotFinite { what: "the stiffness", node: 0, value: found });
     }
-    let mut mode = NodeVectors::zeros(inverse_sqrt_masses.len());
-    if basis.len() >= weights.len() {
-        basis.iter().zip(weights.iter()).for_each(|(q, weight)| add_scaled(&mut mode, *weight, q));
-    } else {
-        let mut k = 0;
-        recurrence(product, inverse_sqrt_masses, start, |q, _, _| {
-            add_scaled(&mut mode, weights[k], q);
-            k += 1;
-            k < weights.len()
-        });
+    let mut mode = spare.take(inverse_sqrt_masses.len());
+    mode.fill(0.0);
+    match basis {
+        Basis::Whole(vectors) => {
+            vectors.iter().zip(weights.iter()).for_each(|(q, weight)| add_scaled(&mut mode, *weight, q));
+            vectors.into_iter().for_each(|vector| spare.keep(vector));
+        }
+        Basis::Start(start) => {
+            let mut k = 0;
+            recurrence(product, inverse_sqrt_masses, start, 0, spare, |q, _, _| {
+                add_scaled(&mut mode, weights[k], q);
+                k += 1;
+                k < weights.len()
+            });
+        }
     }
     let norm = mode.norm();
     if norm > 0.0 {
@@ -198,35 +213,57 @@ pub(crate) fn fixed_start(inverse_sqrt_masses: &[f64]) -> NodeVectors {
     q
 }
 
+/// The vectors of a recurrence, or the first of them where they were too many to be stored.
+enum Basis {
+    Whole(Vec<NodeVectors>),
+    Start(NodeVectors),
+}
+
 /// Lanczos's three-term recurrence from a unit vector. `visit` receives each basis vector, its diagonal entry and the
-/// next off-diagonal one; the recurrence ends where it returns false.
+/// next off-diagonal one; the recurrence ends where it returns false. More than `most` vectors are not stored.
 fn recurrence(
     product: Product<'_>,
     inverse_sqrt_masses: &[f64],
     start: NodeVectors,
+    most: usize,
+    spare: &mut Spare,
     mut visit: impl FnMut(&NodeVectors, f64, f64) -> bool,
-) {
-    let mut q = start;
-    if q.iter().all(|value| *value == 0.0) {
-        visit(&q, 0.0, 0.0);
-        return;
+) -> Basis {
+    if start.iter().all(|value| *value == 0.0) {
+        visit(&start, 0.0, 0.0);
+        return Basis::Whole(vec![start]);
     }
-    let zeros = || NodeVectors::zeros(inverse_sqrt_masses.len());
-    let (mut previous, mut next, mut scaled, mut beta) = (zeros(), zeros(), zeros(), 0.0);
+    let nodes = inverse_sqrt_masses.len();
+    let (mut next, mut scaled) = (spare.take(nodes), spare.take(nodes));
+    scaled_into(inverse_sqrt_masses, &start, &mut scaled);
+    next.fill(0.0);
+    // The first vector, and at least the two last.
+    let (mut most, mut is_whole) = (most.max(3), true);
+    let (mut vectors, mut beta) = (vec![start], 0.0);
     loop {
-        apply_into(product, inverse_sqrt_masses, &q, &mut scaled, &mut next);
-        add_scaled(&mut next, -beta, &previous);
-        let alpha = q.dot(&next);
-        add_scaled(&mut next, -alpha, &q);
-        beta = next.norm();
-        let continues = visit(&q, alpha, beta);
-        if !continues || beta.is_nan() || beta == 0.0 {
-            return;
+        product(&scaled, &mut next);
+        let last = vectors.len() - 1;
+        let (q, previous) = (&vectors[last], &vectors[last.saturating_sub(1)]);
+        let alpha = reduce(&mut next, inverse_sqrt_masses, beta, previous, q);
+        beta = orthogonalise(&mut next, alpha, q);
+        if !visit(q, alpha, beta) || beta.is_nan() || beta == 0.0 {
+            break;
         }
-        std::mem::swap(&mut previous, &mut q);
-        std::mem::swap(&mut q, &mut next);
-        q /= beta;
+        if vectors.len() >= most {
+            let unused = vectors.drain(1..last);
+            if is_whole {
+                drop(unused)
+            } else {
+                unused.for_each(|vector| spare.keep(vector))
+            }
+            (most, is_whole) = (3, false);
+        }
+        let mut vector = spare.take(nodes);
+        start_product(&mut next, beta, inverse_sqrt_masses, &mut vector, &mut scaled);
+        vectors.push(vector);
     }
+    [next, scaled].into_iter().for_each(|vector| spare.keep(vector));
+    if is_whole { Basis::Whole(vectors) } else { Basis::Start(vectors.swap_remove(0)) }
 }
 
 #[cfg(test)]
@@ -245,7 +282,8 @@ mod tests {
             }
         };
         let exact = 4.0 * (std::f64::consts::FRAC_PI_2 * (n - 1) as f64 / n as f64).sin().powi(2);
-        let Eigenpair { value, mode, .. } = largest(&chain, &vec![1.0; n], None, Goal::Convergence).unwrap();
+        let Eigenpair { value, mode, .. } =
+            largest(&chain, &vec![1.0; n], None, Goal::Convergence, &mut Spare::default()).unwrap();
         assert!((value / exact - 1.0).abs() < 1e-5, "{value} {exact}");
         assert!((quotient(&chain, &vec![1.0; n], &mode) / exact - 1.0).abs() < 1e-4);
     }
@@ -260,7 +298,8 @@ mod tests {
                 (0..3).for_each(|axis| out[(i, axis)] += value * (1.0 + 0.1 * axis as f64) * p[(i, axis)]);
             }
         };
-        let Eigenpair { value, mode, .. } = largest(&spread, &vec![1.0; n], None, Goal::Convergence).unwrap();
+        let Eigenpair { value, mode, .. } =
+            largest(&spread, &vec![1.0; n], None, Goal::Convergence, &mut Spare::default()).unwrap();
         assert!((value / 1.2e4 - 1.0).abs() < 1e-9, "{value}");
         assert!((mode.norm() - 1.0).abs() < 1e-14, "{:e}", mode.norm() - 1.0);
     }
@@ -272,7 +311,8 @@ mod tests {
             (0..n).for_each(|i| (0..3).for_each(|axis| out[(i, axis)] += (1.0 + i as f64).sqrt() * p[(i, axis)]));
         };
         let [whole, part, none] = [STORAGE, 10 * 24 * n, 0].map(|storage| {
-            let found = largest_within(storage, &spread, &vec![1.0; n], None, Goal::Convergence).unwrap();
+            let spare = &mut Spare::default();
+            let found = largest_within(storage, &spread, &vec![1.0; n], None, Goal::Convergence, spare).unwrap();
             (found.value, found.mode)
         });
         assert!(whole == part && whole == none, "{} {} {}", whole.0, part.0, none.0);
@@ -292,7 +332,7 @@ mod tests {
         let mut other = NodeVectors::zeros(n);
         other[(n - 1, 2)] = 1.0;
         for near in [None, Some(&other)] {
-            let found = largest(&local, &vec![1.0; n], near, Goal::Residual(0.01)).unwrap();
+            let found = largest(&local, &vec![1.0; n], near, Goal::Residual(0.01), &mut Spare::default()).unwrap();
             assert!(found.residual <= 0.01 * found.value && found.residual > 0.0, "{found:?}");
             assert!(found.value <= 1.3 + 1e-12 && found.upper() >= 1.3, "{} {}", found.value, found.upper());
         }

@@ -3,3 +3,4 @@
 pub mod tangent;
 
 pub(crate) mod lanczos;
+mod passes;

@@ -75,20 +75,24 @@ impl Network {
         Ok(Self { begins, neighbours })
     }
 
-    /// The length of the shortest path from `start` to each node, by Dijkstra's method; infinite where there is none up
-    /// to `longest`. A link whose length is not a number at or above zero joins nothing.
+    /// The length of the shortest path to each node from any of the starts, each with the length that its paths have
+    /// already, in one search by Dijkstra's method; infinite where there is none up to `longest`. A link whose length
+    /// is not a number at or above zero joins nothing, and from such a start nothing is reached.
     ///
     /// # Errors
     /// `IndexOutOfRange` for an unknown node.
-    pub fn shortest_paths(&self, start: u32, longest: f64) -> Result<Vec<f64>> {
+    pub fn shortest_paths(&self, starts: &[(u32, f64)], longest: f64) -> Result<Vec<f64>> {
         let node_count = self.begins.len() - 1;
-        check_indices("start", &[[start]], node_count)?;
         let mut found = vec![f64::INFINITY; node_count];
-        // Numbers at or above zero are ordered as their bits are.
+        // Numbers at or above zero are ordered as their bits are, once -0 is 0.
         let mut open = BinaryHeap::new();
-        if longest >= 0.0 {
-            found[start as usize] = 0.0;
-            open.push(Reverse((0, start)));
+        for &(start, length) in starts {
+            check_indices("start", &[[start]], node_count)?;
+            let length = length + 0.0;
+            if length >= 0.0 && length <= longest && length < found[start as usize] {
+                found[start as usize] = length;
+                open.push(Reverse((length.to_bits(), start)));
+            }
         }
         while let Some(Reverse((bits, node))) = open.pop() {
             let path = f64::from_bits(bits);
@@ -125,16 +129,21 @@ mod tests {
     fn the_shortest_of_several_paths_is_taken() {
         //  0 -1- 1 -1- 2 -1- 3   and   0 -2.5- 3, 0 -9- 2; 4 alone
         let network = Network::new(&[[1, 0], [1, 2], [2, 3], [3, 0], [0, 2]], &[1.0, 1.0, 1.0, 2.5, 9.0], 5).unwrap();
-        assert_eq!(network.shortest_paths(0, f64::INFINITY).unwrap(), [0.0, 1.0, 2.0, 2.5, f64::INFINITY]);
-        assert_eq!(network.shortest_paths(3, 2.0).unwrap(), [f64::INFINITY, 2.0, 1.0, 0.0, f64::INFINITY]);
-        assert_eq!(network.shortest_paths(4, -1.0).unwrap(), [f64::INFINITY; 5]);
-        assert!(network.shortest_paths(5, 1.0).is_err());
+        let (inf, nan) = (f64::INFINITY, f64::NAN);
+        let paths = |starts: &[(u32, f64)], longest| network.shortest_paths(starts, longest).unwrap();
+        assert_eq!(paths(&[(0, 0.0)], inf), [0.0, 1.0, 2.0, 2.5, inf]);
+        assert_eq!(paths(&[(3, -0.0)], 2.0), [inf, 2.0, 1.0, 0.0, inf]);
+        assert_eq!(paths(&[(4, 0.0)], -1.0), [inf; 5]);
+        assert_eq!(paths(&[(0, 0.5), (3, 0.25), (4, 3.0), (0, 0.75)], 2.0), [0.5, 1.5, 1.25, 0.25, inf]);
+        assert_eq!(paths(&[(0, 1.5), (1, 0.0), (2, nan), (4, -1.0)], inf), [1.0, 0.0, 1.0, 2.0, inf]);
+        assert_eq!(paths(&[], inf), [inf; 5]);
+        assert!(network.shortest_paths(&[(5, 0.0)], 1.0).is_err());
         assert!(matches!(Network::new(&[[0, 1]], &[], 2), Err(Error::LengthMismatch { .. })));
     }
 
     #[test]
     fn links_without_a_length_join_nothing() {
         let network = Network::new(&[[0, 1], [0, 2], [0, 3]], &[f64::NAN, -1.0, 0.0], 4).unwrap();
-        assert_eq!(network.shortest_paths(0, 1.0).unwrap(), [0.0, f64::INFINITY, f64::INFINITY, 0.0]);
+        assert_eq!(network.shortest_paths(&[(0, 0.0)], 1.0).unwrap(), [0.0, f64::INFINITY, f64::INFINITY, 0.0]);
     }
 }

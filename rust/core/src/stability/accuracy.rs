@@ -33,6 +33,15 @@ impl Accuracy {
         }
     }
 
+    /// That of a second mode, from which the search for the one that sets the limit begins; `None` where the first
+    /// serves.
+    pub(super) fn guess(self) -> Option<Goal> {
+        match self {
+            Self::Thorough => None,
+            Self::Percent => Some(Goal::Guess),
+        }
+    }
+
     /// That of the mode that sets the limit.
     pub(super) fn last(self) -> Goal {
         match self {

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::integrators::Integrator;
 use crate::laws::Instant;
 use crate::laws::Law;
-use crate::linear::lanczos::{apply, fixed_start, largest, quotient};
+use crate::linear::lanczos::{Spare, apply, fixed_start, largest, scaled_by};
 
 /// The limit of the step, and its cause.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +57,8 @@ pub fn limit_to(
     };
     let whole_damping = |p: &NodeVectors, out: &mut NodeVectors| damping(1.0, p, out);
     let inverse_sqrt_masses: Vec<f64> = inverse_masses.iter().map(|inverse| inverse.sqrt()).collect();
-    let stiffest = largest(&stiffness, &inverse_sqrt_masses, None, accuracy.first())?;
+    let mut spare = Spare::default();
+    let stiffest = largest(&stiffness, &inverse_sqrt_masses, None, accuracy.first(), &mut spare)?;
     // Omega from the rate 2 Omega of Coriolis: a motion that turns against the frame has a frequency larger by Omega.
     let frame_rate_of = |law: &dyn Law| law.linearisation().map_or(0.0, |law| 0.5 * law.coriolis_rate(at.frame).abs());
     let frame_rate = laws.iter().map(|law| frame_rate_of(*law)).fold(0.0, f64::max);
@@ -79,23 +80,26 @@ pub fn limit_to(
     } else if is_damped() {
         match properties.damping_weight {
             Some(weight) => {
-                quadratic_eigenproblem::limit_by_quotients(integrator, &system, stiffest, weight, accuracy)?
+                quadratic_eigenproblem::limit_by_quotients(integrator, &system, stiffest, weight, accuracy, &mut spare)?
             }
             None => {
-                let most_damped = largest(&whole_damping, &inverse_sqrt_masses, None, accuracy.first())?;
+                let most_damped = largest(&whole_damping, &inverse_sqrt_masses, None, accuracy.first(), &mut spare)?;
                 let (start, scale) = ([stiffest.mode, most_damped.mode], omega.max(most_damped.value));
-                quadratic_eigenproblem::limit_by_roots(integrator, &system, start, scale, accuracy)?
+                quadratic_eigenproblem::limit_by_roots(integrator, &system, start, scale, accuracy, &mut spare)?
             }
         }
     } else {
         (largest_step(integrator, Mode { omega: omega + frame_rate, damping: 0.0 }), stiffest.mode, omega)
     };
     // The law with the largest share of the stiffness and damping of the mode, or of the frequency of the frame.
-    let share = |law: &dyn Law| {
+    let scaled = scaled_by(&inverse_sqrt_masses, &mode);
+    let mut product = NodeVectors::zeros(mode.nrows());
+    let mut share = |law: &dyn Law| {
         let Some(own) = law.linearisation() else { return 0.0 };
-        let elastic = quotient(&|p, out| own.add_stiffness_product(at, p, out), &inverse_sqrt_masses, &mode);
-        let viscous = quotient(&|p, out| own.add_damping_product(1.0, at, p, out), &inverse_sqrt_masses, &mode);
-        elastic + root * viscous + frame_rate_of(law).powi(2)
+        product.fill(0.0);
+        own.add_stiffness_product(at, &scaled, &mut product);
+        own.add_damping_product(root, at, &scaled, &mut product);
+        scaled.dot(&product) + frame_rate_of(law).powi(2)
     };
     let shares = laws.iter().map(|law| (share(*law), law.name()));
     let law = shares.max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or("nothing", |(_, name)| name);

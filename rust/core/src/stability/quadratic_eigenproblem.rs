@@ -14,11 +14,11 @@ use super::oscillator::{Mode, largest_step};
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 use crate::integrators::Integrator;
-use crate::linear::lanczos::{Eigenpair, Product, apply, largest, quotient};
+use crate::linear::lanczos::{Eigenpair, Goal, Product, Spare, apply, largest, quotient};
 
-/// Largest size of the subspace, and its largest storage on a large mesh \[vectors x nodes\].
+/// Largest size of the subspace, and its largest storage on a large mesh \[vectors x nodes\]: 240 MB.
 const MOST_VECTORS: usize = 60;
-const STORAGE: usize = 24_000_000;
+const STORAGE: usize = 10_000_000;
 /// Number of roots whose residuals extend the subspace in each iteration.
 const EXTENDED: usize = 2;
 /// Most steps of the QR iteration for each vector.
@@ -161,31 +161,59 @@ fn mode_of(root: Complex<f64>, frame_rate: f64) -> Mode {
 /// As `limit_by_roots`, for a method whose limit is dt^2 k + w dt c = 4 with the Rayleigh quotients k and c of any
 /// vector, not of solutions alone. The largest eigenvalue of K + w/dt C sets it. Its eigenvector gives the next dt; the
 /// iteration converges from above, from any first mode. A residual of a mode counts as stiffness.
+///
+/// With u the largest eigenvalue at dt, that of dt'^2 K + w dt' C is at most dt dt' u for every shorter dt' where K and
+/// C are positive semidefinite. All steps up to 4/(dt u) are then stable, and a search within 1 % ends where this is
+/// near.
 pub(super) fn limit_by_quotients(
     integrator: &dyn Integrator,
     system: &LinearSystem<'_>,
     first: Eigenpair,
     weight: f64,
     accuracy: Accuracy,
+    spare: &mut Spare,
 ) -> Result<(f64, NodeVectors, f64)> {
     let LinearSystem { stiffness, damping, inverse_sqrt_masses, frame_rate } = *system;
-    let limit_of = |pair: &Eigenpair| {
+    let step_of =
+        |k: f64, c: f64| largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + frame_rate, damping: c.max(0.0) });
+    let quotients = |pair: &Eigenpair| {
         let of = |product: Product<'_>| quotient(product, inverse_sqrt_masses, &pair.mode);
-        let (k, c) = (of(stiffness) + pair.residual, of(&|p, out| damping(1.0, p, out)));
-        largest_step(integrator, Mode { omega: k.max(0.0).sqrt() + frame_rate, damping: c.max(0.0) })
+        [of(stiffness), of(&|p, out| damping(1.0, p, out))]
     };
-    let (mut dt, mut pair) = (limit_of(&first), first);
-    for _ in 0..MOST_ITERATIONS {
+    let limit_of = |pair: &Eigenpair| {
+        let [k, c] = quotients(pair);
+        step_of(k + pair.residual, c)
+    };
+    let search = |dt: f64, near: &NodeVectors, goal: Goal, spare: &mut Spare| {
         let sum = |p: &NodeVectors, out: &mut NodeVectors| {
             stiffness(p, out);
             damping(weight / dt, p, out);
         };
-        let found = largest(&sum, inverse_sqrt_masses, Some(&pair.mode), accuracy.last())?;
+        largest(&sum, inverse_sqrt_masses, Some(near), goal, spare)
+    };
+    let (mut dt, mut pair) = (limit_of(&first), first);
+    if let Some(goal) = accuracy.guess() {
+        // The quotients of any vector give a step that is not too short.
+        let found = search(dt, &pair.mode, goal, spare)?;
+        let [k, c] = quotients(&found);
+        let next = step_of(k, c);
+        let (nearer, other) = if next < dt { (found, pair) } else { (pair, found) };
+        (dt, pair) = (next.min(dt), nearer);
+        spare.keep(other.mode);
+    }
+    for _ in 0..MOST_ITERATIONS {
+        let found = search(dt, &pair.mode, accuracy.last(), spare)?;
         let (next, before) = (limit_of(&found), dt);
+        let stable = step_of(0.0, found.upper() * before / weight).min(next);
         if next < dt {
             (dt, pair) = (next, found);
         }
-        if next.is_nan() || next >= before * (1.0 - accuracy.unchanged_step()) {
+        let least = 1.0 - accuracy.unchanged_step();
+        if next.is_nan() || next >= before * least {
+            break;
+        }
+        if accuracy == Accuracy::Percent && stable >= next * least {
+            dt = stable;
             break;
         }
     }
@@ -199,6 +227,7 @@ pub(super) fn limit_by_roots(
     start: [NodeVectors; 2],
     scale: f64,
     accuracy: Accuracy,
+    spare: &mut Spare,
 ) -> Result<(f64, NodeVectors, f64)> {
     let empty = || DMatrix::zeros(0, 0);
     let mut space = Subspace { system, basis: Vec::new(), stiffness: empty(), damping: empty() };
@@ -214,7 +243,7 @@ pub(super) fn limit_by_roots(
             (system.stiffness)(p, out);
             *out -= damped * (relative_rate * largest_frequency);
         };
-        space.add(largest(&difference, system.inverse_sqrt_masses, None, accuracy.first())?.mode);
+        space.add(largest(&difference, system.inverse_sqrt_masses, None, accuracy.first(), spare)?.mode);
     }
     let mut limits: Vec<f64> = Vec::new();
     loop {
