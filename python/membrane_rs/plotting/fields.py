@@ -7,7 +7,7 @@ largest_principal_strain     triangles        of the Green-Lagrange strain
 state                        triangles        0 taut, 1 wrinkled, 2 slack
 spring_strain                lines            l / L - 1
 buckled                      lines            1 below the critical length, else 0
-crease_angle                 lines      deg   180 flat, 0 shut, negative where the facets interpenetrate, 360 shut against its side
+crease_angle                 lines      deg   180 flat, 0 shut, 360 shut against its side, below 0 where facets cross
 tension                      lines      N     elastic tension of the segments of cords
 speed                        nodes      m/s   magnitude of the velocity, in the frame that turns with the hub
 
