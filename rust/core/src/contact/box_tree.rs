@@ -1,34 +1,233 @@
-//! A tree of the bounding boxes of triangles.
+//! A tree of boxes, and the pairs of boxes that have a point in common.
+//!
+//! Boxes are halved by their centres along the axis on which these lie widest apart, down to leaves of eight: a binary
+//! tree of equal depth, whatever the boxes. Two subtrees are compared only if the bounds of both meet.
 
 use std::ops::ControlFlow;
 
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree, RTreeObject};
+/// Boxes of a leaf.
+pub(super) const LEAF: usize = 8;
 
-type Leaf = GeomWithData<Rectangle<[f64; 3]>, u32>;
+/// A box along the axes, by its least and its largest coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    pub(super) low: [f64; 3],
+    pub(super) high: [f64; 3],
+}
 
-/// Boxes, found by overlap. Coordinates are finite, and their squares do not overflow.
+impl Bounds {
+    const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    /// The smallest box around points.
+    pub(super) fn of(points: &[[f64; 3]]) -> Self {
+        points.iter().fold(Self::EMPTY, |bounds, &point| bounds.with(&Self { low: point, high: point }))
+    }
+
+    fn with(self, other: &Self) -> Self {
+        let (mut low, mut high) = (self.low, self.high);
+        for axis in 0..3 {
+            low[axis] = low[axis].min(other.low[axis]);
+            high[axis] = high[axis].max(other.high[axis]);
+        }
+        Self { low, high }
+    }
+
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
+    }
+}
+
+/// The boxes of a leaf, coordinate by coordinate; those that it lacks are empty.
+#[derive(Clone)]
+struct Leaf {
+    low: [[f64; LEAF]; 3],
+    high: [[f64; LEAF]; 3],
+}
+
+impl Leaf {
+    const EMPTY: Self = Self { low: [[f64::INFINITY; LEAF]; 3], high: [[f64::NEG_INFINITY; LEAF]; 3] };
+
+    fn set(&mut self, lane: usize, bounds: &Bounds) {
+        for axis in 0..3 {
+            self.low[axis][lane] = bounds.low[axis];
+            self.high[axis][lane] = bounds.high[axis];
+        }
+    }
+
+    fn get(&self, lane: usize) -> Bounds {
+        Bounds { low: self.low.map(|along| along[lane]), high: self.high.map(|along| along[lane]) }
+    }
+
+    /// One bit for each box, set where it meets another one.
+    fn meeting(&self, other: &Bounds) -> u32 {
+        // The widest gap along an axis; differences of doubles that are not equal are not 0.
+        let mut gap = [f64::NEG_INFINITY; LEAF];
+        for axis in 0..3 {
+            for lane in 0..LEAF {
+                let above = self.low[axis][lane] - other.high[axis];
+                let below = other.low[axis] - self.high[axis][lane];
+                let wider = if above > below { above } else { below };
+                gap[lane] = if wider > gap[lane] { wider } else { gap[lane] };
+            }
+        }
+        let mut bits = 0;
+        for lane in 0..LEAF {
+            bits |= u32::from(gap[lane] <= 0.0) << lane;
+        }
+        bits
+    }
+}
+
+/// A subtree: its node, and its leaves.
+#[derive(Clone, Copy)]
+struct Subtree {
+    node: usize,
+    first_leaf: usize,
+    leaves: usize,
+}
+
+impl Subtree {
+    /// The two halves; a node is followed by those of its first half, then by those of the second.
+    fn halves(self) -> [Self; 2] {
+        let leaves = self.leaves / 2;
+        let second =
+            Self { node: self.node + 2 * leaves, first_leaf: self.first_leaf + leaves, leaves: self.leaves - leaves };
+        [Self { node: self.node + 1, leaves, ..self }, second]
+    }
+}
+
+/// Boxes, found by overlap. Their coordinates are finite, and twice these do not overflow.
 pub(super) struct BoxTree {
-    boxes: Vec<Rectangle<[f64; 3]>>,
-    tree: RTree<Leaf>,
+    order: Vec<u32>,
+    leaves: Vec<Leaf>,
+    nodes: Vec<Bounds>,
 }
 
 impl BoxTree {
-    /// The smallest boxes around the corners of triangles.
-    pub(super) fn new(corners: impl Iterator<Item = [[f64; 3]; 3]>) -> Self {
-        let boxes: Vec<_> = corners.map(|corners| Rectangle::from_aabb(AABB::from_points(&corners))).collect();
-        let leaves = boxes.iter().zip(0..).map(|(&shape, index)| GeomWithData::new(shape, index)).collect();
-        Self { boxes, tree: RTree::bulk_load(leaves) }
+    /// The tree of some boxes.
+    pub(super) fn new(boxes: &[Bounds]) -> Self {
+        let mut centres: Vec<Centre> = boxes.iter().zip(0..).map(|(bounds, index)| Centre::of(bounds, index)).collect();
+        halve(&mut centres);
+        let order: Vec<u32> = centres.iter().map(|centre| centre.index).collect();
+        drop(centres);
+        let mut leaves = vec![Leaf::EMPTY; order.len().div_ceil(LEAF)];
+        for (slot, &index) in order.iter().enumerate() {
+            leaves[slot / LEAF].set(slot % LEAF, &boxes[index as usize]);
+        }
+        let nodes = vec![Bounds::EMPTY; (2 * leaves.len()).saturating_sub(1)];
+        let mut tree = Self { order, leaves, nodes };
+        if let Some(root) = tree.root() {
+            tree.bound(root);
+        }
+        tree
     }
 
-    /// Calls `visit` with each box that has a point in common with that of triangle `index`, itself among them, in any
-    /// order.
-    pub(super) fn visit_neighbours<B>(
-        &self,
-        index: usize,
-        mut visit: impl FnMut(u32) -> ControlFlow<B>,
-    ) -> ControlFlow<B> {
-        let envelope = self.boxes[index].envelope();
-        self.tree.locate_in_envelope_intersecting_int(envelope, |leaf: &Leaf| visit(leaf.data))
+    /// The index of the box in each slot; eight slots in turn are a leaf.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.order
     }
+
+    /// Calls `visit` with a slot, the first slot of a leaf, and a bit for each slot of this leaf whose box meets that
+    /// of the former: each pair of boxes once, in any order, and also slots and leaves without a pair.
+    pub(super) fn visit_pairs<B>(&self, visit: &mut impl FnMut(usize, usize, u32) -> ControlFlow<B>) -> ControlFlow<B> {
+        self.root().map_or(ControlFlow::Continue(()), |root| self.visit_within(root, visit))
+    }
+
+    fn root(&self) -> Option<Subtree> {
+        let leaves = self.leaves.len();
+        (leaves > 0).then_some(Subtree { node: 0, first_leaf: 0, leaves })
+    }
+
+    /// Finds the bounds of a subtree and of all below.
+    fn bound(&mut self, tree: Subtree) -> Bounds {
+        let bounds = if tree.leaves == 1 {
+            (0..LEAF).fold(Bounds::EMPTY, |bounds, lane| bounds.with(&self.leaves[tree.first_leaf].get(lane)))
+        } else {
+            let [first, second] = tree.halves();
+            let first = self.bound(first);
+            first.with(&self.bound(second))
+        };
+        self.nodes[tree.node] = bounds;
+        bounds
+    }
+
+    /// Pairs within a subtree.
+    fn visit_within<B>(
+        &self,
+        tree: Subtree,
+        visit: &mut impl FnMut(usize, usize, u32) -> ControlFlow<B>,
+    ) -> ControlFlow<B> {
+        if tree.leaves == 1 {
+            let (leaf, slot) = (&self.leaves[tree.first_leaf], LEAF * tree.first_leaf);
+            return (0..LEAF).try_for_each(|lane| {
+                let later = !1 << lane;
+                visit(slot + lane, slot, leaf.meeting(&leaf.get(lane)) & later)
+            });
+        }
+        let [first, second] = tree.halves();
+        self.visit_within(first, visit)?;
+        self.visit_within(second, visit)?;
+        self.visit_between(first, second, visit)
+    }
+
+    /// Pairs of which each subtree has one.
+    fn visit_between<B>(
+        &self,
+        first: Subtree,
+        second: Subtree,
+        visit: &mut impl FnMut(usize, usize, u32) -> ControlFlow<B>,
+    ) -> ControlFlow<B> {
+        if !self.nodes[first.node].meets(&self.nodes[second.node]) {
+            return ControlFlow::Continue(());
+        }
+        if first.leaves == 1 && second.leaves == 1 {
+            let (leaf, other) = (&self.leaves[first.first_leaf], &self.leaves[second.first_leaf]);
+            return (0..LEAF).try_for_each(|lane| {
+                let bounds = leaf.get(lane);
+                if !bounds.meets(&self.nodes[second.node]) {
+                    return ControlFlow::Continue(());
+                }
+                visit(LEAF * first.first_leaf + lane, LEAF * second.first_leaf, other.meeting(&bounds))
+            });
+        }
+        if first.leaves >= second.leaves {
+            let [one, other] = first.halves();
+            self.visit_between(one, second, visit)?;
+            self.visit_between(other, second, visit)
+        } else {
+            let [one, other] = second.halves();
+            self.visit_between(first, one, visit)?;
+            self.visit_between(first, other, visit)
+        }
+    }
+}
+
+/// Twice the centre of a box.
+struct Centre {
+    twice: [f64; 3],
+    index: u32,
+}
+
+impl Centre {
+    fn of(bounds: &Bounds, index: u32) -> Self {
+        Self { twice: std::array::from_fn(|axis| bounds.low[axis] + bounds.high[axis]), index }
+    }
+}
+
+/// Orders centres such that each subtree has those of one side.
+fn halve(centres: &mut [Centre]) {
+    let leaves = centres.len().div_ceil(LEAF);
+    if leaves < 2 {
+        return;
+    }
+    let Bounds { low, high } = centres
+        .iter()
+        .fold(Bounds::EMPTY, |bounds, &Centre { twice, .. }| bounds.with(&Bounds { low: twice, high: twice }));
+    let width = |axis: usize| high[axis] - low[axis];
+    let axis = (1..3).fold(0, |widest, axis| if width(axis) > width(widest) { axis } else { widest });
+    let middle = leaves / 2 * LEAF;
+    centres.select_nth_unstable_by(middle, |a, b| a.twice[axis].total_cmp(&b.twice[axis]));
+    let (first, second) = centres.split_at_mut(middle);
+    halve(first);
+    halve(second);
 }

@@ -2,6 +2,8 @@
 
 mod box_tree;
 mod crossings;
+mod facet;
+mod first_pairs;
 mod orientation;
 mod triangle_pair;
 

@@ -35,13 +35,28 @@ impl Points {
         Self { scaled, is_small: given.iter().map(is_small).collect(), given: given.to_vec() }
     }
 
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.given.len()
+    }
+
+    /// The points in another order.
+    pub(super) fn reordered(&self, order: &[u32]) -> Self {
+        let order = order.iter().map(|&node| node as usize);
+        Self {
+            scaled: order.clone().map(|node| self.scaled[node]).collect(),
+            given: order.clone().map(|node| self.given[node]).collect(),
+            is_small: order.map(|node| self.is_small[node]).collect(),
+        }
+    }
+
     /// Coordinates times a power of two, which keeps their order.
     pub(super) fn scaled(&self, node: u32) -> [f64; 3] {
         self.scaled[node as usize]
     }
 
     /// Whether the orientation of a point is asked of whole numbers.
-    fn is_small(&self, node: u32) -> bool {
+    pub(super) fn is_small(&self, node: u32) -> bool {
         self.is_small[node as usize]
     }
 
