@@ -33,7 +33,7 @@ from softening_substeps import substeps_table
 from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
 from softening_wound import wound_ensembles, wound_table
 
-STARTS, FEW = 16, 8
+STARTS, FEW = 12, 8
 """Starts of each ensemble of the paper's models, and of those that tell the bounds of the rule apart."""
 QUICK = Extent(2, 0.02)
 Found = Mapping[str, Mapping[str, Ensemble]]

@@ -20,7 +20,7 @@ from softening_runs import PHASE, RATE, Ensemble, Runs
 
 MODEL, DURATION = "model 1", 2.0
 """Of the sail, and of its reeling out [s]."""
-STARTS = 4
+STARTS = 3
 FACTORS = (3, 10, 30)
 OWN = "its stages' own modulus over 10, full in the release"
 REELED, RELEASED = 200, 400
