@@ -39,22 +39,26 @@ def distance_cells(full: Ensemble, own: Ensemble) -> list[str]:
 
 
 def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str, str]) -> str:
-    """Distance of the softened film of each group, its only one, from the full model; `names` of their scenes."""
-    body, count = [], 0
+    """Distance of the softened film of each group, its only one, from all starts of the full model.
+
+    `names`: of the scenes of the films.
+    """
+    body, count, of_full = [], 0, 0
     for group, found in groups.items():
-        full = found[FULL]
-        ((label, own),) = ((label, own) for label, own in found.items() if label != FULL)
+        full = Ensemble([*found[FULL].runs, *found[AGAIN].runs])
+        ((label, own),) = ((label, own) for label, own in found.items() if label not in {FULL, AGAIN})
         cells = [STOPPED] * 5
         if own.is_whole:
             distances = {column: distance(full.curves(column), own.curves(column)) for column in FORMS}
             pairs = [(distances[column], form) for column, form in FORMS.items()]
             cells = [f"{number:{form}}" for one, form in pairs for number in (one.value, one.error)]
-            cells.append(f"{full.typical('seconds') / own.typical('seconds'):.1f}")
+            cells.append(f"{full.typical('steps') / own.typical('steps'):.1f}")
         body.append((f"`{names[group]}`", label, *cells))
-        count = len(own.runs)
+        count, of_full = len(own.runs), len(full.runs)
     heads = [f"{what}{words}" for what in CURVES.values() for words in ("", ", standard error")]
-    found_table = table(("scene", "film", *heads, "processor time less by"), body, words=(0, 1))
-    return f"Mean curves of {count} starts; root of the mean square over the deployment.\n\n{found_table}"
+    found_table = table(("scene", "film", *heads, "steps fewer by"), body, words=(0, 1))
+    starts = f"Mean curves of {count} starts, against {of_full} of the full model"
+    return f"{starts}; root of the mean square over the deployment.\n\n{found_table}"
 
 
 def starts_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
