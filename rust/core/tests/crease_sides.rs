@@ -6,9 +6,8 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{Bench, FILM, creases, methods, simulation_of, springs};
-use membrane_core::assembly::Assembly;
 use membrane_core::error::Error;
-use membrane_core::laws::Law;
+use membrane_core::laws::Instant;
 use membrane_core::model::input::{Creases, Model};
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -36,16 +35,12 @@ fn hinge(angle: f64, speed: f64) -> Model {
     }
 }
 
-fn none(_: &Assembly) -> Vec<Box<dyn Law>> {
-    Vec::new()
-}
-
 /// From flat against its side, fast enough to touch at 2 pi.
 fn turning(method: usize) -> Simulation {
     let laws = [springs(), creases(NATURAL)];
     let method = methods().nth(method).unwrap();
     let settings = Settings { energy_tolerance: 1.0, ..Settings::default() };
-    simulation_of(hinge(PI, 15.0), &laws, method, None, settings, none)
+    simulation_of(hinge(PI, 15.0), &laws, method, None, settings, |_| Vec::new())
 }
 
 fn angle(simulation: &Simulation) -> f64 {
@@ -107,7 +102,7 @@ fn the_side_is_that_on_which_the_crease_was_last_open_and_whole() {
         for (axis, value) in [0.5 * SIZE, height * cosine, height * sine].into_iter().enumerate() {
             bench.state.positions[(moved, axis)] = value;
         }
-        let instant = membrane_core::laws::Instant::new(bench.state.at(0.0), &bench.spin);
+        let instant = Instant::new(bench.state.at(0.0), &bench.spin);
         bench.laws[0].history_dependent_mut().unwrap().accept(instant);
         bench.laws[0].inspection().unwrap().crease_angles(instant).unwrap()[0]
     };
