@@ -25,6 +25,11 @@ T = TypeVar("T")
 PART = MarkedPart(README, "building")
 ROWS, FEW_ROWS = 392, 48
 """Of a petal: a million nodes, and some thousands."""
+IMPORTS = {
+    "import of membrane_rs": "import membrane_rs",
+    "from membrane_rs import Simulation, scenes": "from membrane_rs import Simulation, scenes",
+}
+"""The package alone reads its modules on demand; the second line is that of a first script."""
 AIMS = {"a mesh, its edges, hinges and audit": 10.0, "import of membrane_rs": 0.3}
 """[s]"""
 
@@ -71,9 +76,18 @@ def fresh(code: str) -> list[float]:
     return [float(word) for word in done.stdout.split()]
 
 
-def import_time(module: str = "membrane_rs") -> float:
-    """Of the package, or of one of its modules, in a fresh process [s]."""
-    return fresh(f"import time; began = time.perf_counter(); import {module}; print(time.perf_counter() - began)")[0]
+def import_time(line: str) -> float:
+    """Of a line of imports, in a fresh process [s]."""
+    return fresh(f"import time; began = time.perf_counter(); {line}; print(time.perf_counter() - began)")[0]
+
+
+def import_times(repeats: int) -> Times:
+    """Of each of `IMPORTS`, by turns."""
+    lines = list(IMPORTS.items())
+    for _, line in lines:
+        import_time(line)  # writes missing byte code
+    rounds = [[import_time(line) for _, line in lines] for _ in range(repeats)]
+    return {what: list(found) for (what, _), found in zip(lines, zip(*rounds, strict=True), strict=True)}
 
 
 def making_time(density: float) -> list[float]:
@@ -120,8 +134,7 @@ def main() -> None:
     times: Times = {}
     for _ in range(1 if chosen.quick else 3):
         mesh = build(FEW_ROWS if chosen.quick else ROWS, times)
-    import_time()  # writes missing byte code
-    times["import of membrane_rs"] = [import_time() for _ in range(3 if chosen.quick else 11)]
+    times |= import_times(3 if chosen.quick else 11)
     made = making(*(1, FEW_DENSITIES) if chosen.quick else (7, DENSITIES))
     show(PART, f"Processor: {cpu()}, one thread.\n\n{text(mesh, times)}\n{made}", write=chosen.write)
 

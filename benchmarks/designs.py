@@ -133,7 +133,10 @@ def parts_of_a_run(scene: Scene, repeats: int) -> list[tuple[str, float]]:
         ("of it its steps", median(steps)),
         ("of it the simulation: core, stability limit, audit", median(making)),
         ("of it the rest: values, history, row", rest),
-        ("beside it, once for each process: imports", median(import_time(make_run.__module__) for _ in range(repeats))),
+        (
+            "beside it, once for each process: imports",
+            median(import_time(f"import {make_run.__module__}") for _ in range(repeats)),
+        ),
     ]
 
 
