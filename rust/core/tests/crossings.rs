@@ -68,6 +68,17 @@ fn all_magnitudes_of_doubles_are_exact() {
 }
 
 #[test]
+fn a_small_node_among_large_ones_is_exact_in_either_order() {
+    // Two triangles of one plane and on one side of a common side, in a line but for the rounding of the small node.
+    let small = [4.963_480_696_735_527_4e-80, 1.489_029_167_013_162e-79, 0.0];
+    let positions = [[0.0; 3], [1e300, 3e300, 0.0], [1e300, 0.0, 0.0], small];
+    for triangles in [[[0, 1, 2], [0, 1, 3]], [[0, 1, 3], [0, 1, 2]]] {
+        let Crossings { count, overlapping, touching, .. } = found(&positions, &triangles);
+        assert_eq!([count, overlapping, touching], [0, 1, 0], "{triangles:?}");
+    }
+}
+
+#[test]
 fn the_tree_misses_no_pair() {
     for size in [1, 2, 5, 40] {
         let (positions, triangles) = tangle(200, size);

@@ -4,6 +4,7 @@
 
 use super::box_tree::Bounds;
 use super::orientation::Points;
+use crate::model::mesh::{cross, dot, sub};
 
 /// Times the magnitudes of the factors, at least twice the error of what is computed here: of a product of differences
 /// of coordinates with a direction, and of the difference of two such. With u = 2^-53, a difference has the relative
@@ -25,7 +26,7 @@ impl Facet {
     /// A triangle of some points.
     pub(super) fn new(points: &Points, nodes: [u32; 3]) -> Self {
         let [a, b, c] = nodes.map(|node| points.scaled(node));
-        let (b, c) = (difference(b, a), difference(c, a));
+        let (b, c) = (sub(b, a), sub(c, a));
         let terms = [[1, 2], [2, 0], [0, 1]].map(|[i, j]| [b[i] * c[j], b[j] * c[i]]);
         let magnitude: f64 = terms.iter().flatten().map(|term| term.abs()).sum();
         let Bounds { low, high } = Bounds::of(&nodes.map(|node| points.scaled(node)));
@@ -50,7 +51,7 @@ impl Facet {
     fn heights(&self, points: &Points, other: &Self) -> [f64; 3] {
         let [p, q, r] = other.nodes;
         let origin = points.scaled(self.nodes[0]);
-        let height = |node| dot(self.normal, difference(points.scaled(node), origin));
+        let height = |node| dot(self.normal, sub(points.scaled(node), origin));
         [height(p), height(q), height(r)]
     }
 
@@ -80,15 +81,15 @@ impl Facet {
         match common {
             0 => self.is_beside(&corners, &others, reach) || other.is_beside(&others, &corners, reach),
             1 => are_opposite(&corners, &others, reach),
-            _ => self.is_across(&corners, others[0]),
+            _ => reach.is_finite() && self.is_across(&corners, others[0]),
         }
     }
 
     /// Whether a plane along a side and the normal separates the triangle from other points.
     fn is_beside(&self, corners: &[[f64; 3]; 3], others: &[[f64; 3]; 3], reach: f64) -> bool {
         (0..3).any(|k| {
-            let outward = cross(difference(corners[(k + 1) % 3], corners[k]), self.normal);
-            let along = |point: &[f64; 3]| dot(outward, difference(*point, corners[k]));
+            let outward = cross(sub(corners[(k + 1) % 3], corners[k]), self.normal);
+            let along = |point: &[f64; 3]| dot(outward, sub(*point, corners[k]));
             let own = corners.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
             let least = others.iter().map(along).fold(f64::INFINITY, f64::min);
             least - own > error(outward, reach)
@@ -96,7 +97,7 @@ impl Facet {
     }
 
     /// Whether the first corner and another point lie on two sides of the line through the other two corners, seen
-    /// along the axis that is nearest to the normal.
+    /// along the axis that is nearest to the normal. No product of coordinates underflows.
     fn is_across(&self, &[own, start, end]: &[[f64; 3]; 3], other: [f64; 3]) -> bool {
         let size = self.normal.map(f64::abs);
         let [i, j] = if size[0] >= size[1] && size[0] >= size[2] {
@@ -106,21 +107,21 @@ impl Facet {
         } else {
             [0, 1]
         };
-        let side = difference(end, start);
+        let side = sub(end, start);
         let turn = |point| {
-            let to = difference(point, start);
+            let to = sub(point, start);
             let [plus, minus] = [side[i] * to[j], side[j] * to[i]];
             let (turn, margin) = (plus - minus, ROUNDING * (plus.abs() + minus.abs()));
             i8::from(turn > margin) - i8::from(turn < -margin)
         };
-        self.extent.is_finite() && turn(own) * turn(other) < 0
+        turn(own) * turn(other) < 0
     }
 }
 
 /// Whether a plane through the first corner, which is common, has the other two on one side of it, and those of another
 /// triangle on the other side: the plane halfway between the directions of the two.
 fn are_opposite(corners: &[[f64; 3]; 3], others: &[[f64; 3]; 3], reach: f64) -> bool {
-    let [ahead, behind] = [corners, others].map(|[common, p, q]| [p, q].map(|&point| difference(point, *common)));
+    let [ahead, behind] = [corners, others].map(|[common, p, q]| [p, q].map(|&point| sub(point, *common)));
     let axis: [f64; 3] = std::array::from_fn(|k| (ahead[0][k] + ahead[1][k]) - (behind[0][k] + behind[1][k]));
     let margin = error(axis, reach);
     ahead.iter().all(|&to| dot(axis, to) > margin) && behind.iter().all(|&to| dot(axis, to) < -margin)
@@ -144,21 +145,6 @@ fn odd_first(corners: [[f64; 3]; 3], is_shared: [bool; 3], common: usize) -> [[f
 /// Bound on the error of the difference of two heights along a direction, of points so near to the origin.
 fn error(direction: [f64; 3], reach: f64) -> f64 {
     ROUNDING * direction.iter().map(|part| part.abs()).sum::<f64>() * reach
-}
-
-#[inline]
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline]
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline]
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Parameters of batches in coded form: each distinct entry once, and a code for each batch.
 //!
 //! A regular mesh has few kinds of elements, and few sequences of eight of them. Each entry of a batch is a number for
-//! each of eight elements, or several, 64 bytes a number. Read in every evaluation, such parameters were a third of the
-//! data of a large mesh. Coded they are 4 bytes a batch, and the distinct entries remain in the cache. A mesh
-//! without regularity has as many entries as before, and the codes besides.
+//! each of eight elements, or several, 64 bytes a number. Read in every evaluation, such parameters would be a third of
+//! the data of a large mesh. Coded they are 4 bytes a batch, and the distinct entries remain in the cache. A mesh
+//! without regularity has as many entries as batches, and the codes besides.
 //!
 //! Elements that are equal by symmetry differ in the last bits of their parameters, by rounding of the coordinates.
 //! `merged` gives them one value in sets that the cache does not hold. A rest length that differs by rounding from the
