@@ -1,4 +1,4 @@
-"""Leapfrog in short steps: slow laws are found, rest in between, and change neither energy balance nor bits."""
+"""Leapfrog with substeps: slow laws are found, rest in between, and change neither energy balance nor bits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from membrane_rs import InputError, RunSettings, Scene, Simulation, scenes
 
 
 def divided(name: str, substeps: int) -> Scene:
-    """A built-in scene by leapfrog in so many short steps."""
+    """A built-in scene by leapfrog with so many substeps."""
     scene = scenes.load(name)
     return replace(scene, run=replace(scene.run, integrator="leapfrog", substeps=substeps))
 

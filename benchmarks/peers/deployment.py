@@ -28,7 +28,7 @@ SUBSTEPS = 4
 FINER, FINER_SHARE = "rk4", 0.25
 """Method and step of the finer run."""
 FAST, REPEATS = "okuizumi-model-1-fast", 5
-"""The softened scene, by its own method and step, and how often it is timed. docs/softening.md has its distance."""
+"""The softened scene, by its own method and step, and how often it is timed. README.md has its distance."""
 
 
 @dataclass(frozen=True)

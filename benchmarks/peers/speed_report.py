@@ -98,8 +98,8 @@ def aims(speed: Speed) -> list[str]:
         ),
         paragraph(
             f"""`{FAST}` is model 1 with its film {fast.softening:g}-fold [softened](softening.md), run by {METHOD} in
-            {fast.substeps} substeps: {fast.steps} steps, the median of {REPEATS} runs. The page of softening has the
-            distance of its curves from those of model 1."""
+            {fast.substeps} substeps: {fast.steps} steps, the median of {REPEATS} runs. The distance of its curves
+            from those of model 1 stands in the project's README, under "Accuracy"."""
         ),
         table(AIMED, rows, range(3)),
     ]

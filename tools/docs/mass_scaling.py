@@ -25,6 +25,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import eigsh
+from softening_cases import SUBSTEPS
 
 PAGE = DOCS / "softening.md"
 PART = MarkedPart(PAGE, "mass-scaling")
@@ -111,7 +112,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Selective mass scaling on model 1.")
     parser.add_argument("--write", action="store_true", help=f"write into {PAGE.name}")
     write = parser.parse_args().write
-    scene = scenes.load(SCENE).with_values({"run.integrator": "leapfrog", "run.substeps": 4})
+    scene = scenes.load(SCENE).with_values({"run.integrator": "leapfrog", "run.substeps": SUBSTEPS})
     sim = Simulation(scene)
     states = []
     for time in TIMES:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from membrane_rs import Scene, SpringDamping, Springs, scenes
+from membrane_rs import Scene, SpringDamping, scenes
+from membrane_rs.scene.softened import with_softening
 from membrane_rs.study import agreeing
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT
@@ -52,12 +53,6 @@ def fast(scene: Scene) -> Scene:
     return replace(scene, run=run)
 
 
-def softened(scene: Scene, factor: float) -> Scene:
-    """The scene with this softening of its film."""
-    assert scene.material is not None
-    return replace(scene, material=replace(scene.material, softening=float(factor)))
-
-
 def coarse(scene: Scene) -> Scene:
     """The scene on half as many rows and columns, with cords of half as many segments.
 
@@ -77,7 +72,7 @@ def ratio_kept(scene: Scene, factor: float) -> Scene:
     """The softened scene with the reduced mass in its dashpots and their ratio in place of their c."""
     damping = scene.law(SpringDamping)
     assert damping is not None
-    return _with_damping(softened(scene, factor).as_simulated, ratio=damping.ratio)
+    return _with_damping(with_softening(scene, factor).as_simulated, ratio=damping.ratio)
 
 
 def spun(scene: Scene) -> Scene:
@@ -88,10 +83,8 @@ def spun(scene: Scene) -> Scene:
 
 def weak_creases(scene: Scene) -> Scene:
     """The scene with `SOFT` times the alpha on creases."""
-    springs = scene.law(Springs)
-    assert springs is not None
-    other = replace(springs, buckling_on_creases=SOFT * springs.buckling_on_creases)
-    return replace(scene, laws=[other if law.kind == springs.kind else law for law in scene.laws])
+    key = "laws.springs.buckling_on_creases"
+    return scene.with_values({key: SOFT * scene.value(key)})
 
 
 def charted(model: str) -> dict[str, Case]:
@@ -117,7 +110,7 @@ def others(model: str) -> dict[str, Case]:
 
     found = [Case(COARSE, lambda: coarse(plain()))]
     found += [
-        Case(f"{COARSE}, softened {factor}", lambda factor=factor: softened(coarse(plain()), factor))  # type: ignore[misc]
+        Case(f"{COARSE}, softened {factor}", lambda factor=factor: with_softening(coarse(plain()), factor))  # type: ignore[misc]
         for factor in ON_COARSE
     ]
     found += [Case(REDUCED, lambda: reduced(plain())), Case(RATIO, lambda: ratio_kept(plain(), 10))]
@@ -144,7 +137,7 @@ def of_rule(name: str) -> dict[str, Case]:
 
 def _softened_cases(plain: Callable[[], Scene], factors: tuple[int, ...]) -> dict[str, Case]:
     found = [Case(FULL, plain, first_seed=0), Case(AGAIN, plain)]
-    found += [Case(soft(factor), lambda factor=factor: softened(plain(), factor)) for factor in factors]  # type: ignore[misc]
+    found += [Case(soft(factor), lambda factor=factor: with_softening(plain(), factor)) for factor in factors]  # type: ignore[misc]
     return {case.label: case for case in found}
 
 

@@ -54,17 +54,20 @@ def substeps_table(runs: Runs) -> str:
     found = runs.of(jobs)
     body = []
     for model, name in FAST_SCENES.items():
-        slowest = None
+        plain = None
         for substeps, of_limit in STEPS:
             every: list[Run] = [
                 found[f"substeps {model} {substeps} {of_limit:g} {beta:g} {share:g}"] for beta in DESIGNS
             ]
             ended = [run for run in every if len(run)]
-            errors = [abs(float(run["error"])) for run in ended]
-            seconds = statistics.median(float(run["seconds"]) for run in ended)
-            slowest = slowest or seconds
-            cells = [f"{100.0 * number:.2f}" for number in (statistics.median(errors), max(errors))]
+            cells = ["-"] * 3
+            if ended:
+                errors = [abs(float(run["error"])) for run in ended]
+                seconds = statistics.median(float(run["seconds"]) for run in ended)
+                plain = plain or seconds
+                cells = [f"{100.0 * number:.2f}" for number in (statistics.median(errors), max(errors))]
+                cells.append(f"{plain / seconds:.2f}")
             step = (f"`{name}`", f"{substeps}", f"{of_limit:g}")
-            body.append((*step, f"{len(every) - len(ended)} of {len(every)}", *cells, f"{slowest / seconds:.2f}"))
+            body.append((*step, f"{len(every) - len(ended)} of {len(every)}", *cells))
     heads = ("runs stopped", "energy error, median [%]", "largest [%]", "times faster than without")
     return table(("scene", "substeps", "step over limit", *heads), body, words=(0,))

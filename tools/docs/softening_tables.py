@@ -47,18 +47,28 @@ def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str,
     for group, found in groups.items():
         full = Ensemble([*found[FULL].runs, *found[AGAIN].runs])
         ((label, own),) = ((label, own) for label, own in found.items() if label not in {FULL, AGAIN})
-        cells = [STOPPED] * 5
+        cells = [STOPPED] * 9
         if own.is_whole:
-            distances = {column: distance(full.curves(column), own.curves(column)) for column in FORMS}
-            pairs = [(distances[column], form) for column, form in FORMS.items()]
-            cells = [f"{number:{form}}" for one, form in pairs for number in (one.value, one.error)]
+            cells = []
+            for column, form in FORMS.items():
+                one = distance(full.curves(column), own.curves(column))
+                inside = 100.0 * shares_inside(own.curves(column), full.curves(column)).mean()
+                cells += [f"{number:{form}}" for number in (one.value, one.error)]
+                cells += [f"{100.0 * one.chance:.2g}", f"{inside:.0f}"]
             cells.append(f"{full.typical('steps') / own.typical('steps'):.1f}")
         body.append((f"`{names[group]}`", label, *cells))
         count, of_full = len(own.runs), len(full.runs)
-    heads = [f"{what}{words}" for what in CURVES.values() for words in ("", ", standard error")]
+    words = ("", ", standard error", ", by chance [%]", ", inside [%]")
+    heads = [f"{what}{of}" for what in CURVES.values() for of in words]
     found_table = table(("scene", "film", *heads, "steps fewer by"), body, words=(0, 1))
-    starts = f"Mean curves of {count} starts, against {of_full} of the full model"
-    return f"{starts}; root of the mean square over the deployment.\n\n{found_table}"
+    caption = (
+        f"Mean curves of {count} starts, against {of_full} of the full model; root of the mean square over the "
+        "deployment.\n"
+        "Inside is the share of the samples of single starts that lie between the lowest and the highest "
+        "of the full model:\n"
+        f"{100.0 * expected_inside(of_full):.0f} % on average for a start of that model itself."
+    )
+    return f"{caption}\n\n{found_table}"
 
 
 def starts_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:

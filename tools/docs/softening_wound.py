@@ -13,8 +13,9 @@ from membrane_rs import Scene, Schedule, Simulation, UnstableError
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from membrane_rs.analysis.deployment import Corners
+from membrane_rs.scene.softened import with_softening
 from membrane_rs.study.common.perturbation import MODEL_SHIFT, perturbation
-from softening_cases import FULL, soft, softened
+from softening_cases import FULL, soft
 from softening_distance import mean_distance, spread, standard_error
 from softening_runs import PHASE, RATE, Ensemble, Runs
 
@@ -62,7 +63,7 @@ def wound_cases(share: float) -> dict[str, WoundCase]:
 
     cases: dict[str, Callable[[], Scene]] = {FULL: plain, OWN: lambda: whole(MODEL, DURATION)}
     for factor in FACTORS:
-        cases[soft(factor)] = lambda factor=factor: softened(plain(), factor)  # type: ignore[misc]
+        cases[soft(factor)] = lambda factor=factor: with_softening(plain(), factor)  # type: ignore[misc]
     return {label: WoundCase(make, share) for label, make in cases.items()}
 
 

@@ -3,7 +3,7 @@
 A film that is softened f-fold in stretch (`Material.softening`) has f times its strain, and buckles at f times its
 critical strain. The paper's sails deploy nearly as unsoftened ones do for as long as both stay small:
 
-    f = min(A / eps, B / eps_c, 1 + C M / M_c, F), rounded to two digits, at least 1
+    f = min(A / eps, B / eps_c, 1 + C M / M_c, F), to two digits, at least 1
 
     eps   = Omega^2 sum m r^2 / (E h S)                 mean strain of the flat sail under its spin
     eps_c = mean of alpha_c pi^2 h^2 / (12 L^2)         critical strain of its creases, eq. (2)
@@ -11,7 +11,8 @@ critical strain. The paper's sails deploy nearly as unsoftened ones do for as lo
 with Omega the largest rate of the hub, m and r the masses of the film with its tips and their distances from the axis
 in the flat shape, S the area. By the virial theorem the mean over the film of the trace of the stress times h S is the
 sum of F.r over the loads, here those of the rotation; over E h S it is a strain. Where there are no creases, eps_c is
-that of all edges. Cords are simulated f times as heavy: M is the mass of the film, M_c that of its cords.
+that of all edges. Cords are simulated f times as heavy: M is the mass of the film, M_c that of its cords;
+their bound is rounded down, the others to the nearest.
 
 A and B are the strains that a softened film may have, C the share of the film's mass that its cords may gain, F the
 largest softening whose error was within chance in both of them. docs/softening.md argues A, B and F by the error in

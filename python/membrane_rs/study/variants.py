@@ -15,6 +15,7 @@ from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
 from membrane_rs.scene.laws import Law
 from membrane_rs.scene.parts import Part
+from membrane_rs.scene.softened import softening_of, with_softening
 from membrane_rs.study.common.density import denser
 
 T = TypeVar("T")
@@ -73,11 +74,11 @@ def variants(scene: Scene, integrator: str | None = None) -> list[Variant]:
             gone, other = coarser
             found.append(Variant(f"{gone} in part {part.kind}{number}", ("parts", k), other=other))
     explicit = is_explicit(scene.run.integrator if integrator is None else integrator)
-    if explicit and scene.material is not None and scene.material.softening is None:
+    if explicit and scene.material is not None and softening_of(scene) is None:
         factor = softening_advice(scene).factor
         if factor >= LEAST_FACTOR:
-            soft = replace(scene.material, softening=factor)
             name = f"all but 1/{factor:g} of the in-plane stiffness"
+            soft = with_softening(scene, factor).material
             found.append(Variant(name, ("material", 0), other=soft, saves_by_step=True))
     if scene.mesh is not None:
         found.append(Variant("every other line of the mesh", ("mesh", 0), density=0.5))
