@@ -312,9 +312,16 @@ class Simulation:
         """Set positions (n, 3) [m] and velocities (n, 3) [m/s], and open the ledger anew."""
 
     def start_from(
-        self, time: float, hub_angle: float, positions: NDArray[np.float64], velocities: NDArray[np.float64]
+        self,
+        time: float,
+        hub_angle: float,
+        positions: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        crease_angles: NDArray[np.float64] | None,
     ) -> None:
-        """Start from a motion at a time [s], with the hub at an angle [rad], and open the ledger anew."""
+        """Start from a motion at a time [s], with the hub at an angle [rad], and open the ledger anew. Angles of
+        creases [rad] tell whole turns, which positions do not.
+        """
 
     def masses(self) -> NDArray[np.float64]:
         """(n,) [kg]."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from membrane_rs._validation import nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError
+from membrane_rs.mesh import Mesh
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.run_settings import RunSettings
@@ -122,6 +123,14 @@ def check_balance(state: Mapping[str, Any], ledger: Mapping[str, Any]) -> None:
             raise InputError(
                 f"saved state: {name} = {state[name]:.4g} J, where its other energies are {known:.4g} J; {DAMAGED}"
             )
+
+
+def has_same_creases(wanted: Mesh | None, found: Mesh | None) -> bool:
+    """Whether the creases of two meshes join the same nodes and fold to the same side."""
+    if wanted is None or found is None:
+        return False
+    alike = np.array_equal(wanted.creases, found.creases)
+    return alike and np.array_equal(np.sign(wanted.fold_angles), np.sign(found.fold_angles))
 
 
 def check_same_nodes(wanted: Assembly, found: Assembly) -> None:

@@ -23,6 +23,7 @@ from membrane_rs.simulation.continuation import (
     check_kinds,
     check_method,
     check_same_nodes,
+    has_same_creases,
     scene_digest,
     unknown_entries,
 )
@@ -175,7 +176,7 @@ class Motion(KnownAttributes, Copies, Readings):
     @property
     def positions(self) -> Floats:
         """(N, 3) a read-only copy of the positions [m]; `.copy()` gives one to change. Setting them, all at once, keeps
-        the time and opens the energy ledger anew.
+        the time and opens the energy ledger anew. Where any position is another one, each crease is on its own side.
         """
         return frozen(self._core.positions())
 
@@ -201,7 +202,8 @@ class Motion(KnownAttributes, Copies, Readings):
                 f"start = {show(other)}: must be a Simulation, or the path of a saved state or of a run's folder"
             )
         check_same_nodes(self.assembly, other.assembly)
-        self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities)
+        angles = other._core.crease_angles() if has_same_creases(self.scene.mesh, other.scene.mesh) else None
+        self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities, angles)
         self.is_relaxed = other.is_relaxed
         self._motions_set += 1
 

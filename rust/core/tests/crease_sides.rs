@@ -68,7 +68,7 @@ fn a_crease_turns_past_flat_to_contact_and_back_without_a_jump() {
 }
 
 #[test]
-fn the_side_is_saved_with_a_run_and_not_kept_by_a_new_motion() {
+fn the_side_is_saved_with_a_run_and_kept_by_a_motion_of_the_same_shape() {
     let mut simulation = turning(0);
     assert_eq!(simulation.progress().law_histories[1].1, Vec::<f64>::new());
     while angle(&simulation) < 1.8 * PI {
@@ -88,9 +88,22 @@ fn the_side_is_saved_with_a_run_and_not_kept_by_a_new_motion() {
         wrong.law_histories[1].1 = numbers;
         assert!(matches!(resumed.resume(&wrong), Err(Error::HistoryMisfit { owner: "creases" })));
     }
-    resumed.set_motion(&saved.positions, &saved.velocities).unwrap();
+    resumed.resume(&saved).unwrap();
+    let folded = angle(&resumed);
+    resumed.set_motion(&saved.positions, &vec![[0.0; 3]; 4]).unwrap();
+    assert_eq!(angle(&resumed), folded);
+
+    let mut moved = saved.positions.clone();
+    moved[3][0] += 1e-9;
+    resumed.set_motion(&moved, &saved.velocities).unwrap();
     let own = angle(&resumed);
-    assert!((-0.21 * PI..-0.19 * PI).contains(&own), "{own}");
+    assert!((own + TAU - folded).abs() < 1e-6, "{own}");
+
+    let mut other = turning(0);
+    for (given, expected) in [(None, own), (Some([folded, 0.0].as_slice()), own), (Some([folded].as_slice()), folded)] {
+        other.start_from(0.5, 0.0, &saved.positions, &saved.velocities, given).unwrap();
+        assert!((angle(&other) - expected).abs() < 1e-6, "{given:?}: {}", angle(&other));
+    }
 }
 
 #[test]

@@ -235,7 +235,7 @@ impl Simulation {
         checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
     }
 
-    /// Starts from a motion at a time [s], with the hub at an angle [rad].
+    /// Starts from a motion at a time [s], with the hub, and creases where given, at angles [rad].
     fn start_from(
         &self,
         py: Python<'_>,
@@ -243,10 +243,11 @@ impl Simulation {
         hub_angle: f64,
         positions: &Bound<'_, PyAny>,
         velocities: &Bound<'_, PyAny>,
+        crease_angles: Option<Vec<f64>>,
     ) -> PyResult<()> {
         let _right = self.stepping()?;
         let (positions, velocities) = (rows("positions", positions)?, rows("velocities", velocities)?);
-        checked(self.core(py).start_from(time, hub_angle, &positions, &velocities))
+        checked(self.core(py).start_from(time, hub_angle, &positions, &velocities, crease_angles.as_deref()))
     }
 
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {

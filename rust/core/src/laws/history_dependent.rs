@@ -22,6 +22,10 @@ pub trait HistoryDependent {
         false
     }
 
+    /// Takes over the angles of creases \[rad\], in external order, as those of the present positions, which give them
+    /// up to whole turns. Angles of another number of creases are left.
+    fn set_crease_angles(&mut self, _angles: &[f64]) {}
+
     /// Data kept from step to step, saved and restored with the run.
     fn history(&self) -> History;
 

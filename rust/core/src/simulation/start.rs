@@ -11,7 +11,8 @@ use crate::model::mesh::check_finite;
 
 impl Simulation {
     /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest, and
-    /// those that move as prescribed go on from there.
+    /// those that move as prescribed go on from there. Creases keep their angles where no position is another one, and
+    /// are else on their own side.
     ///
     /// # Errors
     /// `LengthMismatch`, `NotFinite`.
@@ -25,20 +26,20 @@ impl Simulation {
         check_finite("the position", positions)?;
         check_finite("the velocity", velocities)?;
         self.continue_from_output();
-        self.state = State {
-            positions: self.numbering.internal_vectors(positions),
-            velocities: self.numbering.internal_vectors(velocities),
-        };
+        let positions = self.numbering.internal_vectors(positions);
+        let angles = if positions == self.state.positions { self.crease_angles() } else { None };
+        self.state = State { positions, velocities: self.numbering.internal_vectors(velocities) };
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
         self.integrator.restore_history(History::default());
-        self.restart_moved();
+        self.restart_moved(angles.as_deref());
         self.open_ledger();
         Ok(())
     }
 
     /// Starts from positions \[m\] and velocities \[m/s\], in external order, at a time \[s\] and with a hub that has
     /// turned by `hub_angle` \[rad\], which goes on from there at the rate of this scene. Steps are counted from there,
-    /// and the ledger is opened anew.
+    /// and the ledger is opened anew. `crease_angles` \[rad\] tell whole turns, which positions do not. Without them,
+    /// each crease is on its own side.
     ///
     /// # Errors
     /// `OutOfRange`, `LengthMismatch`, `NotFinite`; the simulation is then unchanged.
@@ -48,6 +49,7 @@ impl Simulation {
         hub_angle: f64,
         positions: &[[f64; 3]],
         velocities: &[[f64; 3]],
+        crease_angles: Option<&[f64]>,
     ) -> Result<()> {
         finite("time at the start [s]", time)?;
         finite("angle of the hub at the start [rad]", hub_angle)?;
@@ -59,14 +61,19 @@ impl Simulation {
         self.count_anew(time);
         self.roll_back_adaptive(time);
         self.mechanics.spin = self.mechanics.spin.clone().through(time, hub_angle);
-        self.restart_moved();
+        self.restart_moved(crease_angles);
         self.open_ledger();
         Ok(())
     }
 
-    /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are.
-    fn restart_moved(&mut self) {
+    /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are, and
+    /// the turns of creases as their angles tell.
+    fn restart_moved(&mut self, crease_angles: Option<&[f64]>) {
         self.mechanics.restore_histories(&[]);
+        if let Some(angles) = crease_angles {
+            let laws = self.mechanics.laws.iter_mut().filter_map(|law| law.history_dependent_mut());
+            laws.for_each(|law| law.set_crease_angles(angles));
+        }
         self.start_moved();
     }
 

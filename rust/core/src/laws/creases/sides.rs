@@ -13,7 +13,7 @@
 //!
 //! A collapsed facet has no direction, and turns over at will. Such a crease is on its own side, as at the start.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{Creases, HistoryDependent, Instant, Parameters};
 use crate::arrays::blocks::tiles;
@@ -61,7 +61,12 @@ impl Sides {
         let fits = vectors.is_empty()
             && numbers.len() == elements.each().count()
             && numbers.iter().all(|&flag| flag == 0.0 || flag == 1.0);
-        fits.then(|| Self(elements.pack(OWN, |row| if numbers[row] == 1.0 { OTHER } else { OWN })))
+        fits.then(|| Self::where_other(elements, |row| numbers[row] == 1.0))
+    }
+
+    /// On the other side where a function of the crease says so, by its place in external order.
+    fn where_other(elements: &ElementSet<4>, is_other: impl Fn(usize) -> bool) -> Self {
+        Self(elements.pack(OWN, |row| if is_other(row) { OTHER } else { OWN }))
     }
 }
 
@@ -100,6 +105,12 @@ impl HistoryDependent for Creases {
         let Self { elements, parameters, sides: Sides(least_angles), instructions, .. } = self;
         for tile in tiles(positions.rows()) {
             instructions.run_batches(SideKernel { elements, parameters, least_angles, tile, positions });
+        }
+    }
+
+    fn set_crease_angles(&mut self, angles: &[f64]) {
+        if angles.len() == self.elements.each().count() {
+            self.sides = Sides::where_other(&self.elements, |row| angles[row] > PI);
         }
     }
 
