@@ -90,7 +90,7 @@ fn the_side_is_saved_with_a_run_and_kept_by_a_motion_of_the_same_shape() {
     }
     resumed.resume(&saved).unwrap();
     let folded = angle(&resumed);
-    resumed.set_motion(&saved.positions, &vec![[0.0; 3]; 4]).unwrap();
+    resumed.set_motion(&saved.positions, &[[0.0; 3]; 4]).unwrap();
     assert_eq!(angle(&resumed), folded);
 
     let mut moved = saved.positions.clone();
