@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
@@ -114,14 +115,20 @@ def test_points_that_are_near_are_never_missed() -> None:
             assert neighbours.may_be_near(points, 1.000001e-2)
 
 
-@pytest.mark.parametrize("often", [0, 50, 10_000])
-def test_all_points_beside_segments_are_found(often: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("often", "at_once"), [(0, 50_000), (0, 20), (50, 50_000), (10_000, 50_000)])
+def test_all_points_beside_segments_are_found(often: int, at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(neighbours, "OFTEN", often)
+    monkeypatch.setattr(neighbours, "AT_ONCE", at_once)
     rng = np.random.default_rng(3)
     points, a = rng.random((400, 3)), rng.random((60, 3))
     b = a + 0.1 * rng.normal(size=a.shape)
     reach = rng.random(60) * 0.05
-    segment, row = neighbours.rows_beside(points, a, b, reach)
+    parts = list(neighbours.rows_beside(points, a, b, reach))
+    if often == 0:
+        assert (len(parts) > 1) == (at_once == 20)
+        assert all(np.sum(segment != segment[-1]) <= at_once for segment, _ in parts)
+    segment, row = map(np.concatenate, zip(*parts, strict=True))
+    assert (np.diff(segment) >= 0).all()
     pairs = set(zip(segment.tolist(), row.tolist(), strict=True))
     assert len(pairs) == len(segment)
 
@@ -133,6 +140,38 @@ def test_all_points_beside_segments_are_found(often: int, monkeypatch: pytest.Mo
     near = {(k, int(i)) for k in range(60) for i in np.flatnonzero(distance(k) < reach[k])}
     assert near
     assert near <= pairs
+
+
+def test_the_memory_of_the_audit_is_linear_in_triangles_that_coincide() -> None:
+    count = 2000
+    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [0.5, -1.0, 0.0]]
+    triangles = np.array([[0, 1, 2], [0, 4, 3]]) + 5 * np.arange(count)[:, None, None]
+    mesh = Mesh(np.tile(points, (count, 1)), triangles.reshape(-1, 3))
+    tracemalloc.start()
+    found = mesh.audit(springs=False, crossings=False)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # One double for each pair of a triangle and another one takes more.
+    assert peak < 8 * (2 * count) ** 2 / 2
+    kinds = {finding.kind: finding.count for finding in found.findings}
+    assert kinds["hanging_nodes"] == count
+    assert kinds["duplicate_nodes"] == 5 * (count - 1)
+    assert kinds["overlaps"] == 2 * count
+
+
+@pytest.mark.parametrize("joined", [0, 1, 3, 7])
+def test_each_of_many_nodes_in_one_place_is_told_unless_it_is_bridged_to_all_before(joined: int) -> None:
+    count = 8
+    points = [[0.0, 0.0, 0.0], *([np.cos(k), np.sin(k), 0.0] for k in range(2 * count))]
+    triangles = [[k, count + 2 * k, count + 2 * k + 1] for k in range(count)]
+    nodes = np.vstack([np.tile(points[0], (count, 1)), points[1:]])
+    mesh = Mesh(nodes, triangles, bridges=[[k, k + 1] for k in range(joined)])
+    found = mesh.audit(springs=False).find("duplicate_nodes")
+    later = count - 1 - joined
+    assert (found.count if found else 0) == later
+    if found:
+        assert found.where == tuple(range(count))
+        assert f"first nodes 0 and {joined + 1}," in found.message
 
 
 def test_groups_and_paths_are_those_of_a_graph_library() -> None:

@@ -6,16 +6,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from membrane_rs._arrays import Floats
+from membrane_rs._arrays import Floats, Ints
 from membrane_rs.analysis.extent import span
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.links import groups
-from membrane_rs.mesh.neighbours import may_be_near, rows_beside
+from membrane_rs.mesh.neighbours import by_place, few_of_each, may_be_near, rows_beside
 from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import Triangulation
 
 NEAR = 0.01
 """Distance of two nodes, over the shortest edge at either, below which they are meant to be one."""
+NEIGHBOURS = 4
+"""Nodes that are looked at next to each one, itself among them."""
 TOUCHING = 1e-3
 """Distance of a node from an edge, over the edge, below which it is meant to lie on it."""
 
@@ -50,13 +52,18 @@ def _near_nodes(mesh: Triangulation) -> Iterator[Finding]:
         return
     from scipy.spatial import cKDTree  # slow to import
 
-    # Several neighbours: the nearest may be bridged, or may be the node itself.
-    count = min(4, len(used))
-    distance, other = map(np.asarray, cKDTree(points).query(points, k=count, distance_upper_bound=bound))
-    rows, columns = np.nonzero(np.isfinite(distance))
-    first, second, apart = rows, other[rows, columns], distance[rows, columns]
-    near = apart < np.maximum(NEAR * np.minimum(shortest[first], shortest[second]), 1e-9 * size)
     bridged = groups(mesh.bridges, mesh.node_count)[used]
+    place, first_there = by_place(points)
+    alike = _pairs_at_a_place(place, first_there, bridged)
+    # Several neighbours: the nearest may be bridged, or may be the node itself. No more nodes at a place than those.
+    few = few_of_each(place, NEIGHBOURS)
+    count = min(NEIGHBOURS, len(few))
+    distance, other = map(np.asarray, cKDTree(points[few]).query(points[few], k=count, distance_upper_bound=bound))
+    rows, columns = np.nonzero(np.isfinite(distance))
+    first, second = few[rows], few[other[rows, columns]]
+    apart = np.concatenate([np.zeros(len(alike)), distance[rows, columns]])
+    first, second = (np.concatenate([alike[:, k], found]) for k, found in enumerate((first, second)))
+    near = apart < np.maximum(NEAR * np.minimum(shortest[first], shortest[second]), 1e-9 * size)
     near &= (first != second) & (bridged[first] != bridged[second])
     pairs, at = np.unique(np.sort(np.stack([first[near], second[near]], axis=1), axis=1), axis=0, return_index=True)
     if not len(pairs):
@@ -77,31 +84,58 @@ def _near_nodes(mesh: Triangulation) -> Iterator[Finding]:
     )
 
 
+def _pairs_at_a_place(place: Ints, first: Ints, bridged: Ints) -> Ints:
+    """(k, 2) rows of equal `place` (n,), of whose rows the `first` are (p,), in two groups of `bridged` (n,) nodes.
+
+    Not each pair: each row of one with its place's first row, or the first of another group than that one.
+    """
+    head, rows = first[place], np.arange(len(place))
+    is_other = bridged != bridged[head]
+    first_other = np.full(len(first), len(place))
+    np.minimum.at(first_other, place[is_other], rows[is_other])
+    other = first_other[place]
+    is_alike = ~is_other & (other < len(place))
+    return np.concatenate(
+        [np.stack([head[is_other], rows[is_other]], axis=1), np.stack([rows[is_alike], other[is_alike]], axis=1)]
+    )
+
+
 def _hanging_nodes(mesh: Triangulation) -> Iterator[Finding]:
     """Nodes that lie on an edge of the boundary and are not its ends: the film opens there."""
     edges = mesh.boundary_edges
     if not len(edges):
         return
     nodes = distinct(edges)
-    a, b = mesh.reference[edges[:, 0]], mesh.reference[edges[:, 1]]
-    length = np.linalg.norm(b - a, axis=1)
-    edge, row = rows_beside(mesh.reference[nodes], a, b, 2.0 * TOUCHING * length)
-    node = nodes[row]
-    along = np.einsum("ij,ij->i", mesh.reference[node] - a[edge], (b - a)[edge]) / np.maximum(length[edge] ** 2, 1e-300)
-    foot = a[edge] + along[:, None] * (b - a)[edge]
-    apart = np.linalg.norm(mesh.reference[node] - foot, axis=1)
-    is_on = (along > NEAR) & (along < 1.0 - NEAR) & (apart <= TOUCHING * length[edge])
-    is_on &= (node != edges[edge, 0]) & (node != edges[edge, 1])
-    found = np.flatnonzero(is_on)
-    if len(found):
-        k = found[np.lexsort([node[found], edge[found]])[0]]
-        hanging = distinct(node[found])
+    place, first = by_place(mesh.reference[nodes])
+    # One node, the first, for all that coincide, and one edge likewise.
+    ends = place[np.searchsorted(nodes, edges)]
+    kept = np.sort(np.unique(ends @ [len(first), 1], return_index=True)[1])
+    edges, ends, points = edges[kept], ends[kept], mesh.reference[nodes[first]]
+    a, along_edge = points[ends[:, 0]], points[ends[:, 1]] - points[ends[:, 0]]
+    length = np.linalg.norm(along_edge, axis=1)
+    begin, end, reach = a + NEAR * along_edge, a + (1.0 - NEAR) * along_edge, 2.0 * TOUCHING * length
+    is_hanging, message = np.zeros(len(first), dtype=bool), ""
+    for edge, row in rows_beside(points, begin, end, reach):
+        to_node, side = points[row] - a[edge], along_edge[edge]
+        share = np.einsum("ij,ij->i", to_node, side) / np.maximum(length[edge] ** 2, 1e-300)
+        apart = np.linalg.norm(points[row] - (a[edge] + share[:, None] * side), axis=1)
+        is_on = (share > NEAR) & (share < 1.0 - NEAR) & (apart <= TOUCHING * length[edge])
+        is_on &= (row != ends[edge, 0]) & (row != ends[edge, 1])
+        found = np.flatnonzero(is_on)
+        is_hanging[row[found]] = True
+        if len(found) and not message:  # the lowest edges come first
+            k = found[np.lexsort([first[row[found]], edge[found]])[0]]
+            message = (
+                f"first node {nodes[first[row[k]]]}, {apart[k]:.2g} m from the edge of nodes {edges[edge[k]].tolist()}"
+            )
+    if message:
+        hanging = nodes[is_hanging[place]]
         yield Finding(
             "warning",
             "hanging_nodes",
             len(hanging),
-            f"{len(hanging)} nodes lie on an edge of the boundary that does not end there, first node {node[k]}, "
-            f"{apart[k]:.2g} m from the edge of nodes {edges[edge[k]].tolist()}; the membrane opens there",
+            f"{len(hanging)} nodes lie on an edge of the boundary that does not end there, {message}; "
+            "the membrane opens there",
             "split the triangle at that edge, so that the node becomes a corner of both parts",
             first_few(hanging),
         )

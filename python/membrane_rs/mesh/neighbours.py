@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
@@ -10,6 +12,8 @@ DIRECTION = np.sqrt([0.671, 0.251, 0.078])
 """A unit vector along which lines of regular meshes do not run, nor across it."""
 OFTEN = 50
 """Rows for each segment from which a tree finds fewer."""
+AT_ONCE = 50_000
+"""Pairs of a segment and a row in one part of what a tree finds; those of one segment stay together."""
 
 
 def may_be_near(points: Floats, distance: float) -> bool:
@@ -30,23 +34,47 @@ def may_be_near(points: Floats, distance: float) -> bool:
     return False
 
 
-def rows_beside(points: Floats, a: Floats, b: Floats, distance: Floats) -> tuple[Ints, Ints]:
+def by_place(points: Floats) -> tuple[Ints, Ints]:
+    """The place of each of some points (n, 3), (n,), and the first point at each place, (p,): equal ones share it."""
+    order = np.lexsort(points.T)
+    ordered = points[order]
+    is_new = np.ones(len(points), dtype=bool)
+    is_new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    place = np.empty(len(points), dtype=np.int64)
+    place[order] = np.cumsum(is_new) - 1
+    return place, order[is_new]
+
+
+def few_of_each(place: Ints, most: int) -> Ints:
+    """The first rows of each place, (n,), at most `most` of one, ascending: a tree takes long for many equal points."""
+    if np.bincount(place).max(initial=0) <= most:
+        return np.arange(len(place))
+    order = np.argsort(place, kind="stable")
+    is_kept = np.ones(len(place), dtype=bool)
+    is_kept[order[most:]] = place[order[most:]] != place[order[:-most]]
+    return np.flatnonzero(is_kept)
+
+
+def rows_beside(points: Floats, a: Floats, b: Floats, distance: Floats) -> Iterator[tuple[Ints, Ints]]:
     """Segments and rows of points (n, 3) that may lie nearer than `distance` (s,) to segments from a to b, (s, 3).
 
-    Those that do are all among them, each pair once.
+    Those that do are all among them, each pair once, in parts of bounded size, of ascending segments.
     """
     start, end = a @ DIRECTION, b @ DIRECTION
     low, high = np.minimum(start, end) - distance, np.maximum(start, end) + distance
     pairs = rows_between(points @ DIRECTION, low, high, OFTEN * len(a))
     if pairs is not None:
-        return pairs
+        yield pairs
+        return
     from scipy.spatial import cKDTree  # slow to import
 
-    radii = 0.5 * np.linalg.norm(b - a, axis=1) + distance
-    found = cKDTree(points).query_ball_point(0.5 * (a + b), radii)
-    counts = np.fromiter(map(len, found), np.int64, len(a))
-    rows = np.concatenate([np.asarray(of_one, np.int64) for of_one in found])
-    return np.repeat(np.arange(len(a)), counts), rows
+    tree, centres, radii = cKDTree(points), 0.5 * (a + b), 0.5 * np.linalg.norm(b - a, axis=1) + distance
+    counts = np.asarray(tree.query_ball_point(centres, radii, return_length=True), np.int64)
+    part = (np.cumsum(counts) - counts) // AT_ONCE
+    for segments in np.split(np.arange(len(a)), np.flatnonzero(np.diff(part)) + 1):
+        found = tree.query_ball_point(centres[segments], radii[segments])
+        rows = np.concatenate([np.asarray(of_one, np.int64) for of_one in found])
+        yield np.repeat(segments, counts[segments]), rows
 
 
 def rows_between(places: Floats, low: Floats, high: Floats, most: int) -> tuple[Ints, Ints] | None:

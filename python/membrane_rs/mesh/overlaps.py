@@ -9,6 +9,7 @@ import numpy as np
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.mesh.boundary import winds_once
 from membrane_rs.mesh.findings import Finding, first_few
+from membrane_rs.mesh.neighbours import by_place, few_of_each
 from membrane_rs.mesh.triangulation import NO_AREA, Triangulation
 
 FLAT = 1e-9
@@ -82,12 +83,13 @@ def _lies_on_another(corners: Floats, has_area: Bools, tested: Ints) -> Ints:
     from scipy.spatial import cKDTree  # slow to import
 
     centroids = corners.mean(axis=1)
-    count = min(NEIGHBOURS, len(corners))
-    if count < 2:
+    if len(corners) < 2:
         return np.zeros(0, dtype=np.int64)
+    few = few_of_each(by_place(centroids)[0], NEIGHBOURS)
     centroid = centroids[tested]
     found = np.zeros(len(tested), dtype=bool)
-    for other in cKDTree(centroids).query(centroid, k=count)[1].T:
+    nearest = cKDTree(centroids[few]).query(centroid, k=list(range(1, min(NEIGHBOURS, len(few)) + 1)))[1]
+    for other in few[nearest.T]:
         a, b, c = (corners[other, k] for k in range(3))
         area = _cross(b - a, c - a)
         with np.errstate(divide="ignore", invalid="ignore"):
