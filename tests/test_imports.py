@@ -11,11 +11,27 @@ from types import ModuleType
 
 import membrane_rs
 import pytest
-from membrane_rs import plotting, results, runs
 from membrane_rs._on_demand import OnDemand
 
 DRAWING = ("pyvista", "matplotlib", "PIL", "vtk", "vtkmodules")
-ON_DEMAND = (membrane_rs, plotting, results, runs)
+ON_DEMAND = [
+    import_module(f"membrane_rs{name}")
+    for name in (
+        "",
+        ".check",
+        ".folding",
+        ".mesh",
+        ".plotting",
+        ".plotting.viewer",
+        ".report",
+        ".results",
+        ".runs",
+        ".scene",
+        ".scene.laws",
+        ".simulation",
+        ".study",
+    )
+]
 """Packages whose names are imported when one is first used."""
 HEAVY = ("scipy", "meshio", "typer", "rich", *DRAWING)
 
@@ -74,20 +90,20 @@ def test_names_are_those_that_type_checkers_read(package: ModuleType) -> None:
     of_package = {name for name, place in read.items() if place == package.__name__}
     lazily = on_demand(package)
     assert lazily.places == {name: place for name, place in read.items() if name not in of_package}
-    assert of_package <= set(lazily.modules)
+    assert of_package <= set(lazily.modules())
     assert {*read, *({"__version__"} & {*package.__all__})} == {*package.__all__}
 
 
 @pytest.mark.parametrize("package", ON_DEMAND, ids=lambda package: package.__name__)
 def test_every_name_is_found_listed_and_kept(package: ModuleType) -> None:
     lazily = on_demand(package)
-    for name in [*lazily.places, *lazily.modules]:
+    for name in [*lazily.places, *lazily.modules()]:
         found = lazily(name)
         assert found is getattr(package, name) is vars(package)[name]
-        assert name in dir(package)
+        assert name in {*dir(package), *vars(membrane_rs)["_OLD"]}
     for name in package.__all__:
         assert name in dir(package)
-        if name not in lazily.modules and name != "__version__":
+        if name not in lazily.modules() and name != "__version__":
             assert getattr(package, name) is getattr(import_module(lazily.places[name]), name)
     for name in ("nothing", "_nothing", "__nothing__"):
         with pytest.raises(AttributeError, match=f"module '{package.__name__}' has no attribute '{name}'"):
@@ -107,3 +123,16 @@ def test_packages_that_are_not_imported_yet_are_listed() -> None:
     listed = subprocess.run(words, check=True, capture_output=True, text=True, timeout=300).stdout.split()
     assert {"study", "report", "units", "run", "Scene", "__version__"} <= set(listed)
     assert "import_module" not in listed
+
+
+@pytest.mark.parametrize("name", ["errors", "material", "scene.laws", "study.common.vary", "analysis.strain", "laws"])
+def test_public_modules_are_reached_from_the_first_statement_on(name: str) -> None:
+    words = [sys.executable, "-c", f"import membrane_rs; print(membrane_rs.{name}.__name__)"]
+    done = subprocess.run(words, check=False, capture_output=True, text=True, timeout=300)
+    assert done.stdout.strip() == f"membrane_rs.{name}", done.stderr
+
+
+def test_old_places_are_not_listed() -> None:
+    old = vars(membrane_rs)["_OLD"]
+    assert old <= {*on_demand(membrane_rs).modules()}
+    assert not old & {*dir(membrane_rs)}

@@ -148,27 +148,14 @@ _PLACES = {
     "membrane_rs.scene.stage": ("Stage",),
     "membrane_rs.simulation": ("IntegratorFacts", "integrators"),
 }
-_PACKAGES = (
-    "analysis",
-    "check",
-    "folding",
-    "mesh",
-    "plotting",
-    "report",
-    "results",
-    "runs",
-    "scene",
-    "scenes",
-    "simulation",
-    "study",
-    "units",
-)
+_OLD = {"audit", "laws", "observe", "output", "parts", "run_settings"}
+"""Old places of names: modules that are found and not listed."""
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
-    _on_demand = OnDemand(__name__, _PLACES, _PACKAGES)
+    _on_demand = OnDemand(__name__, _PLACES)
 
     def __getattr__(name: str) -> Any:
-        """A public name or a package of this one, imported when it is first used."""
+        """A public name or module of this package, imported when it is first used."""
         if name == "__version__":
             from importlib.metadata import version  # slow to import
 
@@ -177,4 +164,4 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
 
     def __dir__() -> list[str]:
         """All public names, also those that are not imported yet."""
-        return sorted({*_on_demand.names(), "__version__"})
+        return sorted({*_on_demand.names(), "__version__"} - _OLD)

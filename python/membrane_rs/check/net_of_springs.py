@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from membrane_rs.errors import MeshError
 from membrane_rs.mesh.findings import Finding
-from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
+from membrane_rs.mesh.moduli import NetModuli, net_moduli
 from membrane_rs.scene import Scene
 
 _SAME = 0.002

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
-from membrane_rs.mesh.crossings import Crossings
-from membrane_rs.mesh.findings import Audit, Finding
-from membrane_rs.mesh.mesh import Mesh
-from membrane_rs.mesh.net_moduli import NetModuli, net_moduli
+from typing import TYPE_CHECKING
+
+from membrane_rs._on_demand import OnDemand
+
+if TYPE_CHECKING:
+    from membrane_rs.mesh.crossings import Crossings
+    from membrane_rs.mesh.findings import Audit, Finding
+    from membrane_rs.mesh.mesh import Mesh
+    from membrane_rs.mesh.moduli import NetModuli, net_moduli
 
 __all__ = ["Audit", "Crossings", "Finding", "Mesh", "NetModuli", "net_moduli"]
+
+if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+    _on_demand = OnDemand(
+        __name__,
+        {
+            "membrane_rs.mesh.crossings": ("Crossings",),
+            "membrane_rs.mesh.findings": ("Audit", "Finding"),
+            "membrane_rs.mesh.mesh": ("Mesh",),
+            "membrane_rs.mesh.moduli": ("NetModuli", "net_moduli"),
+        },
+    )
+    __getattr__, __dir__ = _on_demand, _on_demand.names

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from membrane_rs._moved import Moved
-from membrane_rs.simulation.methods import IntegratorFacts, integrators
-from membrane_rs.simulation.motion import Motion
-from membrane_rs.simulation.observer import Observer
-from membrane_rs.simulation.readings import BodyLoad, FilmStress, HubLoad
-from membrane_rs.simulation.stepper import Stepper
-from membrane_rs.simulation.timeline import StageRecord
+from membrane_rs._on_demand import OnDemand
+
+if TYPE_CHECKING:
+    from membrane_rs.simulation.methods import IntegratorFacts, integrators
+    from membrane_rs.simulation.motion import Motion
+    from membrane_rs.simulation.observer import Observer
+    from membrane_rs.simulation.readings import BodyLoad, FilmStress, HubLoad
+    from membrane_rs.simulation.stepper import Stepper
+    from membrane_rs.simulation.timeline import StageRecord
 
 __all__ = [
     "BodyLoad",
@@ -22,4 +27,17 @@ __all__ = [
     "integrators",
 ]
 
-__getattr__ = Moved(__name__, {"membrane_rs": ("Simulation",)})
+if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+    _on_demand = OnDemand(
+        __name__,
+        {
+            "membrane_rs.simulation.methods": ("IntegratorFacts", "integrators"),
+            "membrane_rs.simulation.motion": ("Motion",),
+            "membrane_rs.simulation.observer": ("Observer",),
+            "membrane_rs.simulation.readings": ("BodyLoad", "FilmStress", "HubLoad"),
+            "membrane_rs.simulation.stepper": ("Stepper",),
+            "membrane_rs.simulation.timeline": ("StageRecord",),
+        },
+        Moved(__name__, {"membrane_rs": ("Simulation",)}),
+    )
+    __getattr__, __dir__ = _on_demand, _on_demand.names

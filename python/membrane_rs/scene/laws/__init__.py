@@ -9,23 +9,23 @@ open, the docstring says what was chosen.
 
 from __future__ import annotations
 
-from membrane_rs.scene.law import Law
-from membrane_rs.scene.laws.air_drag import AirDrag
-from membrane_rs.scene.laws.creases import Creases
-from membrane_rs.scene.laws.gravity import Gravity
-from membrane_rs.scene.laws.mass_damping import MassDamping
-from membrane_rs.scene.laws.pressure import Pressure
-from membrane_rs.scene.laws.spin import Spin
-from membrane_rs.scene.laws.spool_contact import SpoolContact
-from membrane_rs.scene.laws.spring_damping import SpringDamping
-from membrane_rs.scene.laws.springs import Springs
-from membrane_rs.scene.laws.triangles import Triangles
+from typing import TYPE_CHECKING
 
-LAWS: dict[str, type[Law]] = {
-    law.kind: law
-    for law in (Springs, Triangles, SpringDamping, Creases, AirDrag, Spin, Gravity, Pressure, SpoolContact, MassDamping)
-}
-"""The one list of laws: the name of its table in a scene file, and its class."""
+from membrane_rs._on_demand import OnDemand
+
+if TYPE_CHECKING:
+    from membrane_rs.scene.law import Law
+    from membrane_rs.scene.laws.air_drag import AirDrag
+    from membrane_rs.scene.laws.catalogue import LAWS
+    from membrane_rs.scene.laws.creases import Creases
+    from membrane_rs.scene.laws.gravity import Gravity
+    from membrane_rs.scene.laws.mass_damping import MassDamping
+    from membrane_rs.scene.laws.pressure import Pressure
+    from membrane_rs.scene.laws.spin import Spin
+    from membrane_rs.scene.laws.spool_contact import SpoolContact
+    from membrane_rs.scene.laws.spring_damping import SpringDamping
+    from membrane_rs.scene.laws.springs import Springs
+    from membrane_rs.scene.laws.triangles import Triangles
 
 __all__ = [
     "LAWS",
@@ -41,3 +41,23 @@ __all__ = [
     "Springs",
     "Triangles",
 ]
+
+if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+    _on_demand = OnDemand(
+        __name__,
+        {
+            "membrane_rs.scene.law": ("Law",),
+            "membrane_rs.scene.laws.air_drag": ("AirDrag",),
+            "membrane_rs.scene.laws.catalogue": ("LAWS",),
+            "membrane_rs.scene.laws.creases": ("Creases",),
+            "membrane_rs.scene.laws.gravity": ("Gravity",),
+            "membrane_rs.scene.laws.mass_damping": ("MassDamping",),
+            "membrane_rs.scene.laws.pressure": ("Pressure",),
+            "membrane_rs.scene.laws.spin": ("Spin",),
+            "membrane_rs.scene.laws.spool_contact": ("SpoolContact",),
+            "membrane_rs.scene.laws.spring_damping": ("SpringDamping",),
+            "membrane_rs.scene.laws.springs": ("Springs",),
+            "membrane_rs.scene.laws.triangles": ("Triangles",),
+        },
+    )
+    __getattr__, __dir__ = _on_demand, _on_demand.names
