@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -190,3 +191,22 @@ def test_any_arrays_make_a_mesh_or_a_clear_error(points: Any, triangles: Any) ->
         assert mesh.edges.max() < mesh.node_count
         return
     assert len(message) > 20
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e70, 1e100, 1e152, 1e160, 1e300])
+def test_triangles_too_large_for_an_area_are_refused_by_their_size(size: float) -> None:
+    mesh = Mesh(SQUARE * size, TWO)
+    found = mesh.audit(FILM).find("singular_springs")
+    if size < 1e77:
+        assert found is None
+        assert mesh.masses(FILM).sum() == pytest.approx(2.0 * size * size * FILM.density * FILM.thickness)
+        return
+    words = f"too large for a number to hold their area, first triangle 0 .*reaches to {2.0 * size:g} m".replace(
+        "+", "."
+    )
+    assert found is not None
+    assert re.search(words, found.message)
+    for refused in (mesh.masses, mesh.spring_constants):
+        with pytest.raises(MeshError, match=words):
+            refused(FILM)

@@ -238,6 +238,14 @@ def test_too_much_softening_is_warned_of(scene: Scene, words: str) -> None:
         Simulation(scene)
 
 
+def test_a_film_that_bears_no_softening_is_to_be_left_without() -> None:
+    fast = scenes.load("okuizumi-model-1").with_values({"material.softening": 3.0, "laws.spin.frequency": 40.0})
+    assert softening_advice(fast).factor == 1.0
+    (found,) = (one for one in audit(fast, costly=False).without_facts().findings if one.kind == "softening")
+    assert "the rule allows none, the mean strain under the spin is" in found.message
+    assert found.remedy.startswith("leave it out, or compare")
+
+
 def test_softening_makes_no_implicit_step_longer() -> None:
     scene = scenes.load("okuizumi-model-1").with_values({"material.softening": 5.0})
     implicit = scene.with_values({"run.integrator": "generalized_alpha"})

@@ -281,6 +281,17 @@ def _owner(place: tuple[int | str, ...], cls: type, prefix: str) -> tuple[type, 
     return _owner(place[1:], inner, f"{prefix}.{name}")
 
 
+def _taken(cls: type) -> str:
+    """The values that a class takes, in words: those by position, and those by keyword alone."""
+    known = list(getattr(cls, "__pydantic_fields__", {}))
+    by_position = getattr(cls, "__match_args__", ())
+    by_keyword = ", ".join(name for name in known if name not in by_position)
+    positions = ", ".join(name for name in known if name in by_position)
+    if not by_keyword:
+        return positions
+    return f"{positions}, and by keyword {by_keyword}" if positions else f"by keyword {by_keyword}"
+
+
 def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
     """One thing that is wrong, in words."""
     cls, prefix, place = _owner(detail["loc"], cls, prefix)
@@ -292,7 +303,7 @@ def _explain(detail: ErrorDetails, cls: type, prefix: str) -> str:
     if kind == "unexpected_keyword_argument":
         return f"{prefix}.{name}: no such key; {nearest(name, known)}"
     if kind == "unexpected_positional_argument":
-        return f"{prefix}: too many values ({show(detail['input'])}); it takes {', '.join(known)}"
+        return f"{prefix}: too many values ({show(detail['input'])}); it takes {_taken(cls)}"
     kinds = (int, str) if is_table(cls, name) else (int,)
     where = f"{prefix}.{name}" + "".join(f"[{show(i)}]" for i in place[1:] if isinstance(i, kinds))
     unit = unit_of(cls, name)

@@ -161,13 +161,16 @@ def softening_of_film(scene: Scene) -> Iterator[Finding]:
         message = f"material.softening = {factor:g} is without advice: {advice.reason}"
         yield Finding("warning", "softening", 1, message, "compare it with a run without softening")
     elif factor > advice.factor and (what := _beyond(factor, advice)):
+        is_any = advice.factor > 1.0
         yield Finding(
             "warning",
             "softening",
             1,
             f"material.softening = {factor:g} is above {advice.factor:g}, up to which the paper's sails deploy nearly "
-            f"as unsoftened ones do: {what}",
-            f"take {advice.factor:g}, or compare it with a run without softening",
+            f"as unsoftened ones do: {what}"
+            if is_any
+            else f"material.softening = {factor:g}: the rule allows none, {what}",
+            f"{f'take {advice.factor:g}' if is_any else 'leave it out'}, or compare it with a run without softening",
         )
     yield from _heavier_cords(scene, factor)
 

@@ -93,9 +93,10 @@ class Triangulation(KnownAttributes):
 
     @cached_property
     def _areas(self) -> Floats:
-        along, across = self.sides_along_axes(self.reference)
-        normal = [along[i] * across[j] - along[j] * across[i] for i, j in ((1, 2), (2, 0), (0, 1))]
-        areas: Floats = 0.5 * np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        with np.errstate(over="ignore", invalid="ignore"):  # see `_check_sizes`
+            along, across = self.sides_along_axes(self.reference)
+            normal = [along[i] * across[j] - along[j] * across[i] for i, j in ((1, 2), (2, 0), (0, 1))]
+            areas: Floats = 0.5 * np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
         return frozen(areas)
 
     def spring_constants(self, material: Material, *, clip: bool = False) -> Floats:
@@ -118,7 +119,7 @@ class Triangulation(KnownAttributes):
         Raises
         ------
         MeshError
-            A triangle without area.
+            A triangle without area, or too large for a number to hold it.
         InputTypeError
             No material.
 
@@ -137,12 +138,25 @@ class Triangulation(KnownAttributes):
                 f"{len(flat)} of {len(self.triangles)} triangles have no area, first triangle {flat[0]} "
                 f"(nodes {self.triangles[flat[0]].tolist()}); remove them, or move their nodes apart"
             )
+        self._check_sizes()
         m = material
         constants = np.asarray(
             _core.spring_constants(self.reference, self.triangles, m.youngs_modulus, m.poisson_ratio, m.thickness),
             dtype=np.float64,
         )
         return np.maximum(constants, 0.0) if flag_of("clip", clip) else constants
+
+    def _check_sizes(self) -> None:
+        """A MeshError where a triangle is too large for a number to hold its area."""
+        large = np.flatnonzero(~np.isfinite(self._areas))
+        if len(large):
+            corners = self.triangles[large[0]]
+            farthest = float(np.abs(self.reference[corners]).max())
+            raise MeshError(
+                f"{len(large)} of {len(self.triangles)} triangles are too large for a number to hold their area, first "
+                f"triangle {large[0]} (nodes {corners.tolist()}), which reaches to {farthest:g} m; give lengths in "
+                "metres"
+            )
 
     def masses(self, material: Material) -> Floats:
         """(n,) mass of each node [kg]: a third of each triangle around it.
@@ -159,10 +173,13 @@ class Triangulation(KnownAttributes):
 
         Raises
         ------
+        MeshError
+            A triangle without area, or too large for a number to hold it.
         InputTypeError
             No material.
         """
         check_kind(material, Material, "material", "a Material")
+        self._check_sizes()
         areal_density = material.density * material.thickness
         return np.asarray(_core.lumped_masses(self.reference, self.triangles, areal_density), dtype=np.float64)
 
@@ -185,7 +202,8 @@ class Triangulation(KnownAttributes):
     @cached_property
     def _flatness(self) -> Floats:
         longest = np.maximum.reduce([self.edge_lengths[edges] for edges in self.triangle_edges.T])
-        ratio: Floats = 2.0 * self._areas / np.maximum(longest**2, np.finfo(float).tiny)
+        with np.errstate(over="ignore", invalid="ignore"):
+            ratio: Floats = 2.0 * self._areas / np.maximum(longest**2, np.finfo(float).tiny)
         return frozen(np.where(longest > 0.0, ratio, 0.0))
 
     def lengths_in(self, points: Floats) -> Floats:
