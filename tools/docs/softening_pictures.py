@@ -20,7 +20,7 @@ from softening_tables import Point, front_of, points_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LABELS = {RATE: "Deployment rate", PHASE: "Phase difference [deg]"}
+LABELS = {RATE: "Rate less the full model's mean", PHASE: "Phase less the full model's mean [deg]"}
 DISTANCES = {RATE: "Distance of the rate", PHASE: "Distance of the phase [deg]"}
 Groups = Mapping[str, Mapping[str, Ensemble]]
 Panels: TypeAlias = np.ndarray[tuple[int, int], np.dtype[np.object_]]
@@ -30,21 +30,22 @@ SIZE = (5.0, 3.2)
 
 
 def draw_curves(groups: Groups, factors: Sequence[int], picture: Path) -> None:
-    """Band of the full model, and mean curves of softened films: a column for each group."""
+    """Band of the full model, and mean curves of softened films, less its mean: a column for each group."""
     figure, panels = _panels(len(groups))
     for (group, found), column in zip(groups.items(), panels.T, strict=True):
         column[0].set_title(group)
         for axes, (name, label) in zip(column, LABELS.items(), strict=True):
             full = found[FULL]
-            curves = full.curves(name)
+            mean = full.curves(name).mean(axis=0)
+            curves = full.curves(name) - mean
             look = {"color": "0.85", "linewidth": 0, "label": f"{FULL}, lowest to highest start"}
             axes.fill_between(full.time, curves.min(axis=0), curves.max(axis=0), **look)
-            axes.plot(full.time, curves.mean(axis=0), color="k", linewidth=1.6, label=f"{FULL}, mean")
+            axes.axhline(0.0, color="k", linewidth=1.6, label=f"{FULL}, mean")
             for k, factor in enumerate(factors):
                 own = found[soft(factor)]
                 if own.is_whole:
                     look = {"color": _shade(k, len(factors)), "linewidth": 1.1, "label": f"{soft(factor)}, mean"}
-                    axes.plot(own.time, own.curves(name).mean(axis=0), **look)
+                    axes.plot(own.time, own.curves(name).mean(axis=0) - mean, **look)
             axes.set_ylabel(label)
             axes.margins(x=0.0)
         column[-1].set_xlabel("Time [s]")
@@ -69,7 +70,7 @@ def draw_distances(groups: Groups, factors: Mapping[str, Sequence[int]], picture
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.xaxis.set_minor_formatter(NullFormatter())
-        column[-1].set_xlabel("Softening")
+        column[-1].set_xlabel("Softening (at 1: other starts of the full model)")
     _begin_at_zero(panels)
     _finish(figure, panels, picture)
 
@@ -97,7 +98,7 @@ def _draw_points(axes: Axes, points: list[Point], column: str) -> None:
     on_front = front_of(points, column)
     steps = [(points[k][1], points[k][2][column]) for k in on_front]
     axes.plot(*np.array(steps).T, color="0.6", linewidth=1.0, label="front", zorder=1)
-    marked = {FULL: "full model", REDUCED: REDUCED, RATIO: RATIO}
+    marked = {FULL: AGAIN, REDUCED: REDUCED, RATIO: RATIO}
     softest = max((_softening(label) for label, *_ in points), default=1)
     for label, seconds, errors in points:
         is_coarse, factor = label.startswith(COARSE), _softening(label)
@@ -111,6 +112,7 @@ def _draw_points(axes: Axes, points: list[Point], column: str) -> None:
             "marker": marker,
             "markersize": 10 if label == FULL else 7,
             "linestyle": "none",
+            "clip_on": False,
         }
         axes.plot(seconds, errors[column], label=text, zorder=2, **look)
 
@@ -121,7 +123,7 @@ def _softening(label: str) -> int:
 
 
 def _shade(k: int, count: int) -> tuple[float, float, float, float]:
-    return colormaps["plasma"](0.85 * k / max(1, count - 1))
+    return colormaps["turbo"](0.1 + 0.8 * k / max(1, count - 1))
 
 
 def _begin_at_zero(panels: Panels) -> None:
