@@ -271,6 +271,24 @@ def test_a_change_within_the_spread_can_be_omitted_and_is_reported() -> None:
     assert Change(0.0, 0.0, 0.0).largest_share(Change(0.0, 0.0, 0.0)) == 0.0
 
 
+def test_starts_that_all_stop_leave_the_spread_unknown(tmp_path: Path) -> None:
+    found = ablate(hanging_strip(4, 2), 0.005, members=2, shift=0.01, dense_until=1e-4)
+    assert found.members == 0
+    assert all(map(math.isnan, vars(found.spread).values()))
+    assert "2 of 2 starts perturbed by 0.01 m did not reach the end, the first: stopped at t = " in found.stopped_starts
+    assert found.stopped_starts.endswith("the spread is unknown, take a smaller shift")
+    assert f"\nWarning: {found.stopped_starts}\n" in found.summary()
+    assert "| *spread of perturbed starts* |  |  |  | - | - | - | - |  |" in found.table()
+    assert not any("within the spread" in item.verdict for item in found.items)
+    found.save(tmp_path)
+    data = json.loads((tmp_path / "ablation.json").read_text())
+    assert data["stopped_starts"] == found.stopped_starts
+    assert set(data["spread"].values()) == {None}
+    none = ablate(hanging_strip(4, 2), 0.005, members=0, shift=1.0, dense_until=1e-4)
+    assert none.stopped_starts == ""
+    assert none.allowed == found.allowed
+
+
 def test_tethers_that_hold_a_sail_stay_with_fewer_segments() -> None:
     found = {variant.name: variant for variant in variants(scenes.load("okuizumi-model-1"))}
     assert found["part tethers"].scene is None
@@ -295,6 +313,7 @@ def test_several_things_are_left_out_at_once() -> None:
         ({"tolerance": math.inf}, "tolerance = inf"),
         ({"members": -1}, "members = -1.*--ensemble"),
         ({"shift": 0.0}, "shift = 0.0: must be above 0"),
+        ({"shift": 1.0}, "shift = 1: must be below [0-9.]+, the shortest edge or cord of the scene"),
         ({"until": -1.0}, "until = -1.0"),
         ({"dense_until": 0.0}, "dense_until = 0.0: must be greater than 0"),
         ({"integrator": "leapfrogs"}, "there is no 'leapfrogs'; did you mean 'leapfrog'"),

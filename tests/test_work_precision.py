@@ -295,6 +295,7 @@ def test_a_level_counts_only_with_all_finer_ones_and_below_the_limit() -> None:
         ({"until": math.nan}, "until = nan"),
         ({"steps": 0}, "steps = 0: must be from 1 to 24"),
         ({"members": -1}, "members = -1: must be from 0 to 1,000"),
+        ({"members": 1, "shift": 0.06}, "shift = 0.06: must be below 0.01667, the shortest edge or cord"),
         ({"repeats": 0}, "repeats = 0: must be from 1 to 1,000"),
         ({"wanted": 0.0}, "wanted = 0.0: must be greater than 0"),
         ({"instants": -1}, "instants = -1: must be from 1 to"),
@@ -353,5 +354,12 @@ def test_a_start_that_the_monitor_stops_is_not_counted(monkeypatch: pytest.Monke
     assert some.floors["rate"] > 0.0
     assert none.members == 0
     assert math.isnan(none.floors["rate"])
+    assert some.stopped_starts.endswith(
+        "1 of 2 starts perturbed by 1e-12 m did not reach the end, the first: gone; they are not counted"
+    )
+    assert none.stopped_starts.endswith("the first: gone; the spread is unknown, take a smaller shift")
+    for found in (some, none):
+        assert f"\nWarning: {found.stopped_starts}\n" in found.summary()
+        assert found.as_dict()["stopped_starts"] == found.stopped_starts
     monkeypatch.setattr(ablation, "ensemble", with_a_bad_one)
     assert ablation.ablate(hanging_strip(), 0.01, members=2).members == 1

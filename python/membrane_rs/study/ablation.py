@@ -27,8 +27,16 @@ from membrane_rs.scene.softened import softening_of
 from membrane_rs.simulation import integrators
 from membrane_rs.study.ablation_result import SMALLEST, Ablation, Change, Item
 from membrane_rs.study.common.executor import Tell, run_parallel, teller
-from membrane_rs.study.common.perturbation import SHIFT, shift_of
-from membrane_rs.study.common.run import MOST_MEMBERS, StudyCase, StudyRun, ensemble, run_case, study_case
+from membrane_rs.study.common.perturbation import SHIFT, check_shift, shift_of
+from membrane_rs.study.common.run import (
+    MOST_MEMBERS,
+    StudyCase,
+    StudyRun,
+    ensemble,
+    run_case,
+    stopped_starts,
+    study_case,
+)
 from membrane_rs.study.common.step_cost import cost_against
 from membrane_rs.study.variants import Variant, variants, without
 
@@ -63,7 +71,7 @@ def ablate(
         nor stress is compared for a softened film: it strains more under a load, and bears less stress at a fold.
     members : int
         Runs from perturbed starts. The spread is the largest difference between any two of them, the run from
-        the unperturbed start among them; 0: none. A run that the monitor stops is not counted.
+        the unperturbed start among them; 0: none. A run that the monitor stops is not counted, but reported.
     shift : float
         Standard deviation of the perturbation of each coordinate of a start [m]. Starts that differ by rounding alone
         have their first instants in common, and show less than what any small change, of the model too, does there.
@@ -86,7 +94,7 @@ def ablate(
     Raises
     ------
     InputError
-        A number outside its range, an unknown method.
+        A number outside its range, a shift not below the shortest edge, an unknown method.
     InputTypeError
         No scene, or no number.
     UnstableError
@@ -120,9 +128,11 @@ def ablate(
         raise InputError(f"integrator: there is no {show(integrator)}; {nearest(str(integrator), integrators())}")
     tell = teller(progress)
     case = study_case(scene, until, INSTANTS)
+    if members:
+        check_shift(shift, case.scene)
     whole = _simulation(case.scene, integrator, step_ratio=share)
-    reference, *others = ensemble(case, whole.integrator, whole.dt, members, shift=shift, jobs=jobs, tell=tell)
-    reference, others = reference.completed(), [member for member in others if member.failure is None]
+    reference, *starts = ensemble(case, whole.integrator, whole.dt, members, shift=shift, jobs=jobs, tell=tell)
+    reference, others = reference.completed(), [start for start in starts if start.failure is None]
     spread = _largest([_change(one, other) for one, other in combinations((reference, *others), 2)])
     peak = float(reference.strain.max())
     stress = float(reference.stress.max())
@@ -153,6 +163,7 @@ def ablate(
         left_out=tuple(variant.name for variant in left_out),
         smallest=None if smallest is None else replace(smallest, name=f"{scene.name[:80]}-smallest", run=scene.run),
         shift=shift,
+        stopped_starts=stopped_starts(starts, shift),
     )
 
 
@@ -214,7 +225,8 @@ class _Comparison:
             return Item(variant.name, time, limit, time / limit, change, verdict, step)
         verdict = "needed"
         if change.within(self.allowed):
-            hidden = any(vars(change).values()) and change.within(self.spread)
+            has_spread = not all(map(math.isnan, vars(self.spread).values()))
+            hidden = has_spread and any(vars(change).values()) and change.within(self.spread)
             verdict = "can be omitted: change within the spread" if hidden else "can be omitted"
         return Item(variant.name, time, limit, time / limit, change, verdict, step)
 
@@ -258,8 +270,8 @@ def _change(run: StudyRun, reference: StudyRun) -> Change:
 
 
 def _largest(changes: Sequence[Change]) -> Change:
-    """The largest of each component; 0 without changes."""
+    """The largest of each component; NaN without changes."""
     if not changes:
-        return Change(0.0, 0.0, 0.0, 0.0)
+        return Change(math.nan, math.nan, math.nan, math.nan)
     rows = np.abs([list(vars(change).values()) for change in changes])
     return Change(*(float(value) for value in np.fmax.reduce(rows, axis=0)))

@@ -151,7 +151,7 @@ class Ablation:
     peak_stress : float
         Largest stress in its film [Pa]; NaN without film.
     spread : Change
-        Largest differences between perturbed starts.
+        Largest differences between perturbed starts; NaN without any that came to their end.
     allowed : Change
         The larger of spread and tolerance, component by component.
     items : tuple of Item
@@ -162,12 +162,14 @@ class Ablation:
         None where nothing is dispensable.
     shift : float
         Standard deviation of the perturbation of each coordinate of the starts [m].
+    stopped_starts : str
+        A warning of perturbed starts that the monitor stopped, with the first reason; empty where it stopped none.
 
     Examples
     --------
     >>> from math import nan
     >>> from membrane_rs.study.ablation_result import Ablation, Change, Item
-    >>> none, allowed = Change(0.0, 0.0, 0.0), Change(0.01, 3.6, 1e-5)
+    >>> none, allowed = Change(nan, nan, nan), Change(0.01, 3.6, 1e-5)
     >>> row = Item("law air_drag", 0.8, 1.0, 0.8, Change(0.001, 0.2, 0.0), "can be omitted")
     >>> found = Ablation("sail", 0.1, 0.01, 0, 1e-5, 1e-3, nan, none, allowed, (row,), (), None)
     >>> found.heading()
@@ -192,6 +194,7 @@ class Ablation:
     left_out: tuple[str, ...]
     smallest: Scene | None
     shift: float = SHIFT
+    stopped_starts: str = ""
 
     def table(self) -> str:
         """The rows as a table.
@@ -241,7 +244,8 @@ class Ablation:
         str
             Several lines.
         """
-        return f"{self.heading()}\n\n{self.table()}\n{self.verdict()}"
+        warning = f"\nWarning: {self.stopped_starts}" if self.stopped_starts else ""
+        return f"{self.heading()}{warning}\n\n{self.table()}\n{self.verdict()}"
 
     def as_dict(self) -> dict[str, Any]:
         """All but the scene as plain numbers and texts, as ablation.json holds them.

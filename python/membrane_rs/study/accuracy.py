@@ -30,7 +30,7 @@ from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
 from membrane_rs.study.common.executor import Tell, run_parallel, teller
-from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT, shift_of
+from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT, check_shift, shift_of
 from membrane_rs.study.common.run import (
     MOST_MEMBERS,
     MOST_REPEATS,
@@ -38,6 +38,7 @@ from membrane_rs.study.common.run import (
     StudyRun,
     ensemble,
     run_case,
+    stopped_starts,
     study_case,
 )
 from membrane_rs.study.refinement import (
@@ -98,7 +99,7 @@ def work_precision(
         Measure the error of deployment rate and phase, not of the positions.
     members : int, optional
         Runs from perturbed starts, whose spread is the lower bound; 0: none. Default: 4 with `curves`, else none. A
-        run that the monitor stops is not counted.
+        run that the monitor stops is not counted, but reported.
     densities : sequence of float
         Other meshes, as multiples of the scene's density [-]; needs `curves`. Each is a line of its own, run by the
         method of the fewest evaluations a step, and all errors are then against the finest mesh.
@@ -130,8 +131,8 @@ def work_precision(
     Raises
     ------
     InputError
-        An unknown method, a number outside its range, a density that the mesh cannot represent, a softening of no
-        film or by implicit methods alone, a scene without motion.
+        An unknown method, a number outside its range, a shift not below the shortest edge, a density that the mesh
+        cannot represent, a softening of no film or by implicit methods alone, a scene without motion.
     InputTypeError
         No scene, or no number.
     UnstableError
@@ -167,6 +168,8 @@ def work_precision(
     count = (100 if curves else 10) if instants is None else instants
     cases = _cases(scene, until, count, densities, softenings)
     (_, film), case = next(iter(cases.items()))
+    if members:
+        check_shift(shift, case.scene)
     true = max(density for density, _ in cases), film
     levels = []
     for model, each in cases.items():
@@ -181,13 +184,10 @@ def work_precision(
         failed = run.failure is not None or run.expected is not None
         return {name: math.nan if failed else error(run, other, case.start) for name, (_, error) in kinds.items()}
 
-    floors = dict.fromkeys(kinds, math.nan)
-    if members:
-        dt = ENSEMBLE_SHARE * Simulation(case.scene, ENSEMBLE).stable_dt()
-        starts = ensemble(case, ENSEMBLE, dt, members, shift=shift, shapes=not curves, jobs=jobs, tell=tell)
-        peer, *others = [run for run in starts if run.failure is None] or starts
-        members = len(others) if peer.failure is None else 0
-        floors = {name: max((errors(other, peer)[name] for other in others), default=math.nan) for name in kinds}
+    starts = _starts(case, members, shift, shapes=not curves, jobs=jobs, tell=tell)
+    ended = [run for run in starts if run.failure is None]
+    members = max(len(ended) - 1, 0)
+    floors = {name: max((errors(other, ended[0])[name] for other in ended[1:]), default=math.nan) for name in kinds}
 
     def at_level(level: RefinementLevel) -> Point:
         def once(*, keep: bool) -> StudyRun:
@@ -228,7 +228,18 @@ def work_precision(
         best={cost: cheapest(lines, next(iter(kinds)), wanted, cost) for cost in COSTS},
         shift=shift,
         reference_softening=film,
+        stopped_starts=stopped_starts(starts[1:], shift),
     )
+
+
+def _starts(
+    case: StudyCase, members: int, shift: float, *, shapes: bool, jobs: int | None, tell: Tell
+) -> list[StudyRun]:
+    """The run from the unperturbed start and those from perturbed ones; none at all for no `members`."""
+    if not members:
+        return []
+    dt = ENSEMBLE_SHARE * Simulation(case.scene, ENSEMBLE).stable_dt()
+    return ensemble(case, ENSEMBLE, dt, members, shift=shift, shapes=shapes, jobs=jobs, tell=tell)
 
 
 def _references(

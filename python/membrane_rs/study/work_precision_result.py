@@ -46,7 +46,7 @@ class WorkPrecision:
     reference_errors : dict of str to float
         Difference of the reference from itself at twice its step [-].
     floors : dict of str to float
-        Largest error between perturbed starts [-]; NaN without ensemble.
+        Largest error between perturbed starts [-]; NaN without two that came to their end.
     wanted : float
         The target error, of the first kind [-].
     orders : dict of str to dict of str to float
@@ -58,6 +58,8 @@ class WorkPrecision:
         Standard deviation of the perturbation of each coordinate of a start [m].
     reference_softening : float or None
         Softening of the film of the reference [-]; None: as it is.
+    stopped_starts : str
+        A warning of perturbed starts that the monitor stopped, with the first reason; empty where it stopped none.
 
     Examples
     --------
@@ -87,6 +89,7 @@ class WorkPrecision:
     best: dict[str, Best | None]
     shift: float = SHIFT
     reference_softening: float | None = None
+    stopped_starts: str = ""
 
     def points_of(self, line: str) -> list[Point]:
         """The points of one line.
@@ -124,6 +127,7 @@ class WorkPrecision:
             for line, orders in self.orders.items():
                 found = [self._described(line, orders[name]), *self._levelled(line, name)]
                 lines.append(f"  {line}: {', '.join(found)}")
+        lines += [f"Warning: {self.stopped_starts}"] if self.stopped_starts else []
         first = next(iter(self.labels))
         for cost, best in self.best.items():
             what = f"{COSTS[cost].lower()} for an error of {self.wanted:g} ({first})"

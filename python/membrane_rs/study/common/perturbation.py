@@ -24,6 +24,19 @@ def shift_of(shift: float) -> float:
     return shift
 
 
+def check_shift(shift: float, scene: Scene) -> None:
+    """Refuse a perturbation as large as the shortest edge or cord of a scene. Raises InputError."""
+    assembly = scene.assemble()
+    corners = assembly.reference[assembly.triangles]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    shortest = min(edges.min(initial=np.inf), assembly.cords.rest_length.min(initial=np.inf))
+    if shift >= shortest:
+        raise InputError(
+            f"shift = {shift:g}: must be below {shortest:.4g}, the shortest edge or cord of the scene (m); starts that "
+            "are perturbed by as much are others"
+        )
+
+
 def perturbation(scene: Scene, seed: int, shift: float = SHIFT) -> Floats:
     """(N, 3) random displacements [m] of the start: normal, of standard deviation `shift`, and 0 at nodes that are
     held or move as prescribed.

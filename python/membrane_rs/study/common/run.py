@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from threading import Event
 
@@ -248,6 +249,20 @@ def ensemble(
 
     stop = Event()
     return run_parallel([lambda one=one: member(one) for one in cases], names, stop, workers=jobs, tell=tell)  # type: ignore[misc]
+
+
+def stopped_starts(starts: Sequence[StudyRun], shift: float) -> str:
+    """A warning of those of some perturbed starts that the monitor stopped; empty where it stopped none."""
+    failures = [start.failure for start in starts if start.failure is not None]
+    if not failures:
+        return ""
+    reason = str(failures[0]).partition(". ")[0]  # without the remedies, which are for a scene's own start
+    text = (
+        f"{len(failures)} of {len(starts)} starts perturbed by {shift:g} m did not reach the end, the first: {reason}"
+    )
+    if len(failures) < len(starts):
+        return f"{text}; they are not counted"
+    return f"{text}; the spread is unknown, take a smaller shift"
 
 
 def _bare(scene: Scene) -> Scene:
