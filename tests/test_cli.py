@@ -129,6 +129,17 @@ def test_check_tells_counts_audit_step_and_cost() -> None:
         assert words in shown
 
 
+@pytest.mark.parametrize("value", ["material.softening=1e6", "material.youngs_modulus=1"])
+def test_check_of_a_run_that_stops_by_itself_reports_all_but_its_cost(value: str) -> None:
+    code, shown = call("check", "spinning-disc", "--set", value)
+    for words in ("no errors", "the run stops by itself: stopped at t =", "cost         unknown: the run stops by it"):
+        assert words in shown
+    found, text = call("check", "spinning-disc", "--set", value, "--json")
+    (run,) = json.loads(text)["runs"]
+    assert (code, found, run["steps"], run["seconds"]) == (0, 0, None, None)
+    assert run["stable_dt"] > run["dt"] > 0.0
+
+
 def test_check_finds_errors(tmp_path: Path) -> None:
     text = scenes.load("okuizumi-model-1").to_toml().replace('"ruled"', '"fan"')
     text = text.replace('negative = "refuse"', 'negative = "clip"')

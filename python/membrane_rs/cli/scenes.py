@@ -119,16 +119,20 @@ def _report_run(scene: Scene, duration: float, say: Callable[[str], None], *, is
     }  # fmt: skip
     sim._check_end(duration)
     steps, seconds = _expected_cost(sim, duration, is_later=is_later)
-    cost = "in a time that only a run shows" if seconds is None else f"about {_duration(seconds)} on this machine"
-    say(f"  cost         {steps:,} steps, {cost}")
+    if steps is None:
+        say("  cost         unknown: the run stops by itself")
+    else:
+        cost = "in a time that only a run shows" if seconds is None else f"about {_duration(seconds)} on this machine"
+        say(f"  cost         {steps:,} steps, {cost}")
     return found | {"steps": steps, "seconds": seconds}
 
 
-def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple[int, float | None]:
-    """Number of steps in so long [s], and their time [s], extrapolated from a few hundred steps.
+def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple[int | None, float | None]:
+    """Number of steps in so long [s], and their time [s], extrapolated from a few hundred steps; None for both where
+    the run stops by itself within these.
 
-    A later stage begins elsewhere than the scene, from where it is stepped here, and may become unstable there; None
-    where it is so at once.
+    A later stage begins elsewhere than the scene, from where it is stepped here, and may become unstable there alone:
+    its time is then that of the steps before, None without any.
     """
     from membrane_rs.errors import UnstableError
 
@@ -140,7 +144,7 @@ def _expected_cost(sim: Simulation, duration: float, *, is_later: bool) -> tuple
             sim.step(batch)
         except UnstableError:
             if not is_later:
-                raise
+                return None, None
             break
         taken += batch
         spent = time.perf_counter() - began
