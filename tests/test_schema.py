@@ -48,6 +48,12 @@ def test_a_file_with_units_fits() -> None:
     assert faults(FILE) == []
 
 
+def test_a_step_may_be_left_to_follow_from_the_limit(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(f'{FILE}dt = "auto"\n')
+    assert faults(f'{FILE}dt = "auto"\n') == []
+    assert Scene.from_toml(tmp_path / "scene.toml").run.dt is None
+
+
 WRONG = [
     ('"1 MPa"', '"1000"', "youngs_modulus"),
     ('"1 MPa"', "-1.0", "youngs_modulus"),
@@ -68,6 +74,7 @@ WRONG = [
     ('measure = "kinetic_energy"', 'measure = "energy"', "measure"),
     ("[run]", "[runs]", "'runs' was unexpected"),
     ('snapshots = [0.0, "20 ms"]', "frames = 1", "frames"),
+    ('snapshots = [0.0, "20 ms"]', 'relax = "auto"', "relax"),
     ('name = "with units"', 'name = "a/b"', "name"),
     ('snapshots = [0.0, "20 ms"]', 'integrator = "rk5"', "integrator"),
 ]

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 import typer
-from membrane_rs import Scene, Spin, scenes
+from membrane_rs import RunSettings, Scene, Simulation, Spin, Stage, scenes
 from membrane_rs.cli import app
 from membrane_rs.cli.settings import LONGEST, value_of, values_of
 from membrane_rs.errors import InputError
-from small_scenes import refused
+from membrane_rs.study import sweep
+from small_scenes import hanging_strip, refused
 from test_cli import call
 from test_commands import examples
 
@@ -63,6 +65,60 @@ def test_a_run_has_the_values_and_its_folder_shows_them(tmp_path: Path) -> None:
     assert made.law("gravity") is not None
     assert (made.run.until, made.run.dt) == (2e-3, 10e-6)
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["dt"] == 10e-6
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "leapfrog", "dopri5"])
+@pytest.mark.parametrize("option", [("--dt", "auto"), ("--set", "run.dt=auto"), ("--set", "run.dt= auto ")])
+def test_a_step_of_the_scene_is_left_out(option: tuple[str, str], integrator: str, tmp_path: Path) -> None:
+    words = ["--set", "run.substeps=1", "--integrator", integrator]
+    fast = scenes.load("okuizumi-model-1-fast")
+    own = fast.run.dt
+    assert own is not None
+    code, shown = call("run", fast.name, *words, *option, *SHORT, "--samples", 3, "--out", tmp_path / "run")
+    assert (code, "above the stability limit" in shown) == (0, False), shown
+    made = Scene.from_toml(tmp_path / "run" / "scene.toml")
+    assert made.run == RunSettings(
+        **{
+            **asdict(fast.with_values({"run.dt": None}).run),
+            "substeps": 1,
+            "integrator": integrator,
+            "until": 2e-3,
+            "frames": 3,
+            "samples": 3,
+        }
+    )
+    sim = Simulation(made)
+    assert sim.is_adaptive == (integrator == "dopri5")
+    assert sim.dt < sim.stable_dt() < own
+
+
+@pytest.mark.parametrize("integrator", ["rk4", "dopri5"])
+def test_a_step_of_the_scene_above_the_limit_says_how_to_leave_it_out(integrator: str) -> None:
+    said = " ".join(call("check", "okuizumi-model-1-fast", "--integrator", integrator)[1].split())
+    assert "is above the stability limit of" in said
+    assert "leave dt out (--dt auto, or --set run.dt=auto; None in Python), or use a smaller one" in said
+    assert "later chosen by the tolerance" not in said  # a given step is not chosen
+
+
+def test_a_step_is_left_out_in_files_studies_and_stages(tmp_path: Path) -> None:
+    scene = scenes.load("spinning-tether").with_values({"run.dt": 1e-5})
+    scene.save(tmp_path)
+    path = tmp_path / "scene.toml"
+    path.write_text(path.read_text().replace("dt = 1e-05", 'dt = "auto"'))
+    assert Scene.from_toml(path).run == scene.with_values({"run.dt": "auto"}).run
+    assert Scene.from_toml(path).run.dt is None
+    staged = replace(scene, stages=[Stage("one", 0.1), Stage("two", 0.1, set={"run.dt": "auto"})])
+    assert (staged.staged(0).run.dt, staged.staged(1).run.dt) == (1e-5, None)
+    found = sweep(scene, {"run.dt": "auto,1e-5"}, until=1e-4, samples=2, out=tmp_path / "sweep", table="csv")
+    first, second = (row["dt"] for row in found.rows)
+    assert (found.outcomes(), second) == ({"finished": 2}, 1e-5)
+    assert first == pytest.approx(Simulation(scene.with_values({"run.dt": None})).dt, rel=0.1)
+
+
+@pytest.mark.parametrize("key", ["run.until", "material.thickness", "run.relax"])
+def test_other_numbers_do_not_follow_from_any(key: str) -> None:
+    refused(lambda: hanging_strip().with_values({key: "auto"}), InputError, f"^{key} = 'auto': must be a number")
+    refused(lambda: RunSettings(dt="auto"), InputError, "dt = 'auto': must be a number")  # type: ignore[arg-type]
 
 
 def test_check_shows_the_values() -> None:

@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator
 
-from membrane_rs._numbers import OuterUnit, Unit, UnitOf, number, numbers, vector, whole
+from membrane_rs._numbers import AUTO, Auto, OuterUnit, Unit, UnitOf, number, numbers, vector, whole
 from membrane_rs._quantities import to_si
 from membrane_rs._renamed import new_names
 
@@ -33,7 +33,8 @@ def unit_of(cls: type, name: str, values: Mapping[str, Any] | None = None, outer
 
 
 def in_si(cls: type, values: Mapping[str, Any], where: str, outer: str | None = None) -> dict[str, Any]:
-    """A table of values with numbers in place of texts with units, wherever the class takes a number.
+    """A table of values with numbers in place of texts with units, wherever the class takes a number, and None in place
+    of "auto" for a number that may follow from others.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def in_si(cls: type, values: Mapping[str, Any], where: str, outer: str | None = 
         if not takes_number or unit is None:
             continue
         if isinstance(value, str) and not takes_list:
-            found[key] = to_si(value, unit, place)
+            found[key] = None if value.strip() == AUTO and is_automatic(cls, name) else to_si(value, unit, place)
         elif takes_list and any(isinstance(item, str) for item in value) and not isinstance(value, str):
             found[key] = tuple(
                 to_si(item, unit, f"{place}[{k}]") if isinstance(item, str) else item for k, item in enumerate(value)
@@ -84,6 +85,11 @@ def range_of(cls: type, name: str) -> str:
 def is_whole(cls: type, name: str) -> bool:
     """Whether a field holds a whole number."""
     return any(isinstance(item, BeforeValidator) and item.func is whole for item in metadata(cls, name))
+
+
+def is_automatic(cls: type, name: str) -> bool:
+    """Whether a number follows from others where it is not given, so that texts may say "auto"."""
+    return any(isinstance(item, Auto) for item in metadata(cls, name))
 
 
 def is_table(cls: type, name: str) -> bool:

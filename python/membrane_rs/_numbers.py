@@ -38,6 +38,17 @@ class OuterUnit:
     """A field in the unit of the field that its class stands in."""
 
 
+@dataclass(frozen=True)
+class Auto:
+    """A number that follows from others where it is not given: None in Python, the text `AUTO` in files and at the
+    command line.
+    """
+
+
+AUTO = "auto"
+"""What a file or an option says for a number that is not given."""
+
+
 def wrong_type(wanted: str) -> PydanticCustomError:
     """An error of type, of one line."""
     return PydanticCustomError("wrong_type", "must be {wanted}", {"wanted": wanted})

@@ -26,8 +26,10 @@ from typing_extensions import dataclass_transform
 from membrane_rs._fields import checked_class, in_si, is_table, is_whole, range_of, unit_of
 from membrane_rs._messages import nearest, show
 from membrane_rs._numbers import (
+    AUTO,
     MOST,
     NO_NUMBERS,
+    Auto,
     Count,
     Finite,
     Flag,
@@ -49,8 +51,10 @@ from membrane_rs._renamed import deprecated, new_names
 from membrane_rs.errors import InputError, InputTypeError, MembraneError
 
 __all__ = [
+    "AUTO",
     "MOST",
     "NO_NUMBERS",
+    "Auto",
     "Count",
     "Finite",
     "Flag",

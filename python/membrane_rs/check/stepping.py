@@ -14,6 +14,10 @@ from membrane_rs.scene.softened import softening_of
 from membrane_rs.simulation.methods import IntegratorFacts, integrators
 from membrane_rs.simulation.motion import Motion
 
+LEFT_OUT = " (--dt auto, or --set run.dt=auto; None in Python)"
+"""How to leave out the step that a scene gives."""
+WITH_STEP = " and a given step"
+"""Why a method that chooses its steps by their error ignores the tolerance."""
 SUBSTEPPED = "leapfrog"
 """The method whose steps may have substeps."""
 
@@ -77,7 +81,7 @@ def step_above_limit(stepping: Stepping) -> Iterator[Finding]:
             "step",
             1,
             f"dt = {dt:.4g} s is above the stability limit of {limit:.4g} s",
-            "leave dt out, or use a smaller one",
+            f"leave dt out{LEFT_OUT if stepping.own.dt is not None else ''}, or use a smaller one",
         )
 
 
@@ -97,7 +101,7 @@ def settings_without_effect(stepping: Stepping) -> Iterator[Finding]:
                 "setting_without_effect",
                 1,
                 f"run.{name} = {value:g} has no effect with {run.integrator!r}{why}",
-                "leave it out, or take another method",
+                f"leave it out, or dt{LEFT_OUT}" if why == WITH_STEP else "leave it out, or take another method",
             )
 
 
@@ -108,7 +112,7 @@ def _unused(run: RunSettings) -> dict[str, str]:
         return {}
     found: dict[str, str] = {}
     if not facts.is_adaptive or run.dt is not None:
-        why = " and a given step" if facts.is_adaptive else ", whose steps are not chosen by their error"
+        why = WITH_STEP if facts.is_adaptive else ", whose steps are not chosen by their error"
         found |= dict.fromkeys(("tolerance", "tolerance_length", "tolerance_speed"), why)
     if math.isfinite(facts.imaginary_limit):
         found["spectral_radius"] = ", which is explicit"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from membrane_rs._messages import show
+from membrane_rs._numbers import AUTO
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli import completion
 from membrane_rs.cli.application import say_in
@@ -62,6 +63,11 @@ def quantity_option(unit: str, help: str) -> Any:  # noqa: A002 - typer's own wo
     return typer.Option(help=help, parser=parser, metavar="QUANTITY")
 
 
+def step(text: str) -> float | str:
+    """A step of the command line [s], or "auto" as it is. Raises BadParameter, which names the value."""
+    return AUTO if text.strip() == AUTO else quantity(text, "s")
+
+
 def path(text: str | Path) -> Path:
     """A path of the command line, or a default. Raises BadParameter for an empty one, which would be this folder."""
     if not str(text).strip():
@@ -102,8 +108,13 @@ Integrator = Annotated[
     str | None, typer.Option(help="Name of the method. Default: the scene's.", autocompletion=completion.methods)
 ]
 Dt = Annotated[
-    float | None,
-    quantity_option("s", help="Step [s], or as 2us. Default: from stability and slow motion; dopri5: by its error."),
+    Any,  # a number, AUTO or None; typer takes no unions
+    typer.Option(
+        help="Step [s], or as 2us. auto: from stability and slow motion, with dopri5 by its error. Default: the "
+        "scene's, else auto.",
+        parser=step,
+        metavar="QUANTITY|auto",
+    ),
 ]
 Tolerance = Annotated[float | None, numeric_option(help="Tolerance for the error of dopri5. Default: the scene's.")]
 SpectralRadius = Annotated[

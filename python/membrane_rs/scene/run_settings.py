@@ -8,7 +8,7 @@ from annotated_types import Ge, Le
 
 from membrane_rs import _core
 from membrane_rs._renamed import Renamed
-from membrane_rs._validation import Count, NonNegative, Positive, Times, Unit, nearest, show, validated
+from membrane_rs._validation import Auto, Count, NonNegative, Positive, Times, Unit, nearest, show, validated
 from membrane_rs.errors import InputError
 
 SHORTEST, LONGEST = 1e-15, 1e12
@@ -35,8 +35,9 @@ class RunSettings:
     integrator : str
         Name of the method, one of `membrane_rs.integrators()`.
     dt : float or None
-        Step [s]. None: from the stability limit, with a margin, and from the slow motion (docs/model.md); "dopri5" then
-        chooses each step by its error. The end and all outputs are met, also where they lie between two steps.
+        Step [s]. None, in files "auto": from the stability limit, with a margin, and from the slow motion
+        (docs/model.md); "dopri5" then chooses each step by its error. The end and all outputs are met, also where they
+        lie between two steps.
     tolerance : float
         Error that a step may make on any node where it is chosen by the error [-]: this share of
         sqrt(tolerance_length^2 + x^2) in position and of sqrt(tolerance_speed^2 + v^2) in velocity, with x and v of
@@ -82,7 +83,7 @@ class RunSettings:
 
     until: Annotated[Positive, Unit("s")] = 0.8
     integrator: str = "rk4"
-    dt: Annotated[Positive | None, Unit("s")] = None
+    dt: Annotated[Positive | None, Unit("s"), Auto()] = None
     tolerance: Positive = 1e-5
     tolerance_length: Annotated[Positive, Unit("m")] = 0.1
     tolerance_speed: Annotated[Positive, Unit("m/s")] = 1.0

@@ -15,7 +15,8 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from membrane_rs._fields import takes_numbers, unit_of
+from membrane_rs._fields import is_automatic, takes_numbers, unit_of
+from membrane_rs._numbers import AUTO
 from membrane_rs._quantities import KINDS, LONGEST
 from membrane_rs._renamed import new_names
 from membrane_rs.folding import PATTERNS
@@ -107,6 +108,8 @@ def _table(cls: type[Any], first: Mapping[str, Any] | None = None, outer: str | 
             made = {**_plain(plain), **OF_KEYS.get(cls, {}).get(name, {})}
             if takes_numbers(cls, name)[0]:
                 made = _with_units(made, unit)
+            if is_automatic(cls, name):
+                made = {"anyOf": [*made["anyOf"], {"const": AUTO}]}
         default = plain.get("default")
         if default is not None and made.get("type") != "object":
             made["default"] = default
