@@ -158,6 +158,7 @@ def test_resume_refuses_values(tmp_path: Path) -> None:
         (["--set", "run.dt="], "must be KEY=VALUE"),
         (["--set", "run.dt=1", "--set", "run.dt = 2"], "run.dt has a value already; leave out one of them"),
         (["--set", "run.dt=[1"], r"--set run.dt = '\[1': is no value of TOML"),
+        (["--set", "run.dt={}"], r"Error: run.dt = \{\}: must be a number, greater than 0 \(s\)"),
         (["--set", "run.dt=fast"], "run.dt = 'fast': must be a number"),
         (["--set", "run.dt=1 kg"], r"run.dt = '1 kg': is a mass; must be a time \(s\)"),
         (["--set", "run.dt=nan"], "run.dt = nan: must be finite"),

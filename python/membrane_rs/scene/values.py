@@ -56,7 +56,8 @@ class Valued:
             Values, in SI units or as text with a unit ("7.5 um"), by keys such as "material.thickness", "run.dt",
             "laws.creases.stiffness" (which adds a law that the scene lacks), "parts.<name or index>.mass",
             "stages.<name or index>.duration", "mesh.fold_lines" (of the pattern, which makes the mesh anew). "laws.x"
-            takes True, False or a table of several keys. None takes an optional value away. docs/units.md has all.
+            takes True, False or a table of several keys. None takes an optional value away, {} an optional table such
+            as a schedule. docs/units.md has all.
 
         Returns
         -------
@@ -284,8 +285,8 @@ def _field(change: Change, rest: str, what: str, value: Any) -> tuple[str, Any]:
     if name not in known:
         raise SceneError(f"{what}: no such key; {nearest(name, known, f'{change.place.label}.')}")
     if not inside:
-        if value == {} and not is_table(kind, name):
-            return name, None
+        if value == {} and not is_table(kind, name) and checked_class(kind, name) is not None:
+            return name, None  # an empty table in place of one such as a schedule
         is_count = isinstance(value, float) and value.is_integer() and is_whole(kind, name)
         return name, int(value) if is_count else value
     now = change.values.get(name, None if isinstance(item, type) else getattr(item, name))
