@@ -82,6 +82,26 @@ def test_options_without_effect_are_told(options: str, why: str, scene: Path, tm
     assert f"warning: {why}" in shown if why else "has no effect" not in shown
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--softening=", "Error: --softening = '': must be numbers separated by commas"),
+        ("--density= --curves", "Error: --density = '': must be numbers separated by commas"),
+        ("--integrators=", "Error: --integrators = '': must be names separated by commas"),
+        ("--mesh --softening 3", "Error: --softening: has no effect with --mesh"),
+        ("--mesh --density 2", "Error: --density: has no effect with --mesh"),
+        ("--mesh --steps 3", "Error: --steps: has no effect with --mesh"),
+        ("--mesh --shift 1e-6 --ensemble 1", "Error: --shift: has no effect with --mesh"),
+        ("--rows 8", "Error: --rows: has no effect without --mesh"),
+        ("--shift 1e-6", "Error: shift = 1e-06 (--shift): has no effect without perturbed starts"),
+        ("--shift 1e-6 --curves --ensemble 0", "Error: shift = 1e-06 (--shift): has no effect without perturbed"),
+    ],
+)
+def test_options_of_a_diagram_are_not_ignored(options: str, said: str, scene: Path, tmp_path: Path) -> None:
+    assert said in printed("work-precision", scene, *options.split(), "--out", tmp_path / "out", code=2)
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("options", [("--dt", "5e-324"), ("--dt", "1e-300", "--until", "1e12")])
 def test_check_refuses_more_steps_than_a_run_takes(options: tuple[str, ...], scene: Path) -> None:
     assert "Error: until = " in printed("check", scene, *options, "--integrator", "rk4", code=2)

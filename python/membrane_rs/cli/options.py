@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -223,6 +224,15 @@ def words(text: str, option: str) -> list[str]:
     if not all(found):
         raise InputError(f"{option} = {text!r}: must be names separated by commas")
     return found
+
+
+def refuse_given(options: Mapping[str, bool], why: str) -> None:
+    """Refuse the options that are given, by their names. Raises InputError, which names the first of them."""
+    from membrane_rs.errors import InputError
+
+    for option, is_given in options.items():
+        if is_given:
+            raise InputError(f"{option}: {why}")
 
 
 def whole(number: float, option: str) -> int:

@@ -25,6 +25,7 @@ from membrane_rs.cli.options import (
     numbers,
     numeric_option,
     quantity_option,
+    refuse_given,
     report_audit,
     whole,
     words,
@@ -37,6 +38,10 @@ Methods = Annotated[
     str | None,
     typer.Option("--integrators", "--integrator", help="Methods, separated by commas. Default: all."),
 ]
+
+
+STEPS, ERROR, ROWS = 6, 1e-3, "8,16"
+"""Defaults of work-precision: steps below the limit, the target error, and the meshes of --mesh."""
 
 
 @command(STUDIES, example="stability spinning-tether --values 0,0.02 --steps 0.5,1.05 --until 0.001")
@@ -93,7 +98,7 @@ def work_precision(
     set_: Set = None,
     integrators: Methods = None,
     until: Until = None,
-    steps: Annotated[int, count_option(help="Steps below the limit, each half the last; as many tolerances.")] = 6,
+    steps: Annotated[int, count_option(help="Steps below the limit, each half the last; as many tolerances.")] = STEPS,
     curves: Annotated[
         bool, typer.Option("--curves/--pointwise", help="Compare rate and phase, not positions.")
     ] = False,
@@ -101,11 +106,12 @@ def work_precision(
         int | None, count_option(help="Number of runs from perturbed starts. Default: 0; 4 with --curves.")
     ] = None,
     density: Annotated[
-        str, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
-    ] = "",
+        str | None, typer.Option(help="Relative densities of other meshes, such as 0.5,2; with --curves.")
+    ] = None,
     softening: Annotated[
-        str, typer.Option(help="Softenings of the film, such as 3,10,30: a line for each, against the film as it is.")
-    ] = "",
+        str | None,
+        typer.Option(help="Softenings of the film, such as 3,10,30: a line for each, against the film as it is."),
+    ] = None,
     shift: Annotated[
         float | None,
         quantity_option(
@@ -114,7 +120,7 @@ def work_precision(
             "--softening.",
         ),
     ] = None,
-    error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = 1e-3,
+    error: Annotated[float, numeric_option(help="The target error, to be reached at least cost.")] = ERROR,
     repeats: Annotated[
         int | None, count_option(help="Runs of which the time is the median. Default: 3; 1 with --curves.")
     ] = None,
@@ -122,7 +128,7 @@ def work_precision(
         float | None, quantity_option("s", help="Leave out runs that take longer on one core [s].")
     ] = None,
     mesh: Annotated[bool, typer.Option("--mesh", help="Refine the mesh instead of the step: see mesh-study.")] = False,
-    rows: Rows = "8,16",
+    rows: Rows = ROWS,
     jobs: Jobs = None,
     out: Out = None,
     json: Json = False,
@@ -131,17 +137,24 @@ def work_precision(
     from membrane_rs.study import work_precision as study
 
     if mesh:
+        of_steps = {
+            "--integrators": integrators is not None, "--steps": steps != STEPS, "--density": density is not None,
+            "--softening": softening is not None, "--shift": shift is not None, "--error": error != ERROR,
+            "--repeats": repeats is not None, "--budget": budget is not None,
+        }  # fmt: skip
+        refuse_given(of_steps, "has no effect with --mesh, which refines the mesh and not the step; leave it out")
         _study_meshes(
             scene, set_, rows=rows, forms=None, ensemble=ensemble or 0, until=until, jobs=jobs, out=out, json=json
         )
         return
 
+    refuse_given({"--rows": rows != ROWS}, "has no effect without --mesh; leave it out, or add --mesh")
     chosen = load(scene, set_)
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     names = words(integrators, "--integrators") if integrators is not None else None
-    meshes = numbers(density, "--density") if density else []
-    films = numbers(softening, "--softening") if softening else []
+    meshes = numbers(density, "--density") if density is not None else []
+    films = numbers(softening, "--softening") if softening is not None else []
     found = study(
         chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, softenings=films,
         shift=shift, wanted=error, repeats=repeats, budget=budget, jobs=jobs, progress=tell,
@@ -193,7 +206,7 @@ def mesh_study(
     scene: SceneArgument = "okuizumi-model-1",
     *,
     set_: Set = None,
-    rows: Rows = "8,16",
+    rows: Rows = ROWS,
     forms: Annotated[str | None, typer.Option(help="Forms of the parameters, by commas. Default: all.")] = None,
     ensemble: Annotated[int, count_option(help="Number of runs from perturbed starts on each mesh.")] = 0,
     until: Until = None,

@@ -108,8 +108,9 @@ def work_precision(
         evaluations a step from the same start; all errors are against the film that is not softened, even if that of
         the scene is. They have a floor that no step lessens: what softening changes.
     shift : float, optional
-        Standard deviation of the perturbation of each coordinate of a start [m]. Default: 1e-12; 1e-6 with
-        `softenings`, since starts that differ by rounding alone show less than what any change of the model does.
+        Standard deviation of the perturbation of each coordinate of a start [m]; needs `members` or `curves`. Default:
+        1e-12; 1e-6 with `softenings`, since starts that differ by rounding alone show less than what any change of the
+        model does.
     wanted : float
         The target error [-], for which the cheapest method is given (of the rate, with `curves`).
     repeats : int, optional
@@ -157,7 +158,7 @@ def work_precision(
     budget = None if budget is None else _above_zero("budget", budget, "s")
     densities = _factors("densities", densities, "multiples of the scene's density")
     softenings = _factors("softenings", softenings, "by which the film is softer in stretch")
-    shift = (MODEL_SHIFT if softenings else SHIFT) if shift is None else shift_of(shift)
+    shift = _shift(shift, members, softenings)
     explicit = _explicit(names, softenings)
     if densities and not curves:
         raise InputError(
@@ -295,6 +296,19 @@ def _methods(wanted: Sequence[str] | None) -> list[str]:
         if name not in known:
             raise InputError(f"integrators: there is no {name!r}; {nearest(name, known)}")
     return list(dict.fromkeys(wanted or known))
+
+
+def _shift(shift: float | None, members: int, softenings: Sequence[float]) -> float:
+    """The perturbation of starts [m]. Raises InputError where one is given and there are none, InputTypeError."""
+    if shift is None:
+        return MODEL_SHIFT if softenings else SHIFT
+    shift = shift_of(shift)
+    if not members:
+        raise InputError(
+            f"shift = {show(shift)} (--shift): has no effect without perturbed starts; leave it out, or add --ensemble "
+            "or --curves"
+        )
+    return shift
 
 
 def _explicit(methods: Sequence[str], softenings: Sequence[float]) -> list[str]:
