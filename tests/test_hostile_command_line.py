@@ -92,13 +92,20 @@ def test_options_without_effect_are_told(options: str, why: str, scene: Path, tm
         ("--mesh --density 2", "Error: --density: has no effect with --mesh"),
         ("--mesh --steps 3", "Error: --steps: has no effect with --mesh"),
         ("--mesh --shift 1e-6 --ensemble 1", "Error: --shift: has no effect with --mesh"),
+        ("--softening 0", "Error: softenings (--softening): material.softening = 0.0: must be at least 1"),
+        ("--softening nan", "Error: softenings = nan: must be finite (by which the film is softer in stretch, --soft"),
+        ("--density nan --curves", "Error: densities = nan: must be finite (multiples of the scene's density, --dens"),
+        ("--shift 0 --ensemble 1", "Error: shift = 0.0: must be above 0 (m, --shift)"),
+        ("--jobs 0", "Error: jobs = 0: must be from 1 to 1,000 (runs at a time, --jobs)"),
         ("--rows 8", "Error: --rows: has no effect without --mesh"),
         ("--shift 1e-6", "Error: shift = 1e-06 (--shift): has no effect without perturbed starts"),
         ("--shift 1e-6 --curves --ensemble 0", "Error: shift = 1e-06 (--shift): has no effect without perturbed"),
     ],
 )
-def test_options_of_a_diagram_are_not_ignored(options: str, said: str, scene: Path, tmp_path: Path) -> None:
-    assert said in printed("work-precision", scene, *options.split(), "--out", tmp_path / "out", code=2)
+def test_options_of_a_diagram_are_refused_before_a_run(options: str, said: str, tmp_path: Path) -> None:
+    shown = printed("work-precision", "spinning-disc", *options.split(), "--out", tmp_path / "out", code=2)
+    assert said in shown
+    assert "reference" not in shown
     assert not (tmp_path / "out").exists()
 
 

@@ -29,7 +29,7 @@ from membrane_rs.scene.softened import softening_of, with_softening
 from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
-from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.executor import Tell, run_parallel, teller, workers_of
 from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT, check_shift, shift_of
 from membrane_rs.study.common.run import (
     MOST_MEMBERS,
@@ -156,15 +156,15 @@ def work_precision(
     repeats = count_of("repeats", repeats, 1, MOST_REPEATS, "runs for a median of times")
     wanted = _above_zero("wanted", wanted, "the target error, --error")
     budget = None if budget is None else _above_zero("budget", budget, "s")
-    densities = _factors("densities", densities, "multiples of the scene's density")
-    softenings = _factors("softenings", softenings, "by which the film is softer in stretch")
+    densities = _factors("densities", densities, "multiples of the scene's density, --density")
+    softenings = _factors("softenings", softenings, "by which the film is softer in stretch, --softening")
     shift = _shift(shift, members, softenings)
     explicit = _explicit(names, softenings)
     if densities and not curves:
         raise InputError(
             f"densities = {show(densities)}: meshes have different nodes, so only curves can be compared; add --curves"
         )
-    tell = teller(progress)
+    tell, jobs = teller(progress), workers_of(jobs)
     kinds = CURVES if curves else POINTWISE
     count = (100 if curves else 10) if instants is None else instants
     cases = _cases(scene, until, count, densities, softenings)
@@ -271,7 +271,10 @@ def _cases(
     found = {(1.0, film): case}
     found |= {(d, film): study_case(denser(scene, d), until, instants) for d in sorted(set(densities)) if d != 1.0}
     for factor in sorted(set(softenings)):  # by the key of scene files, whose errors say what is wrong
-        found[1.0, factor] = case.of(case.scene.with_values({"material.softening": factor}))
+        try:
+            found[1.0, factor] = case.of(case.scene.with_values({"material.softening": factor}))
+        except InputError as error:
+            raise type(error)(f"softenings (--softening): {error}") from None
     return found
 
 

@@ -33,7 +33,7 @@ def workers_of(jobs: int | None) -> int:
     """
     if jobs is None:
         return cores()
-    return count_of("jobs", jobs, 1, MOST_JOBS, "runs at a time")
+    return count_of("jobs", jobs, 1, MOST_JOBS, "runs at a time, --jobs")
 
 
 def teller(progress: Tell | None, name: str = "progress") -> Tell:

@@ -20,7 +20,7 @@ def shift_of(shift: float) -> float:
     """A standard deviation of the perturbation [m], checked. Raises InputError and InputTypeError."""
     shift = number_of("shift", shift, "m")
     if shift <= 0.0:
-        raise InputError(f"shift = {shift}: must be above 0 (m)")
+        raise InputError(f"shift = {shift}: must be above 0 (m, --shift)")
     return shift
 
 
