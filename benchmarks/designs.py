@@ -27,7 +27,7 @@ from page import README, MarkedPart, options, show
 
 PART = MarkedPart(README, "designs")
 FAST, FULL, KEY = "okuizumi-model-1-fast", "okuizumi-model-1", "laws.creases.stiffness"
-SHARE = 0.8
+SHARE = 0.91
 """Of the stability limit, the step of the full model as the fast scene is stepped."""
 AIM = 100.0
 """Designs a minute on two cores."""
