@@ -37,7 +37,7 @@ WHERE: tuple[Where, ...] = ("threads", "processes")
 
 @dataclass(frozen=True)
 class Case:
-    """A study that is timed: `make` runs it at so many designs or starts."""
+    """A study that is timed: `make` runs it at so many designs or starts, more than once unless it is long."""
 
     study: str
     model: str
@@ -45,6 +45,7 @@ class Case:
     make: Callable[[Scene, int, Where], Sweep]
     count: int
     aim: float | None = None
+    is_long: bool = False
 
 
 def swept(scene: Scene, count: int, where: Where) -> Sweep:
@@ -83,7 +84,7 @@ def cases(fast: Scene, full: Scene, count: int, few: int) -> list[Case]:
         Case("ensemble", "fast scene", fast, started, count, AIM),
         Case("sweep", "full model, stepped alike", alike, swept, few),
         Case("ensemble", "full model, stepped alike", alike, started, few),
-        Case("sweep", "full model, as its file says", full, swept, few),
+        Case("sweep", "full model, as its file says", full, swept, few, is_long=True),
     ]
 
 
@@ -150,11 +151,15 @@ def main() -> None:
     fast, full = (shortened(scenes.load(name), share) for name in (FAST, FULL))
     every = cases(fast, full, count, few)
     times: dict[tuple[int, Where], list[float]] = {(k, where): [] for k in range(len(every)) for where in WHERE}
-    for _ in range(repeats):
+    for repeat in range(repeats):
         for (k, where), found in times.items():
-            found.append(timed(every[k], where))
+            if repeat == 0 or not every[k].is_long:
+                found.append(timed(every[k], where))
     beside = [(what, f"{1e3 * seconds:.0f}") for what, seconds in parts_of_a_run(fast, repeats)]
-    head = f"Processor: {cpu()}, {cores} cores. Runs of {fast.run.until:g} s, medians of {repeats}."
+    head = (
+        f"Processor: {cpu()}, {cores} cores. Runs of {fast.run.until:g} s, medians of {repeats}; the full model as its "
+        "file says once."
+    )
     show(PART, f"{head}\n\n{study_table(every, times)}\n{table(('', '[ms]'), beside)}", write=chosen.write)
 
 
