@@ -83,11 +83,13 @@ def import_time(line: str) -> float:
 
 def import_times(repeats: int) -> Times:
     """Of each of `IMPORTS`, by turns."""
-    lines = list(IMPORTS.items())
-    for _, line in lines:
+    for line in IMPORTS.values():
         import_time(line)  # writes missing byte code
-    rounds = [[import_time(line) for _, line in lines] for _ in range(repeats)]
-    return {what: list(found) for (what, _), found in zip(lines, zip(*rounds, strict=True), strict=True)}
+    times: Times = {what: [] for what in IMPORTS}
+    for _ in range(repeats):
+        for what, line in IMPORTS.items():
+            times[what].append(import_time(line))
+    return times
 
 
 def making_time(density: float) -> list[float]:

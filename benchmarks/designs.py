@@ -27,8 +27,6 @@ from page import README, MarkedPart, options, show
 
 PART = MarkedPart(README, "designs")
 FAST, FULL, KEY = "okuizumi-model-1-fast", "okuizumi-model-1", "laws.creases.stiffness"
-SHARE = 0.91
-"""Of the stability limit, the step of the full model as the fast scene is stepped."""
 AIM = 100.0
 """Designs a minute on two cores."""
 Where = Literal["threads", "processes"]
@@ -66,7 +64,8 @@ def stepped_alike(full: Scene, fast: Scene) -> Scene:
     """The full model by the method of the fast scene, at the same share of its own limit."""
     by_method = replace(full, run=replace(full.run, integrator=fast.run.integrator, substeps=fast.run.substeps))
     interval = full.run.until / (full.run.samples - 1)
-    dt = SHARE * Simulation(by_method).stable_dt()
+    sim = Simulation(fast)
+    dt = sim.dt / sim.stable_dt() * Simulation(by_method).stable_dt()
     return replace(by_method, run=replace(by_method.run, dt=interval / -(-interval // dt)))
 
 

@@ -22,7 +22,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from types import ModuleType
 from typing import Any
+
+
+def _imported(module: str) -> ModuleType:
+    """A module of the package, after the third-party packages that it may need."""
+    import_module("membrane_rs._third_party")
+    return import_module(module)
 
 
 class OnDemand:
@@ -48,13 +55,11 @@ class OnDemand:
     def __call__(self, name: str) -> Any:
         """The object of that name, which the package holds from then on. Raises AttributeError for other names."""
         if name in self.places:
-            import_module("membrane_rs._third_party")
-            found = getattr(import_module(self.places[name]), name)
+            found = getattr(_imported(self.places[name]), name)
             setattr(sys.modules[self.package], name, found)
             return found
         if not name.startswith("_") and name in self.modules():
-            import_module("membrane_rs._third_party")
-            return import_module(f"{self.package}.{name}")
+            return _imported(f"{self.package}.{name}")
         if self.old is not None:
             return self.old(name)
         raise AttributeError(f"module {self.package!r} has no attribute {name!r}")

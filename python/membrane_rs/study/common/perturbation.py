@@ -26,10 +26,9 @@ def shift_of(shift: float) -> float:
 
 def check_shift(shift: float, scene: Scene) -> None:
     """Refuse a perturbation as large as the shortest edge or cord of a scene. Raises InputError."""
-    assembly = scene.assemble()
-    corners = assembly.reference[assembly.triangles]
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    shortest = min(edges.min(initial=np.inf), assembly.cords.rest_length.min(initial=np.inf))
+    shortest = scene.assemble().cords.rest_length.min(initial=np.inf)
+    if scene.mesh is not None:
+        shortest = min(shortest, scene.mesh.edge_lengths.min())
     if shift >= shortest:
         raise InputError(
             f"shift = {shift:g}: must be below {shortest:.4g}, the shortest edge or cord of the scene (m); starts that "
