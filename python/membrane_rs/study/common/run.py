@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from threading import Event
 
 import numpy as np
@@ -16,6 +17,7 @@ from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.simulation.output_times import is_same_time
 from membrane_rs.study.common.executor import Tell, run_parallel
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
 from membrane_rs.study.common.stages import refuse_stages
@@ -58,6 +60,11 @@ class StudyCase:
     def interval(self) -> float:
         """Time between two samples [s]."""
         return self.until / self.instants
+
+    @cached_property
+    def times(self) -> list[float]:
+        """Of the samples [s]."""
+        return [k * self.interval for k in range(1, self.instants + 1)]
 
     def step_near(self, dt: float) -> float:
         """The step nearest to `dt` that divides the interval between two samples [s]."""
@@ -181,36 +188,15 @@ def run_case(
         scene = replace(scene, run=replace(scene.run, tolerance=tolerance, dt=None))
     sim = Simulation(scene, integrator, step)
     sim.positions = case.start
-    corners = Corners(sim.assembly)
-    rows: list[tuple[float, ...]] = []
-    kept: list[Floats] = []
-    seconds, failure, expected = 0.0, None, None
-    for k in range(1, case.instants + 1):
-        if stop is not None and stop.is_set():
-            break
-        began = time.thread_time()
-        try:
-            sim.run(until=k * case.interval, frames=2, samples=2)
-        except UnstableError as error:
-            failure = error
-        seconds += time.thread_time() - began
-        if failure is not None:
-            break
-        positions, strains = sim.positions, sim.spring_strains()
-        rate, phase = corners.deployment_rate(positions), corners.phase_difference(positions)
-        rows.append((sim.time, rate, phase, float(strains.max()) if len(strains) else 0.0, peak_stress(sim)))
-        if shapes:
-            kept.append(positions)
-        if (
-            tell is not None
-            and k < case.instants
-            and REPORTED * k // case.instants > REPORTED * (k - 1) // case.instants
-        ):
-            tell(f"{100 * k // case.instants} %, t = {sim.time:.4g} s")
-        if budget is not None and k >= BUDGET_CHECK * case.instants and seconds / k * case.instants > budget:
-            expected = seconds / k * case.instants
-            break
-    times, rates, phases, strain, stress = np.array(rows, dtype=np.float64).reshape(-1, 5).T
+    samples = _Samples(case, shapes=shapes, budget=budget, stop=stop, tell=tell)
+    failure = None
+    try:
+        sim.march(case.times[-1], frames=2, samples=case.times, observers=[samples])
+    except _Ended:
+        pass
+    except UnstableError as error:
+        failure = error
+    times, rates, phases, strain, stress = np.array(samples.rows, dtype=np.float64).reshape(-1, 5).T
     return StudyRun(
         integrator=sim.integrator,
         dt=sim.dt if step is not None else sim.time / max(sim.step_count, 1),
@@ -219,14 +205,65 @@ def run_case(
         phase=phases,
         strain=strain,
         stress=stress,
-        shapes=np.array(kept, dtype=np.float64).reshape(-1, sim.node_count, 3),
+        shapes=np.array(samples.shapes, dtype=np.float64).reshape(-1, sim.node_count, 3),
         steps=sim.step_count,
         rejected=sim.rejected_count,
         evaluations=sim.evaluation_count,
-        seconds=seconds,
+        seconds=samples.seconds,
         failure=failure,
-        expected=expected,
+        expected=samples.expected,
     )
+
+
+class _Ended(Exception):  # noqa: N818 - no error
+    """A run that is stopped, or beyond its budget."""
+
+
+class _Samples:
+    """Observer that keeps the samples of a run, and the processor time of the stepping between them [s]."""
+
+    def __init__(
+        self, case: StudyCase, *, shapes: bool, budget: float | None, stop: Event | None, tell: Tell | None
+    ) -> None:
+        self._case, self._has_shapes, self._budget, self._stop, self._tell = case, shapes, budget, stop, tell
+        self.rows: list[tuple[float, ...]] = []
+        self.shapes: list[Floats] = []
+        self.seconds = 0.0
+        self.expected: float | None = None
+
+    def start(self, sim: Simulation) -> None:
+        self._corners = Corners(sim.assembly)
+        self._began = time.thread_time()
+
+    def sample(self, sim: Simulation) -> None:
+        self.seconds += time.thread_time() - self._began
+        if self._stop is not None and self._stop.is_set():
+            raise _Ended
+        # Neither the start nor the last state without a fault is an instant.
+        if is_same_time(self._case.times[len(self.rows)], sim.time):
+            self._keep(sim)
+        self._began = time.thread_time()
+
+    def frame(self, sim: Simulation) -> None:
+        """Has nothing of its own."""
+
+    def finish(self, sim: Simulation, error: BaseException | None) -> None:
+        """Has nothing to close."""
+
+    def _keep(self, sim: Simulation) -> None:
+        positions, strains = sim.positions, sim.spring_strains()
+        rate, phase = self._corners.deployment_rate(positions), self._corners.phase_difference(positions)
+        largest = float(strains.max()) if len(strains) else 0.0
+        self.rows.append((sim.time, rate, phase, largest, peak_stress(sim)))
+        if self._has_shapes:
+            self.shapes.append(positions)
+        k, count = len(self.rows), self._case.instants
+        if self._tell is not None and k < count and REPORTED * k // count > REPORTED * (k - 1) // count:
+            self._tell(f"{100 * k // count} %, t = {sim.time:.4g} s")
+        expected = self.seconds / k * count
+        if self._budget is not None and k >= BUDGET_CHECK * count and expected > self._budget:
+            self.expected = expected
+            raise _Ended
 
 
 def ensemble(
