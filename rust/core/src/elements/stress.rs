@@ -19,10 +19,7 @@ pub struct TriangleStress {
 impl TriangleStress {
     /// Principal values, the larger first \[Pa\].
     pub fn values(&self) -> [f64; 2] {
-        let [s11, s22, s12] = self.stress;
-        let (mean, difference) = (0.5 * (s11 + s22), 0.5 * (s11 - s22));
-        let spread = (difference * difference + s12 * s12).sqrt();
-        [mean + spread, mean - spread]
+        principal_values(self.stress)
     }
 
     /// The principal directions in the present shape, unit vectors; zero where a collapsed triangle leaves them
@@ -37,6 +34,13 @@ impl TriangleStress {
         let along = dot(second, first);
         [first, unit(sub(second, first.map(|component| along * component)))]
     }
+}
+
+/// Principal values of a stress 11, 22 and 12, the larger first \[Pa\].
+pub fn principal_values([s11, s22, s12]: [f64; 3]) -> [f64; 2] {
+    let (mean, difference) = (0.5 * (s11 + s22), 0.5 * (s11 - s22));
+    let spread = (difference * difference + s12 * s12).sqrt();
+    [mean + spread, mean - spread]
 }
 
 fn unit(vector: [f64; 3]) -> [f64; 3] {

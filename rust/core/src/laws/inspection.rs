@@ -20,6 +20,12 @@ pub trait Inspection {
         None
     }
 
+    /// The largest principal stress of the film, at least 0; `None` without triangles \[Pa\].
+    fn largest_film_stress(&self, at: Instant<'_>) -> Option<f64> {
+        let stresses = self.film_stress(at).filter(|stresses| !stresses.is_empty())?;
+        Some(stresses.iter().map(|stress| stress.values()[0]).fold(0.0, f64::max))
+    }
+
     /// State of each triangle of the film.
     fn film_states(&self, _at: Instant<'_>) -> Option<FilmStates> {
         None

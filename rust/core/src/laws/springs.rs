@@ -318,6 +318,10 @@ impl Inspection for Springs {
         self.film.as_ref().map(|film| self.triangle_stress(at, film))
     }
 
+    fn largest_film_stress(&self, at: Instant<'_>) -> Option<f64> {
+        self.film.as_ref().and_then(|film| self.largest_triangle_stress(at, film))
+    }
+
     fn lanes(&self) -> [usize; 2] {
         self.links.elements.lanes()
     }

@@ -44,8 +44,7 @@ impl Simulation {
     /// The largest principal stress of the film, at least 0; `None` without a law of the film or without triangles
     /// \[Pa\].
     pub fn largest_film_stress(&self) -> Option<f64> {
-        let stresses = self.film_stress().filter(|stresses| !stresses.is_empty())?;
-        Some(stresses.iter().map(|stress| stress.values()[0]).fold(0.0, f64::max))
+        self.inspected().find_map(|(_, law)| law.largest_film_stress(self.instant()))
     }
 
     /// State of a film of triangles; `None` without its law.

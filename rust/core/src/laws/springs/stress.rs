@@ -10,14 +10,17 @@
 //! this is the virial stress 1/(h A) sum_i N_i l_i e_i e_i^T. A spring that is shortened to less than 1e-12 of its
 //! rest length is taken as that long, as in its force.
 
-use super::Springs;
+use super::{Parameters, Springs};
+use crate::arrays::blocks::tiles;
 use crate::arrays::columns::Columns;
 use crate::arrays::state::columns;
 use crate::assembly::Assembly;
-use crate::elements::stress::TriangleStress;
+use crate::elements::link::Span;
+use crate::elements::stress::{TriangleStress, principal_values};
 use crate::laws::Instant;
 use crate::model::input::NegativeSprings;
 use crate::model::mesh::sub;
+use crate::simd::dispatch::BatchKernel;
 use crate::simd::lanes::{F64x8, SimdF64};
 
 /// A triangle of the film.
@@ -26,15 +29,17 @@ struct Triangle {
     nodes: [u32; 3],
     /// The edges opposite its corners, external rows.
     sides: [u32; 3],
-    /// Its own part of the spring constant of each side; 0 where the spring was clipped [N/m].
-    constants: [f64; 3],
+    /// k_i/(h A0 L_i^2) of its own part of each side, 0 where the spring was clipped [N/m5].
+    weights: [f64; 3],
+    /// The third node of the reference and the length of the base [m], with the first node at the origin and the second
+    /// on axis 1.
+    apex: [f64; 2],
+    base: f64,
 }
 
 /// All triangles of the film, in external order.
 pub(super) struct FilmTriangles {
     triangles: Vec<Triangle>,
-    /// h [m].
-    thickness: f64,
 }
 
 impl FilmTriangles {
@@ -43,67 +48,98 @@ impl FilmTriangles {
         let (mesh, numbering) = (&assembly.mesh, &assembly.numbering);
         let has_springs = assembly.model.negative_springs != NegativeSprings::Unused;
         let film = assembly.model.film.filter(|_| has_springs)?;
-        let triangle = |((&nodes, &sides), &constants): ((&[u32; 3], &[u32; 3]), &[f64; 3])| {
-            let mut constants = constants;
-            for (constant, side) in constants.iter_mut().zip(sides) {
-                if assembly.edge_stiffness[side as usize] == 0.0 {
-                    *constant = 0.0;
-                }
-            }
-            Triangle { nodes: numbering.to_internal(nodes), sides, constants }
+        let triangle = |(row, (&sides, &constants)): (usize, (&[u32; 3], &[f64; 3]))| {
+            let lengths = mesh.side_lengths(row);
+            let [opposite_a, opposite_b, base] = lengths;
+            let along = (base * base + opposite_b * opposite_b - opposite_a * opposite_a) / (2.0 * base);
+            let height = (opposite_b * opposite_b - along * along).max(0.0).sqrt();
+            let volume = 0.5 * base * height * film.thickness;
+            let weights = [0, 1, 2].map(|k| {
+                let is_clipped = assembly.edge_stiffness[sides[k] as usize] == 0.0;
+                if is_clipped { 0.0 } else { constants[k] / (lengths[k] * lengths[k] * volume) }
+            });
+            let nodes = numbering.to_internal(mesh.triangles[row]);
+            Triangle { nodes, sides, weights, apex: [along, height], base }
         };
-        let triangles = mesh.triangles.iter().zip(&mesh.triangle_edges).zip(&assembly.side_stiffness).map(triangle);
-        Some(Self { triangles: triangles.collect(), thickness: film.thickness })
+        let triangles = mesh.triangle_edges.iter().zip(&assembly.side_stiffness).enumerate().map(triangle);
+        Some(Self { triangles: triangles.collect() })
     }
 }
 
-/// A spring as the stress needs it.
-#[derive(Clone, Copy)]
-struct Side {
-    /// L [m].
-    rest_length: f64,
-    /// (max(l, l_cr) - L) L^2 / l [m2].
-    pull: f64,
+/// Stores (max(l, l_cr) - L) L^2 / l of the springs of one tile [m2].
+struct PullKernel<'a> {
+    springs: &'a Springs,
+    tile: usize,
+    positions: Columns<'a>,
+    pulls: &'a mut [F64x8],
+}
+
+impl BatchKernel for PullKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let parameters = self.springs.parameters.of(&pass);
+        for batch in 0..pass.len() {
+            let Parameters { rest_length, critical_length, .. } = &parameters[batch];
+            let (rest, critical_length) = (V::load(rest_length), V::load(critical_length));
+            let length = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
+            let pull = (length.max(critical_length) - rest) * rest * rest / length.max(V::all(1e-12) * rest);
+            self.pulls[pass.place(batch)] = pull.lanes();
+        }
+        V::zero()
+    }
 }
 
 impl Springs {
+    /// (max(l, l_cr) - L) L^2 / l of each spring, in external order [m2].
+    fn pulls(&self, at: Instant<'_>) -> Vec<[f64; 1]> {
+        let elements = &self.links.elements;
+        let (positions, mut pulls) = (Columns::of(at.positions), vec![F64x8::ZERO; elements.batch_count()]);
+        for tile in tiles(at.positions.nrows()) {
+            self.links.instructions.run_batches(PullKernel { springs: self, tile, positions, pulls: &mut pulls });
+        }
+        elements.unpack_rows(pulls.into_iter().map(|pull| [pull]))
+    }
+
     /// The stress of each triangle, in external order.
     pub(super) fn triangle_stress(&self, at: Instant<'_>, film: &FilmTriangles) -> Vec<TriangleStress> {
-        let lengths = self.links.lengths(Columns::of(at.positions)).zip(self.parameters.iter());
-        let pulls = lengths.map(|(l, spring)| {
-            let rest = spring.rest_length;
-            let least = F64x8::all(1e-12) * rest;
-            [rest, (l.max(spring.critical_length) - rest) * rest * rest / l.max(least)]
-        });
-        let sides = self.links.elements.unpack_rows(pulls);
-        let sides: Vec<Side> = sides.into_iter().map(|[rest_length, pull]| Side { rest_length, pull }).collect();
-        let x = columns(at.positions);
-        let point = |node: u32| x.map(|column| column[node as usize]);
+        let (pulls, x) = (self.pulls(at), columns(at.positions));
         let of_triangle = |triangle: &Triangle| {
-            triangle.stress(film.thickness, triangle.sides.map(|side| sides[side as usize]), triangle.nodes.map(point))
+            let nodes = triangle.nodes.map(|node| x.map(|column| column[node as usize]));
+            TriangleStress { stress: triangle.stress(&pulls), gradient: triangle.gradient(nodes) }
         };
         film.triangles.iter().map(of_triangle).collect()
+    }
+
+    /// The largest principal stress, at least 0; `None` without triangles [Pa].
+    pub(super) fn largest_triangle_stress(&self, at: Instant<'_>, film: &FilmTriangles) -> Option<f64> {
+        let pulls = self.pulls(at);
+        let largest = |triangle: &Triangle| principal_values(triangle.stress(&pulls))[0];
+        (!film.triangles.is_empty()).then(|| film.triangles.iter().map(largest).fold(0.0, f64::max))
     }
 }
 
 impl Triangle {
-    /// The stress, in a frame with the first node of the reference triangle at the origin and the second on axis 1.
-    fn stress(&self, thickness: f64, sides: [Side; 3], [a, b, c]: [[f64; 3]; 3]) -> TriangleStress {
-        let [opposite_a, opposite_b, base] = sides.map(|side| side.rest_length);
-        let along = (base * base + opposite_b * opposite_b - opposite_a * opposite_a) / (2.0 * base);
-        let height = (opposite_b * opposite_b - along * along).max(0.0).sqrt();
-        let volume = 0.5 * base * height * thickness;
+    /// S, by the pulls of all springs.
+    fn stress(&self, pulls: &[[f64; 1]]) -> [f64; 3] {
+        let ([along, height], base) = (self.apex, self.base);
+        let sides = [[along - base, height], [along, height], [base, 0.0]];
         let mut stress = [0.0; 3];
-        let vectors = [[along - base, height], [along, height], [base, 0.0]];
-        for ((side, constant), [dx, dy]) in sides.into_iter().zip(self.constants).zip(vectors) {
-            let weight = constant * side.pull / (side.rest_length * side.rest_length * volume);
+        for (k, [dx, dy]) in sides.into_iter().enumerate() {
+            let [pull] = pulls[self.sides[k] as usize];
+            let weight = self.weights[k] * pull;
             for (component, product) in stress.iter_mut().zip([dx * dx, dy * dy, dx * dy]) {
                 *component += weight * product;
             }
         }
+        stress
+    }
+
+    /// The columns of F, by the present nodes.
+    fn gradient(&self, [a, b, c]: [[f64; 3]; 3]) -> [[f64; 3]; 2] {
+        let ([along, height], base) = (self.apex, self.base);
         let (u, v) = (sub(b, a), sub(c, a));
         let f1 = u.map(|component| component / base);
-        let f2 = [0, 1, 2].map(|axis| (v[axis] - along * f1[axis]) / height);
-        TriangleStress { stress, gradient: [f1, f2] }
+        [f1, [0, 1, 2].map(|axis| (v[axis] - along * f1[axis]) / height)]
     }
 }
