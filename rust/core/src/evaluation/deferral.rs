@@ -5,11 +5,15 @@
 //! Along links it takes a second pass. A method that needs it once in several evaluations has the power on the
 //! predicted velocities in the others, at no cost.
 
+use std::ops::Range;
+
 use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::state::NodeVectors;
 use crate::integrators::Integrator;
 use crate::laws::{Law, Properties, WorkClass};
-use crate::simd::lanes::F64x8;
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::{F64x8, SimdF64};
+use crate::simd::map::{Formula, each};
 
 /// Data for the deferred power of a law.
 pub(super) enum Deferral {
@@ -53,4 +57,29 @@ impl Deferral {
             Self::Resistances(_) => None,
         }
     }
+}
+
+/// F . v.
+struct Power;
+
+impl Formula<6, 0> for Power {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, _: [V; 6], _: [V; 0]) -> [V; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn summand<V: SimdF64>(&self, [fx, fy, fz, vx, vy, vz]: [V; 6], _: [V; 0]) -> V {
+        fx * vx + fy * vy + fz * vz
+    }
+}
+
+/// The rows of a row block in an array of the forces on all nodes, or on one row block.
+pub(super) fn place_of(range: &Range<usize>, forces: &NodeVectors, nodes: usize) -> Range<usize> {
+    if forces.nrows() < nodes { 0..range.len() } else { range.clone() }
+}
+
+/// The sum of F . v over some rows \[W\].
+pub(super) fn power_of(instructions: InstructionSet, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
+    each(instructions, &Power, [fx, fy, fz, u, v, w], [])
 }

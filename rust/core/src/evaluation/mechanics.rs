@@ -2,20 +2,20 @@
 
 use std::ops::Range;
 
-use super::deferral::Deferral;
+use super::deferral::{Deferral, place_of, power_of};
 use super::free_pieces::FreePieces;
 use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
-use crate::integrators::{Integrator, RateGroup, System};
+use crate::integrators::{Integrator, NetForces, RateGroup, System};
 use crate::laws::Instant;
-use crate::laws::Law;
+use crate::laws::{Law, Moved};
 use crate::linear::tangent::{Tangent, Weights};
 use crate::model::frame::Spin;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
-use crate::simd::map::{Add, Formula, each, on_axes};
+use crate::simd::map::{Add, Formula, on_axes};
 
 /// Laws, masses, and the motion of the frame.
 pub struct Mechanics {
@@ -23,12 +23,14 @@ pub struct Mechanics {
     pub(crate) spin: Spin,
     pub(crate) masses: Vec<f64>,
     pub(crate) inverse_masses: Vec<f64>,
+    /// Of net forces.
+    factors: Vec<f64>,
     pub(crate) evaluation_count: u64,
     pub(crate) pieces: FreePieces,
     plan: Plan,
     /// For an implicit method.
     tangent: Option<Tangent>,
-    /// The forces between nodes \[N\]; zero except between `accumulate_forces` and `accelerations`.
+    /// The forces between nodes \[N\]; zero except between `accumulate_forces` and the end of a row block.
     pub(super) forces: NodeVectors,
     /// Of each law with deferred power.
     deferrals: Vec<Option<Deferral>>,
@@ -61,6 +63,8 @@ impl Mechanics {
         let deferrals = Deferral::of_laws(&mut laws, method, nodes);
         let is_separate: Vec<bool> = deferrals.iter().map(|own| matches!(own, Some(Deferral::Forces(_)))).collect();
         let history_dependent = (0..laws.len()).filter(|&row| laws[row].history_dependent().is_some()).collect();
+        let mut factors = inverse_masses.clone();
+        laws.iter().filter_map(|law| law.moved()).flat_map(Moved::nodes).for_each(|node| factors[node] = 1.0);
         let outside = [false, true].map(|is_nodal| {
             let is_own = |law: &mut Box<dyn Law>| law.turning_power().is_some() && law.nodal().is_some() == is_nodal;
             laws.iter_mut().enumerate().filter_map(|(row, law)| is_own(law).then_some(row)).collect()
@@ -80,6 +84,7 @@ impl Mechanics {
             spin,
             masses,
             inverse_masses,
+            factors,
             evaluation_count: 0,
             tangent,
             forces: NodeVectors::zeros(nodes),
@@ -214,39 +219,14 @@ impl Mechanics {
     }
 }
 
-/// Divides forces by masses, and resets the forces to zero.
-struct Divide;
+/// Accelerations by net forces, which are set to zero.
+struct Accelerations;
 
-impl Formula<1, 2> for Divide {
+impl Formula<1, 2> for Accelerations {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [inverse_mass]: [V; 1], [_, force]: [V; 2]) -> [V; 2] {
-        [force * inverse_mass, V::zero()]
+    fn row<V: SimdF64>(&self, [factor]: [V; 1], [_, force]: [V; 2]) -> [V; 2] {
+        [force * factor, V::zero()]
     }
-}
-
-/// F . v.
-struct Power;
-
-impl Formula<6, 0> for Power {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, _: [V; 6], _: [V; 0]) -> [V; 0] {
-        []
-    }
-
-    #[inline(always)]
-    fn summand<V: SimdF64>(&self, [fx, fy, fz, vx, vy, vz]: [V; 6], _: [V; 0]) -> V {
-        fx * vx + fy * vy + fz * vz
-    }
-}
-
-/// The rows of a row block in an array of the forces on all nodes, or on one row block.
-fn place_of(range: &Range<usize>, forces: &NodeVectors, nodes: usize) -> Range<usize> {
-    if forces.nrows() < nodes { 0..range.len() } else { range.clone() }
-}
-
-/// The sum of F . v over some rows \[W\].
-fn power_of(instructions: InstructionSet, [fx, fy, fz]: [&[f64]; 3], [u, v, w]: [&[f64]; 3]) -> f64 {
-    each(instructions, &Power, [fx, fy, fz, u, v, w], [])
 }
 
 impl System for Mechanics {
@@ -278,13 +258,7 @@ impl System for Mechanics {
         powers[self.laws.len()] += self.turning_power(false);
     }
 
-    fn accelerations(
-        &mut self,
-        range: Range<usize>,
-        point: PhasePoint<'_>,
-        mut accelerations: [&mut [f64]; 3],
-        powers: &mut [f64],
-    ) {
+    fn net_forces(&mut self, range: Range<usize>, point: PhasePoint<'_>, powers: &mut [f64]) -> NetForces<'_> {
         let (at, nodes) = (self.instant(point), self.masses.len());
         let Self { laws, deferrals, forces, is_selected, instructions, .. } = self;
         for (((law, deferral), power), _) in laws
@@ -312,13 +286,29 @@ impl System for Mechanics {
         if let Some(row) = self.moved {
             powers[row] += moves.iter().map(|(node, prescribed)| self.power_of_move(*node, prescribed)).sum::<f64>();
         }
-        let inverse_masses = &self.inverse_masses[range.clone()];
-        let forces = rows_mut(&mut self.forces, range.clone());
-        let divided = accelerations.each_mut().map(|column| &mut **column);
-        on_axes(self.instructions, &Divide, [[inverse_masses; 3]], [divided, forces]);
-        for (node, prescribed) in moves.iter().filter(|_| self.rate_group != Some(RateGroup::Slow)) {
-            (0..3).for_each(|axis| accelerations[axis][node - range.start] = prescribed.acceleration[axis]);
+        // The acceleration of moved nodes belongs to the fast laws, where laws have rate groups.
+        let share = if self.rate_group == Some(RateGroup::Slow) { 0.0 } else { 1.0 };
+        for (node, prescribed) in &moves {
+            self.forces.set_row(*node, &(share * prescribed.acceleration).transpose());
         }
+        NetForces { forces: rows_mut(&mut self.forces, range.clone()), factors: &self.factors[range] }
+    }
+
+    fn accelerations(
+        &mut self,
+        range: Range<usize>,
+        point: PhasePoint<'_>,
+        accelerations: [&mut [f64]; 3],
+        powers: &mut [f64],
+    ) {
+        let instructions = self.instructions;
+        let NetForces { forces, factors } = self.net_forces(range, point, powers);
+        on_axes(instructions, &Accelerations, [[factors; 3]], [accelerations, forces]);
+    }
+
+    fn has_row_power(&self) -> bool {
+        let has_own = |deferral: &Option<Deferral>| matches!(deferral, Some(Deferral::Forces(_)));
+        self.deferrals.iter().zip(&self.is_selected).any(|(deferral, is_selected)| *is_selected && has_own(deferral))
     }
 
     fn row_power_at(&mut self, range: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]) {

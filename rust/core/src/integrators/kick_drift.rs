@@ -5,69 +5,105 @@ use std::ops::Range;
 
 use nalgebra::Matrix3;
 
-use super::System;
+use super::{NetForces, System};
 use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each, on_axes};
 
-/// The drift; the predicted velocity replaces the velocity.
+/// A drift \[s\], with kicks of slow accelerations before and after it.
+#[derive(Clone, Copy)]
 pub(super) struct Drift {
-    pub(super) dt: f64,
-}
-
-impl Formula<1, 2> for Drift {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, [a]: [V; 1], [x, v]: [V; 2]) -> [V; 2] {
-        let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
-        let kicked = v + half * a;
-        [x + dt * kicked, kicked + half * a]
-    }
-}
-
-/// Drift and prediction with a kick of slow forces before or after them.
-pub(super) struct KickedDrift {
     pub(super) dt: f64,
     pub(super) before: f64,
     pub(super) after: f64,
 }
 
-impl Formula<2, 2> for KickedDrift {
+impl Drift {
+    /// Without kicks of slow accelerations.
+    pub(super) const fn alone(dt: f64) -> Self {
+        Self { dt, before: 0.0, after: 0.0 }
+    }
+
+    /// The position after the drift, and the predicted velocity, with kicks where there are slow accelerations.
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [fast, slow]: [V; 2], [x, v]: [V; 2]) -> [V; 2] {
-        let half = V::all(0.5 * self.dt);
-        let kicked = v + half * fast + V::all(self.before) * slow;
-        [x + V::all(self.dt) * kicked, kicked + half * fast + V::all(self.after) * slow]
+    fn of<V: SimdF64>(&self, a: V, slow: Option<V>, [x, v]: [V; 2]) -> [V; 2] {
+        let (dt, half) = (V::all(self.dt), V::all(0.5 * self.dt));
+        let kicked = |v: V, weight: f64| slow.map_or(v, |slow| v + V::all(weight) * slow);
+        let middle = kicked(v + half * a, self.before);
+        [x + dt * middle, kicked(middle + half * a, self.after)]
     }
 }
 
-/// The velocity from its prediction, without the force of Coriolis: v = p + dt/2 (a' - a). a' replaces a.
-struct Correct {
-    half: f64,
+impl Formula<1, 2> for Drift {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [a]: [V; 1], moved: [V; 2]) -> [V; 2] {
+        self.of(a, None, moved)
+    }
 }
 
-impl Formula<1, 2> for Correct {
+impl Formula<2, 2> for Drift {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [new]: [V; 1], [a, p]: [V; 2]) -> [V; 2] {
-        [new, p + V::all(self.half) * (new - a)]
+    fn row<V: SimdF64>(&self, [fast, slow]: [V; 2], moved: [V; 2]) -> [V; 2] {
+        self.of(fast, Some(slow), moved)
+    }
+}
+
+/// What follows a correction in the same pass: nothing, a drift, or a drift with kicks of slow accelerations.
+const NOTHING: u8 = 0;
+const DRIFT: u8 = 1;
+const KICKED_DRIFT: u8 = 2;
+
+/// The velocity from its prediction, without the force of Coriolis: v = p + dt/2 (a' - a), with a' = F/m. Then what
+/// `THEN` says. Numbers of an axis: F, a, v, x; a' replaces a, and zero F.
+struct Correct<const THEN: u8> {
+    half: f64,
+    drift: Drift,
+}
+
+impl<const THEN: u8> Correct<THEN> {
+    #[inline(always)]
+    fn then<V: SimdF64>(&self, a: V, slow: V, moved: [V; 2]) -> [V; 4] {
+        let [x, v] = match THEN {
+            NOTHING => moved,
+            DRIFT => self.drift.of(a, None, moved),
+            _ => self.drift.of(a, Some(slow), moved),
+        };
+        [V::zero(), a, v, x]
+    }
+}
+
+impl<const THEN: u8> Formula<2, 4> for Correct<THEN> {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [factor, slow]: [V; 2], [force, a, p, x]: [V; 4]) -> [V; 4] {
+        let new = force * factor;
+        self.then(new, slow, [x, p + V::all(self.half) * (new - a)])
     }
 }
 
 /// The same with the force of Coriolis, for x and y.
-struct Boris {
-    half: f64,
+struct Boris<const THEN: u8> {
+    correct: Correct<THEN>,
     rate: f64,
 }
 
-impl Formula<2, 4> for Boris {
+impl<const THEN: u8> Formula<3, 8> for Boris<THEN> {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [new_x, new_y]: [V; 2], [ax, ay, px, py]: [V; 4]) -> [V; 4] {
-        let h = self.rate * self.half;
-        let (half, rate, scale, h) = (V::all(self.half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
+    fn row<V: SimdF64>(
+        &self,
+        [factor, slow_x, slow_y]: [V; 3],
+        [force_x, ax, px, x, force_y, ay, py, y]: [V; 8],
+    ) -> [V; 8] {
+        let (new_x, new_y) = (force_x * factor, force_y * factor);
+        let half = self.correct.half;
+        let h = self.rate * half;
+        let (half, rate, scale, h) = (V::all(half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
         let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
         let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
-        [new_x + rate * dy, new_y - rate * dx, px + dx, py + dy]
+        let [force_x, ax, vx, x] = self.correct.then(new_x + rate * dy, slow_x, [x, px + dx]);
+        let [force_y, ay, vy, y] = self.correct.then(new_y - rate * dx, slow_y, [y, py + dy]);
+        [force_x, ax, vx, x, force_y, ay, vy, y]
     }
 }
 
@@ -106,29 +142,20 @@ pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: 
     }
 }
 
-/// The drift of a step or substep, with a kick of the slow accelerations before and after it, if any.
+/// The drift of a step or substep, with slow accelerations, if any, for its kicks.
 pub(super) struct RowDrift<'a> {
-    pub(super) dt: f64,
-    pub(super) kick: Option<(Kick, &'a NodeVectors)>,
-}
-
-/// Weights of the slow accelerations before and after a drift \[s\].
-#[derive(Clone, Copy)]
-pub(super) struct Kick {
-    pub(super) before: f64,
-    pub(super) after: f64,
+    pub(super) drift: Drift,
+    pub(super) slow: Option<&'a NodeVectors>,
 }
 
 impl RowDrift<'_> {
     /// Moves these rows, by accelerations at the start of the drift.
     pub(super) fn run(&self, instructions: InstructionSet, range: Range<usize>, fast: &NodeVectors, state: &mut State) {
         let changed = [rows_mut(&mut state.positions, range.clone()), rows_mut(&mut state.velocities, range.clone())];
-        let (dt, fast) = (self.dt, rows(fast, range.clone()));
-        match self.kick {
-            Some((Kick { before, after }, slow)) => {
-                on_axes(instructions, &KickedDrift { dt, before, after }, [fast, rows(slow, range)], changed);
-            }
-            None => on_axes(instructions, &Drift { dt }, [fast], changed),
+        let fast = rows(fast, range.clone());
+        match self.slow {
+            Some(slow) => on_axes(instructions, &self.drift, [fast, rows(slow, range)], changed),
+            None => on_axes(instructions, &self.drift, [fast], changed),
         }
     }
 }
@@ -141,8 +168,6 @@ pub(super) struct End<'a> {
     /// Those at the start of the step, then those at its end, with the power of each law.
     pub(super) accelerations: &'a mut NodeVectors,
     pub(super) powers: &'a mut [f64],
-    /// Work array for the accelerations of one row block.
-    pub(super) row_block: &'a mut NodeVectors,
     pub(super) instructions: InstructionSet,
 }
 
@@ -163,8 +188,11 @@ impl End<'_> {
             after.is_none() || exact.is_none(),
             "the power of links is that at the positions of the evaluation"
         );
-        let End { time, half, accelerations, powers, row_block, instructions } = self;
+        let End { time, half, accelerations, powers, instructions } = self;
         let (rate, count) = (system.coriolis_rate(time), accelerations.nrows());
+        // The power of rows is that on the corrected velocities, before these are predicted again.
+        let (has_power, correction) = (system.has_row_power(), Correction { half, rate, instructions });
+        let then = after.filter(|_| !has_power);
         let (mut moved, mut measured) = (0, 0);
         for tile in tiles(count) {
             let end = rows_of(tile, count).end;
@@ -175,20 +203,19 @@ impl End<'_> {
             }
             system.accumulate_forces(tile, state.at(time), powers);
             for range in row_blocks(rows_of(tile, count)) {
-                system.accelerations(range.clone(), state.at(time), rows_mut(row_block, 0..range.len()), powers);
-                let [new_x, new_y, new_z] = rows(row_block, 0..range.len());
-                let [ax, ay, az] = rows_mut(accelerations, range.clone());
-                let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
-                if rate == 0.0 {
-                    each(instructions, &Correct { half }, [new_x], [ax, vx]);
-                    each(instructions, &Correct { half }, [new_y], [ay, vy]);
-                } else {
-                    each(instructions, &Boris { half, rate }, [new_x, new_y], [ax, ay, vx, vy]);
+                let net = system.net_forces(range.clone(), state.at(time), powers);
+                match then {
+                    None => correction.run::<NOTHING>(net, range.clone(), accelerations, state, None),
+                    Some(RowDrift { slow: None, .. }) => {
+                        correction.run::<DRIFT>(net, range.clone(), accelerations, state, then);
+                    }
+                    Some(_) => correction.run::<KICKED_DRIFT>(net, range.clone(), accelerations, state, then),
                 }
-                each(instructions, &Correct { half }, [new_z], [az, vz]);
-                system.row_power_at(range.clone(), rows(&state.velocities, range.clone()), powers);
-                if let Some(after) = after {
-                    after.run(instructions, range, accelerations, state);
+                if has_power {
+                    system.row_power_at(range.clone(), rows(&state.velocities, range.clone()), powers);
+                    if let Some(after) = after {
+                        after.run(instructions, range, accelerations, state);
+                    }
                 }
             }
             while let Some(exact) = exact.as_deref_mut()
@@ -201,6 +228,44 @@ impl End<'_> {
         }
         if let Some(exact) = exact {
             system.replace_power(exact, powers);
+        }
+    }
+}
+
+/// The correction of the velocities at the end of a step.
+struct Correction {
+    half: f64,
+    /// Of the accelerations of Coriolis.
+    rate: f64,
+    instructions: InstructionSet,
+}
+
+impl Correction {
+    /// Corrects the velocities of these rows, and drifts with them as `THEN` says; accelerations become new ones.
+    fn run<const THEN: u8>(
+        &self,
+        NetForces { forces: [fx, fy, fz], factors }: NetForces<'_>,
+        range: Range<usize>,
+        accelerations: &mut NodeVectors,
+        state: &mut State,
+        then: Option<&RowDrift<'_>>,
+    ) {
+        let [ax, ay, az] = rows_mut(accelerations, range.clone());
+        let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
+        let [x, y, z] = rows_mut(&mut state.positions, range.clone());
+        let drift = then.map_or(Drift::alone(0.0), |then| then.drift);
+        // Without slow accelerations what is given in their place is not read.
+        let slow = then.and_then(|then| then.slow);
+        let [slow_x, slow_y, slow_z] = slow.map_or([factors; 3], |slow| rows(slow, range));
+        let Self { half, rate, instructions } = *self;
+        let correct = Correct::<THEN> { half, drift };
+        each(instructions, &correct, [factors, slow_z], [fz, az, vz, z]);
+        if rate == 0.0 {
+            each(instructions, &correct, [factors, slow_x], [fx, ax, vx, x]);
+            each(instructions, &correct, [factors, slow_y], [fy, ay, vy, y]);
+        } else {
+            let read = [factors, slow_x, slow_y];
+            each(instructions, &Boris { correct, rate }, read, [fx, ax, vx, x, fy, ay, vy, y]);
         }
     }
 }

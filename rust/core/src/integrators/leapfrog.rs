@@ -27,9 +27,8 @@
 //! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
-use super::kick_drift::{End, RowDrift, add_work, amplification, begin, energy_shift};
+use super::kick_drift::{Drift, End, RowDrift, add_work, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, System, saved_works};
-use crate::arrays::blocks::ROW_BLOCK;
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
 use crate::simd::dispatch::InstructionSet;
@@ -42,8 +41,6 @@ struct Leapfrog {
     /// Work array for the power of laws along links with the corrected velocities.
     exact_powers: Vec<f64>,
     is_started: bool,
-    /// a_n+1 of one row block.
-    row_block: NodeVectors,
     instructions: InstructionSet,
 }
 
@@ -63,7 +60,6 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
         powers: vec![0.0; options.works],
         exact_powers: vec![0.0; options.works],
         is_started: false,
-        row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
         instructions: options.instructions,
     })
 }
@@ -88,11 +84,11 @@ impl Integrator for Leapfrog {
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let half = 0.5 * dt;
-        let Self { acceleration, powers, exact_powers, row_block, instructions, .. } = self;
+        let Self { acceleration, powers, exact_powers, instructions, .. } = self;
         add_work(work, half, powers);
-        let end =
-            End { time: time + dt, half, accelerations: acceleration, row_block, powers, instructions: *instructions };
-        end.correct(system, state, Some(&RowDrift { dt, kick: None }), None, Some(exact_powers));
+        let end = End { time: time + dt, half, accelerations: acceleration, powers, instructions: *instructions };
+        let drift = RowDrift { drift: Drift::alone(dt), slow: None };
+        end.correct(system, state, Some(&drift), None, Some(exact_powers));
         add_work(work, half, powers);
     }
 

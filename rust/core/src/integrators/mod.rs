@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::simd::dispatch::InstructionSet;
 
 pub use controller::Controller;
-pub use system::{RateGroup, System};
+pub use system::{NetForces, RateGroup, System};
 
 /// Default spectral radius: unresolved vibrations decay within some dozens of steps.
 pub const SPECTRAL_RADIUS: f64 = 0.8;

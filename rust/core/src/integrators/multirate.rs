@@ -20,7 +20,7 @@
 //! zeta times that up to 1. Near h omega = pi, where all ends of steps meet the mode at one phase, it is wrong by up to
 //! twice as much. The sign depends on the phase: over many modes the errors cancel. The motion is the same.
 //!
-//! Row blocks drift to the next substep as soon as their velocities are known, while they are in the cache.
+//! Row blocks drift to the next substep in the pass that corrects their velocities.
 //!
 //! `simulation::rate_groups` selects the slow laws: those that alone would allow a step many times as long.
 //! Limits: m times those of leapfrog for fast laws. Beyond h omega = pi, half a period of a fast mode, the kicks of
@@ -28,7 +28,7 @@
 //! step stays below.
 //! Storage: two vectors per node beside the state.
 
-use super::kick_drift::{End, Kick, RowDrift, add_work, amplification, begin, energy_shift};
+use super::kick_drift::{Drift, End, RowDrift, add_work, amplification, begin, energy_shift};
 use super::{Integrator, Options, Properties, RateGroup, System, leapfrog, saved_works};
 use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
 use crate::arrays::history::History;
@@ -174,12 +174,18 @@ impl Integrator for Multirate {
             if is_last {
                 self.evaluate_slow(system, state.at(now));
             }
-            let Self { fast, slow, fast_powers, exact_powers, row_block, instructions, .. } = self;
+            let Self { fast, slow, fast_powers, exact_powers, instructions, .. } = self;
             let (accelerations, powers, instructions) = (&mut *fast, &mut *fast_powers, *instructions);
-            let drift = |kick: Option<Kick>| RowDrift { dt: substep, kick: kick.map(|kick| (kick, &*slow)) };
-            let first = (k == 1).then(|| drift(Some(Kick { before: kick, after: 0.0 })));
-            let next = drift((k + 1 == self.count).then_some(Kick { before: 0.0, after: kick }));
-            let end = End { time: now, half: 0.5 * substep, accelerations, powers, row_block, instructions };
+            let alone = Drift::alone(substep);
+            let kicked = |drift| RowDrift { drift, slow: Some(&*slow) };
+            let first = (k == 1).then(|| kicked(Drift { before: kick, ..alone }));
+            let is_next_last = k + 1 == self.count;
+            let next = if is_next_last {
+                kicked(Drift { after: kick, ..alone })
+            } else {
+                RowDrift { drift: alone, slow: None }
+            };
+            let end = End { time: now, half: 0.5 * substep, accelerations, powers, instructions };
             end.correct(system, state, first.as_ref(), (!is_first && !is_last).then_some(&next), None);
             if is_first && !is_last {
                 system.power_at(state.at(now), exact_powers, fast_powers);

@@ -15,6 +15,14 @@ pub enum RateGroup {
     Slow,
 }
 
+/// The net forces on some rows, and the factors that make accelerations \[m/s2\] of them.
+pub struct NetForces<'a> {
+    /// Net forces \[N\]; of moved nodes their accelerations \[m/s2\]. Whoever reads them sets them to zero.
+    pub forces: [&'a mut [f64]; 3],
+    /// Reciprocal masses \[1/kg\], 0 for held nodes; 1 for moved nodes.
+    pub factors: &'a [f64],
+}
+
 /// The system x'' = a(t, x, v).
 pub trait System {
     /// Selects the laws of the following evaluations, for methods with rate groups; without a selection, all laws.
@@ -27,9 +35,11 @@ pub trait System {
     /// Accumulates the forces between nodes on the rows of a tile. Tiles come in order; the first resets the power of
     /// each law to zero.
     fn accumulate_forces(&mut self, tile: usize, at: PhasePoint<'_>, powers: &mut [f64]);
-    /// Fills the accelerations \[m/s2\] of `rows`, a row block of the tile of the last `accumulate_forces`, and adds
-    /// the rates at which each law changes the mechanical energy to its power \[W\]. Each row is evaluated once. Its
-    /// position and velocity may change afterwards, so that methods can use a row block while it is in the cache.
+    /// The net forces on `rows`, a row block of the tile of the last `accumulate_forces`; adds the rates at which each
+    /// law changes the mechanical energy to its power \[W\]. Each row is evaluated once. Its position and velocity may
+    /// change afterwards, so that methods can use a row block while it is in the cache.
+    fn net_forces(&mut self, rows: Range<usize>, at: PhasePoint<'_>, powers: &mut [f64]) -> NetForces<'_>;
+    /// The same as accelerations \[m/s2\], with net forces set to zero.
     fn accelerations(
         &mut self,
         rows: Range<usize>,
@@ -49,8 +59,10 @@ pub trait System {
     }
     /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;
-    /// Adds deferred power, for methods with `predicts_velocity`: after each `accelerations`, that of its forces on the
-    /// `velocities` of these rows. `accumulate_forces` and `accelerations` leave this power out, for laws without
+    /// Whether `row_power_at` adds anything for the selected laws.
+    fn has_row_power(&self) -> bool;
+    /// Adds deferred power, for methods with `predicts_velocity`: after each `net_forces`, that of its forces on the
+    /// `velocities` of these rows. `accumulate_forces` and `net_forces` leave this power out, for laws without
     /// potential whose forces depend on velocity, except along links.
     fn row_power_at(&mut self, rows: Range<usize>, velocities: [&[f64]; 3], powers: &mut [f64]);
     /// Replaces the power of such laws along links, which is that on the predicted velocities: after all rows, by the

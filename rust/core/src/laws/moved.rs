@@ -114,6 +114,11 @@ impl Moved {
         place(rows.start)..place(rows.end)
     }
 
+    /// The nodes, internal numbers.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.nodes.iter().map(|&(node, _)| node)
+    }
+
     /// Whether a node of these rows moves as prescribed.
     pub(crate) fn has_nodes_in(&self, rows: Range<usize>) -> bool {
         !self.places(rows).is_empty()
