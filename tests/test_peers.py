@@ -112,8 +112,8 @@ def page(drawn: work_precision.WorkPrecision, small: Problem) -> str:
     steps = (4e-5, 1e-5, 2e-5, 5e-6, 1e-3, 1e-4)
     paces = [speed.Pace(*name, 64, step, 8e-6) for name, step in zip(names, steps, strict=True)]
     apart, spreads = {"rate": 0.01, "phase": 9.0}, {"rate": 0.02, "phase": 8.0}
-    done = deployment.Deployment(4.5e-6, 5e-6, 177778, 5.5, 5.0, 2e-6, apart, spreads)
-    fast = deployment.FastDeployment(4e-5, 4, 10.0, 20000, 0.5)
+    done = deployment.Deployment(4.5e-6, 5e-6, 177778, deployment.Timed(5.0, 1e-3), 2e-6, apart, spreads)
+    fast = deployment.FastDeployment(4e-5, 4, 10.0, 20000, deployment.Timed(0.5, 2e-3))
     timed = speed.Speed(small, paces, {"rk4": 1e-4, "leapfrog": 2.5e-5}, "avx2", done, fast)
     return report.text(drawn, timed, {"somebody": "1.0"})
 
@@ -126,20 +126,27 @@ def test_the_spread_is_read_from_the_studies() -> None:
         deployment.spreads("no chart")
 
 
-def test_the_deployment_is_run_and_compared() -> None:
-    done = deployment.deploy(scenes.load("okuizumi-model-1"), until=5e-3)
+def other(small: Problem) -> Program:
+    """A program to take turns with."""
+    program: Program = ours.programs(small, "triangles")[0]
+    program.start(2e-6)
+    return program
+
+
+def test_the_deployment_is_run_and_compared(small: Problem) -> None:
+    done = deployment.deploy(scenes.load("okuizumi-model-1"), other(small), until=5e-3)
     assert done.steps * done.dt == pytest.approx(5e-3)
     assert done.dt == pytest.approx(0.9 * done.limit, rel=0.3)
     assert done.is_within
     assert 0.0 < done.errors["rate"] < 1e-3
 
 
-def test_the_fast_scene_is_run_and_timed() -> None:
-    done = deployment.deploy_fast(until=8e-3)
+def test_the_fast_scene_is_run_and_timed_in_turns(small: Problem) -> None:
+    done = deployment.deploy_fast(other(small), until=8e-3)
     assert done.steps * done.dt == pytest.approx(8e-3)
     assert done.softening > 1.0
     assert done.substeps > 1
-    assert done.processor > 0.0
+    assert 0.0 < done.timed.other < done.timed.processor
 
 
 def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
@@ -153,7 +160,7 @@ def test_report_and_picture(small: Problem, tmp_path: Path) -> None:
     assert "| leapfrog step | flat, springs | Newton semi-implicit, flat, springs | 40 | 20 | not reached |" in words
     assert "MuJoCo RK4, flat, triangles: 100 s | 60 | 20 | not reached |" in words
     assert (
-        "| okuizumi-model-1-fast, 40.00 us a step: 0.5 s | MuJoCo RK4, flat, triangles: 100 s | 96 | 200 | reached |"
+        "| okuizumi-model-1-fast, 40.00 us a step: 0.5 s | MuJoCo RK4, flat, triangles: 200 s | 96 | 400 | reached |"
         in words
     )
     assert "**beyond** the spread" in " ".join(words.split())

@@ -2,12 +2,13 @@
 
 The motion is chaotic, so that a run is as good as any where its curves lie no further from a finer run's than those of
 an ensemble of perturbed starts lie from each other. That spread is the one of the diagram in docs/studies.md.
+
+Processor times are taken in turns with steps of another program, so that a slow moment of the machine affects both.
 """
 
 from __future__ import annotations
 
 import re
-import statistics
 import time
 from dataclasses import dataclass, replace
 
@@ -16,34 +17,47 @@ from membrane_rs.study.common.differences import CURVES
 from membrane_rs.study.common.run import run_case, study_case
 from page import DOCS, MarkedPart
 
+from peers.program import Program
+
 STUDIES = DOCS / "studies.md"
 UNTIL = 0.8
 """End [s]."""
 INSTANTS = 100
-"""At which the curves are compared, as in the diagram."""
+"""At which the curves are compared, as in the diagram, and the programs take turns."""
+SLICE = 5
+"""Steps of the other program in a turn."""
 METHOD, SHARE = "leapfrog", 0.9
 """The cheapest method of the diagram, and its step over its limit."""
 SUBSTEPS = 4
 """Substeps in a step; slow laws are evaluated once a step."""
 FINER, FINER_SHARE = "rk4", 0.25
 """Method and step of the finer run."""
-FAST, REPEATS = "okuizumi-model-1-fast", 5
-"""The softened scene, by its own method and step, and how often it is timed. README.md has its distance."""
+FAST = "okuizumi-model-1-fast"
+"""The softened scene, by its own method and step. README.md has its distance."""
+REPEATS = 5
+"""How often a deployment is timed."""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """`processor`: time of a deployment, scaled to 0.8 s; `other`: of a step of the other program meanwhile [s]."""
+
+    processor: float
+    other: float
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """`dt`, `limit`: of the run [s]; `wall`, `processor`: times of it [s], scaled to 0.8 s; `finer_dt` [s].
+    """`dt`, `limit`: of the run [s]; `finer_dt` [s]; `steps` of a run.
 
     `errors`, `spreads`: by curve ("rate", "phase" [deg]), the largest difference from the finer run and between the
-    perturbed starts of the diagram. `steps` of the run.
+    perturbed starts of the diagram.
     """
 
     dt: float
     limit: float
     steps: int
-    wall: float
-    processor: float
+    timed: Timed
     finer_dt: float
     errors: dict[str, float]
     spreads: dict[str, float]
@@ -56,43 +70,54 @@ class Deployment:
 
 @dataclass(frozen=True)
 class FastDeployment:
-    """The fast scene: `dt` of its run [s], its `substeps` and `softening`, and `processor`, the median of the times
-    that `REPEATS` runs take, scaled to 0.8 s [s]. `steps` of a run.
-    """
+    """The fast scene: `dt` of its run [s], its `substeps` and `softening`, and its `steps`."""
 
     dt: float
     substeps: int
     softening: float
     steps: int
-    processor: float
+    timed: Timed
 
 
-def deploy_fast(until: float = UNTIL) -> FastDeployment:
+def in_turns(scene: Scene, method: str, dt: float, until: float, other: Program) -> Timed:
+    """Deployments up to a time, each in turns with the other program: from instant to instant, then some of its steps.
+
+    Of the repeats, that whose ratio of both times is the median.
+    """
+    repeats = []
+    for _ in range(REPEATS):
+        sim, own, others = Simulation(scene, integrator=method, dt=dt), 0.0, 0.0
+        for k in range(1, INSTANTS + 1):
+            began = time.process_time()
+            sim.reach(k * until / INSTANTS)
+            between = time.process_time()
+            other.step(SLICE)
+            own, others = own + between - began, others + time.process_time() - between
+        repeats.append(Timed(own * UNTIL / until, others / (INSTANTS * SLICE)))
+    return sorted(repeats, key=lambda timed: timed.other / timed.processor)[REPEATS // 2]
+
+
+def deploy_fast(other: Program, until: float = UNTIL) -> FastDeployment:
     """Run the fast scene to its end, or to an earlier one; times are then scaled."""
     scene = scenes.load(FAST)
     assert scene.material is not None
-    case = study_case(scene, until, INSTANTS)
-    runs = [run_case(case, scene.run.integrator, Simulation(scene).dt).completed() for _ in range(REPEATS)]
-    processor = statistics.median(run.seconds for run in runs) * UNTIL / until
-    softening = scene.material.softening or 1.0
-    return FastDeployment(runs[0].dt, scene.run.substeps, softening, runs[0].steps, processor)
+    dt, softening = Simulation(scene).dt, scene.material.softening or 1.0
+    timed = in_turns(scene, scene.run.integrator, dt, until, other)
+    return FastDeployment(dt, scene.run.substeps, softening, round(until / dt), timed)
 
 
-def deploy(scene: Scene, until: float = UNTIL) -> Deployment:
+def deploy(scene: Scene, other: Program, until: float = UNTIL) -> Deployment:
     """Run model 1 to its end, or to an earlier one; times are then scaled."""
     scene = replace(scene, run=replace(scene.run, substeps=SUBSTEPS))
     case = study_case(scene, until, INSTANTS)
     limits = {method: Simulation(scene, integrator=method).stable_dt() for method in (METHOD, FINER)}
     finer = run_case(case, FINER, FINER_SHARE * limits[FINER]).completed()
-    began = time.perf_counter()
     run = run_case(case, METHOD, SHARE * limits[METHOD]).completed()
-    wall = time.perf_counter() - began
     return Deployment(
         dt=run.dt,
         limit=limits[METHOD],
         steps=run.steps,
-        wall=wall * UNTIL / until,
-        processor=run.seconds * UNTIL / until,
+        timed=in_turns(scene, METHOD, run.dt, until, other),
         finer_dt=finer.dt,
         errors={name: error(run, finer, case.start) for name, (_, error) in CURVES.items()},
         spreads=spreads(MarkedPart(STUDIES, "deployment-work-precision").read()),

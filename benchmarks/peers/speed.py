@@ -14,6 +14,8 @@ from peers.program import Program
 
 DT = 2e-6
 """Step of the timed runs [s]: stable for all."""
+OTHER = ("MuJoCo RK4", "triangles")
+"""Name and law of the program that deployments are compared with."""
 METHODS = ("rk4", "leapfrog")
 """By which model 1 itself is timed."""
 
@@ -31,7 +33,11 @@ class Pace:
     @property
     def whole(self) -> float:
         """Processor time for 0.8 s at the largest stable step [s], extrapolated; NaN without one."""
-        return UNTIL / self.limit * self.step if self.limit else float("nan")
+        return self.whole_by(self.step)
+
+    def whole_by(self, step: float) -> float:
+        """The same by another time of a step [s]."""
+        return UNTIL / self.limit * step if self.limit else float("nan")
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,11 @@ class Speed(Steps):
 
     deployment: Deployment
     fast: FastDeployment
+
+    @property
+    def other(self) -> Pace:
+        """The program that deployments are compared with."""
+        return self.pace(*OTHER)
 
 
 def steps(problem: Problem, programs: Sequence[Program], *, repeats: int, slice_seconds: float) -> Steps:
@@ -88,5 +99,7 @@ def measure(
     limits = [*(largest_step(program, problem) for program in programs), *(None for _ in only_timed)]
     found = steps(problem, [*programs, *only_timed], repeats=repeats, slice_seconds=slice_seconds)
     paces = [replace(pace, limit=limit) for pace, limit in zip(found.paces, limits, strict=True)]
-    deployment = deploy(scenes.load("okuizumi-model-1"), deploy_until)
-    return Speed(problem, paces, found.model, found.width, deployment, deploy_fast(deploy_until))
+    other = next(program for program in programs if (program.name, program.law) == OTHER)
+    other.start(DT)
+    deployment = deploy(scenes.load("okuizumi-model-1"), other, deploy_until)
+    return Speed(problem, paces, found.model, found.width, deployment, deploy_fast(other, deploy_until))

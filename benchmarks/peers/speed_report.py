@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from membrane_rs._markdown import table
 
-from peers.deployment import FAST, FINER, METHOD, REPEATS, SHARE, SUBSTEPS, UNTIL
+from peers.deployment import FAST, FINER, INSTANTS, METHOD, REPEATS, SHARE, SUBSTEPS, UNTIL
 from peers.speed import Speed, Steps
 from peers.words import paragraph
 
@@ -74,13 +74,13 @@ AIMED = ("what", "membrane_rs", "compared with", "aim", "times faster", "")
 
 def aims(speed: Speed) -> list[str]:
     """Aims and the ratios reached."""
-    done, mujoco = speed.deployment, speed.pace("MuJoCo RK4", "triangles")
-    ours = f"model 1, {METHOD} in {SUBSTEPS} substeps, {1e6 * done.dt:.2f} us a step: {done.processor:.3g} s"
-    against = f"MuJoCo RK4, flat, triangles: {mujoco.whole:.4g} s"
-    rows = [*steps(speed), _aim("deployment", ours, against, mujoco.whole / done.processor, speed.width)]
-    fast = speed.fast
-    ours = f"{FAST}, {1e6 * fast.dt:.2f} us a step: {fast.processor:.3g} s"
-    rows.append(_aim("fast deployment", ours, against, mujoco.whole / fast.processor, speed.width))
+    done, fast, rows = speed.deployment, speed.fast, steps(speed)
+    full = f"model 1, {METHOD} in {SUBSTEPS} substeps"
+    for kind, name, one in (("deployment", full, done), ("fast deployment", FAST, fast)):
+        whole = speed.other.whole_by(one.timed.other)
+        ours = f"{name}, {1e6 * one.dt:.2f} us a step: {one.timed.processor:.3g} s"
+        against = f"MuJoCo RK4, flat, triangles: {whole:.4g} s"
+        rows.append(_aim(kind, ours, against, whole / one.timed.processor, speed.width))
     apart = " and ".join(
         f"{done.errors[name]:.2g} in the {curve} (perturbed starts: {done.spreads[name]:.2g} from each other)"
         for name, curve in (("rate", "deployment rate"), ("phase", "phase in degrees"))
@@ -90,16 +90,17 @@ def aims(speed: Speed) -> list[str]:
         paragraph(
             f"""Aims for {speed.width}, the vector instructions of this machine. The whole deployment of model 1 was run
             by {METHOD} in {SUBSTEPS} substeps with {SHARE:g} of its largest step of {1e6 * done.limit:.2f} us:
-            {done.steps} steps in {done.processor:.3g} s of processor time, {done.wall:.3g} s of wall time; the
-            deployment itself takes {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at
+            {done.steps} steps in {done.timed.processor:.3g} s of processor time; the deployment itself takes
+            {UNTIL:g} s. Its curves are at most {apart} from those of {FINER} at
             {1e6 * done.finer_dt:.2f} us: {"within" if done.is_within else "**beyond**"} the spread of the ensemble in
             [studies.md](studies.md). MuJoCo's {UNTIL:g} s of the flat film, at its own largest stable step, are
-            extrapolated from the time of a step."""
+            extrapolated from the time of a step. Both programs take turns, {INSTANTS} in a deployment; of {REPEATS}
+            deployments that with the median ratio counts."""
         ),
         paragraph(
             f"""`{FAST}` is model 1 with its film {fast.softening:g}-fold [softened](softening.md), run by {METHOD} in
-            {fast.substeps} substeps: {fast.steps} steps, the median of {REPEATS} runs. The distance of its curves
-            from those of model 1 stands in the project's README, under "Accuracy"."""
+            {fast.substeps} substeps: {fast.steps} steps, timed alike. The distance of its curves from those of model 1
+            stands in the project's README, under "Accuracy"."""
         ),
         table(AIMED, rows, range(3)),
     ]
