@@ -1,6 +1,6 @@
 //! The columns of node vectors, read and written eight rows at a time.
 //!
-//! Kernels access them without bounds checks. Each function states its safety conditions; `layout::ElementSet`, the
+//! Kernels access them without bounds checks. Each function states its safety conditions; `layout::Pass`, the
 //! only user, checks them once per pass.
 
 use crate::arrays::state::NodeVectors;
@@ -132,6 +132,12 @@ impl<'a> ColumnsMut<'a, 1> {
 }
 
 impl<const COUNT: usize> ColumnsMut<'_, COUNT> {
+    /// The same columns, for a shorter time.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> ColumnsMut<'_, COUNT> {
+        ColumnsMut { data: self.data, rows: self.rows }
+    }
+
     /// Number of rows.
     #[inline(always)]
     pub fn rows(&self) -> usize {

@@ -37,12 +37,15 @@ impl DampedLinks<'_> {
     #[inline(always)]
     fn add_forces<V: SimdF64, const KIND: usize, const LIMITED: bool>(&mut self, mut cache: Option<&mut [F64x8]>) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
+        let mut sums = pass.adder(&mut self.forces);
         let (parameters, coefficient) = (self.springs.of(&pass), self.dashpots.coefficient.of(&pass));
         let limit = if LIMITED { self.dashpots.limit.as_ref().map(|springs| springs.of(&pass)) } else { None };
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
-            let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let span = Span::between(positions.read::<V>(batch));
+            let rate = span.opening(velocities.read::<V>(batch));
             let length = span.length();
             let (tension, inverse) = parameters[batch].tension_per_length(length);
             let mut resistance = spring_damping::resistance_per_length(&coefficient[batch], rate, inverse * inverse);
@@ -51,7 +54,7 @@ impl DampedLinks<'_> {
             }
             power -= resistance * rate;
             let force = scale(tension + resistance, span.d);
-            pass.add(&mut self.forces, batch, [force, negate(force)]);
+            sums.add(batch, [force, negate(force)]);
             if let Some(cache) = &mut cache {
                 cache[pass.place(batch)] = resistance.lanes();
             }

@@ -138,16 +138,20 @@ impl BatchKernel for FlowKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let wind = pass.reader(self.wind);
+        let along = pass.reader(self.along);
+        let mut sums = pass.adder(&mut self.flows);
         let presence = self.facets.presence.of(&pass);
         for batch in 0..pass.len() {
-            let r = pass.read::<V, 3>(self.positions, batch);
+            let r = positions.read::<V>(batch);
             let normal = scale(V::load(&presence[batch]), normal(&r));
-            let (wind, along) = (pass.read::<V, 2>(self.wind, batch), pass.read::<V, 1>(self.along, batch));
+            let (wind, along) = (wind.read::<V>(batch), along.read::<V>(batch));
             let mut flow = [V::zero(); 3];
             for k in 0..3 {
                 flow[k] = dot(normal, [wind[k][0], wind[k][1], along[k][0]]).abs();
             }
-            pass.add_numbers(&mut self.flows, batch, flow);
+            sums.add(batch, flow.map(|number| [number]));
         }
         V::zero()
     }
@@ -211,10 +215,14 @@ impl BatchKernel for DampingKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.drag.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
+        let p = pass.reader(self.p);
+        let mut sums = pass.adder(&mut self.out);
         let presence = self.drag.facets.presence.of(&pass);
         for batch in 0..pass.len() {
-            let (r, v) = (pass.read::<V, 3>(self.positions, batch), pass.read::<V, 3>(self.velocities, batch));
-            let p = pass.read::<V, 3>(self.p, batch);
+            let (r, v) = (positions.read::<V>(batch), velocities.read::<V>(batch));
+            let p = p.read::<V>(batch);
             let normal = normal(&r);
             let factor = V::all(self.factor * self.drag.factor) * V::load(&presence[batch]);
             let mut products = [[V::zero(); 3]; 3];
@@ -225,7 +233,7 @@ impl BatchKernel for DampingKernel<'_> {
                 let along = scale(change.copysign(flow * change), wind);
                 products[k] = scale(factor, sum(scale(flow.abs(), p[k]), along));
             }
-            pass.add(&mut self.out, batch, products);
+            sums.add(batch, products);
         }
         V::zero()
     }

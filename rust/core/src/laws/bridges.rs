@@ -51,11 +51,13 @@ impl BatchKernel for LinkKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.bridges.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.out);
         let stiffness = pass.of(&self.bridges.stiffness);
         for batch in 0..pass.len() {
-            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let span = Span::between(positions.read::<V>(batch));
             let force = scale(V::all(self.sign) * V::load(&stiffness[batch]), span.d);
-            pass.add(&mut self.out, batch, [force, negate(force)]);
+            sums.add(batch, [force, negate(force)]);
         }
         V::zero()
     }

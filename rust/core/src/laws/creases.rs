@@ -240,6 +240,8 @@ impl BatchKernel for MomentKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.forces);
         let parameters = self.creases.parameters.of(&pass);
         let least_angles = pass.of(self.creases.sides.least_angles());
         let zeros = [V::zero(); 2];
@@ -247,14 +249,14 @@ impl BatchKernel for MomentKernel<'_> {
         for chunk in pass.chunks_of_batches() {
             for (batch, factors) in chunk.clone().zip(&mut factors) {
                 let parameters = &parameters[batch];
-                let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
+                let facets = Facets::new(positions.read::<V>(batch));
                 let angle = facets.angle(V::load(&parameters.sign), V::load(&least_angles[batch]));
                 let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
                 *factors = Factors::new(&facets, parameters, energy, moment);
             }
             for (batch, factors) in chunk.zip(&factors) {
-                let forces = factors.forces(&Facets::new(pass.read::<V, 3>(self.positions, batch)));
-                pass.add(&mut self.forces, batch, forces);
+                let forces = factors.forces(&Facets::new(positions.read::<V>(batch)));
+                sums.add(batch, forces);
             }
         }
         V::zero()
@@ -272,12 +274,13 @@ impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
         let parameters = self.creases.parameters.of(&pass);
         let least_angles = pass.of(self.creases.sides.least_angles());
         let mut energy = V::zero();
         for batch in 0..pass.len() {
             let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[batch];
-            let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
+            let facets = Facets::new(positions.read::<V>(batch));
             let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
             let weight = square_c / (square_c + V::load(soft_c)) * square_d / (square_d + V::load(soft_d));
             let angle = facets.angle(V::load(sign), V::load(&least_angles[batch]));

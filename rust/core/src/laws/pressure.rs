@@ -66,14 +66,17 @@ impl BatchKernel for LoadKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let Pressure { facets, sixth, .. } = self.load;
         let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
+        let mut sums = pass.adder(&mut self.forces);
         let presence = facets.presence.of(&pass);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let corners = pass.read::<V, 3>(self.positions, batch);
-            let [u, v, w] = pass.read::<V, 3>(self.velocities, batch);
+            let corners = positions.read::<V>(batch);
+            let [u, v, w] = velocities.read::<V>(batch);
             let force = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
             power += dot(force, sum(u, sum(v, w)));
-            pass.add(&mut self.forces, batch, [force; 3]);
+            sums.add(batch, [force; 3]);
         }
         power
     }
@@ -91,10 +94,11 @@ impl BatchKernel for TorqueKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let Pressure { facets, sixth, .. } = self.load;
         let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
         let presence = facets.presence.of(&pass);
         let mut torque = V::zero();
         for batch in 0..pass.len() {
-            let corners = pass.read::<V, 3>(self.positions, batch);
+            let corners = positions.read::<V>(batch);
             let [x, y, _] = sum(corners[0], sum(corners[1], corners[2]));
             let [fx, fy, _] = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
             torque += x * fy - y * fx;

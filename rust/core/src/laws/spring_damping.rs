@@ -199,12 +199,15 @@ impl BatchKernel for ResistanceKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
+        let mut sums = pass.adder(&mut self.out);
         let coefficient = self.dashpots.coefficient.of(&pass);
         let limit = self.dashpots.limit.as_ref().filter(|_| self.is_limited).map(|springs| springs.of(&pass));
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
-            let rate = span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let span = Span::between(positions.read::<V>(batch));
+            let rate = span.opening(velocities.read::<V>(batch));
             let inverse_square = V::all(1.0) / span.square().max(V::all(f64::MIN_POSITIVE));
             let mut resistance = resistance_per_length(&coefficient[batch], rate, inverse_square);
             if let Some(springs) = &limit {
@@ -216,7 +219,7 @@ impl BatchKernel for ResistanceKernel<'_> {
                 cache[pass.place(batch)] = resistance.lanes();
             }
             let force = scale(V::all(self.sign) * resistance, span.d);
-            pass.add(&mut self.out, batch, [force, negate(force)]);
+            sums.add(batch, [force, negate(force)]);
         }
         power
     }
@@ -235,11 +238,13 @@ impl BatchKernel for PowerKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
         let resistances = pass.of(self.resistances);
         let mut power = V::zero();
         for batch in 0..pass.len() {
-            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
-            power -= V::load(&resistances[batch]) * span.opening(pass.read::<V, 3>(self.velocities, batch));
+            let span = Span::between(positions.read::<V>(batch));
+            power -= V::load(&resistances[batch]) * span.opening(velocities.read::<V>(batch));
         }
         power
     }

@@ -212,11 +212,13 @@ impl BatchKernel for TensionKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.forces);
         let parameters = self.parameters.of(&pass);
         for batch in 0..pass.len() {
-            let span = Span::between(pass.read::<V, 3>(self.positions, batch));
+            let span = Span::between(positions.read::<V>(batch));
             let force = scale(parameters[batch].tension_per_length(span.length()).0, span.d);
-            pass.add(&mut self.forces, batch, [force, negate(force)]);
+            sums.add(batch, [force, negate(force)]);
         }
         V::zero()
     }

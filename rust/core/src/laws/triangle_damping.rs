@@ -84,18 +84,21 @@ impl BatchKernel for StrainRateKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let TriangleDamping { flat, time, .. } = self.damping;
         let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let velocities = pass.reader(self.velocities);
+        let mut sums = pass.adder(&mut self.out);
         let sign = V::all(self.sign);
         let mut power = V::zero();
         for place in 0..pass.len() {
             let batch = pass.place(place);
-            let f = flat.gradient(batch, pass.read::<V, 3>(self.positions, place));
-            let rate = strain_rate(f, flat.gradient(batch, pass.read::<V, 3>(self.velocities, place)));
+            let f = flat.gradient(batch, positions.read::<V>(place));
+            let rate = strain_rate(f, flat.gradient(batch, velocities.read::<V>(place)));
             let (eta, s) = (V::load(&time[batch]), flat.stress(rate));
             let stress = [eta * s[0], eta * s[1], eta * s[2]];
             let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
             power -= V::load(&flat.stiffness[batch]) * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12);
             let forces = flat.nodal_forces(batch, f, [sign * stress[0], sign * stress[1], sign * stress[2]]);
-            pass.add(&mut self.out, place, forces);
+            sums.add(place, forces);
         }
         power
     }

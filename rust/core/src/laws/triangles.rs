@@ -176,12 +176,14 @@ impl StressKernel<'_> {
     fn add_forces<V: SimdF64, const KIND: usize, const WRINKLES: bool>(&mut self) -> V {
         let Triangles { flat, .. } = self.triangles;
         let pass = flat.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.forces);
         for place in 0..pass.len() {
             let batch = pass.place(place);
-            let gradient = flat.gradient(batch, pass.read::<V, 3>(self.positions, place));
+            let gradient = flat.gradient(batch, positions.read::<V>(place));
             let e = strain(gradient);
             let stress = if WRINKLES { self.triangles.stress(batch, e) } else { flat.stress(e) };
-            pass.add(&mut self.forces, place, flat.nodal_forces(batch, gradient, stress));
+            sums.add(place, flat.nodal_forces(batch, gradient, stress));
         }
         V::zero()
     }

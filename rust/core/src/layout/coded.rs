@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::ops::Index;
 
-use super::element_set::Pass;
+use super::pass::Pass;
 use super::radix::{high_word, order_by};
 use crate::simd::lanes::{F64x8, LANES};
 

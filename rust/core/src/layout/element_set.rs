@@ -1,15 +1,13 @@
-//! Elements in batches of eight, and the access of kernels to their nodes.
+//! Elements in batches of eight.
 
 use std::ops::Range;
 
 use super::batches::{Cover, PADDING, Window, without_conflicts};
+use super::pass::Pass;
 use crate::arrays::blocks::{rows_of, tiles};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::simd::dispatch::{CONTIGUOUS, GATHERED, SPLIT};
-use crate::simd::lanes::{F64x8, HALF, LANES, SimdF64, Vec3};
-
-/// Batches in a chunk.
-pub const CHUNK: usize = 32;
+use crate::simd::lanes::{F64x8, HALF, LANES, Vec3};
 
 /// Elements of N nodes each, in batches of eight. Node numbers are internal.
 ///
@@ -30,7 +28,7 @@ pub struct ElementSet<const N: usize> {
     /// The external row of each lane of each batch, or `PADDING`.
     rows: Vec<[u32; LANES]>,
     count: usize,
-    /// Bound above the nodes of all lanes, padding lanes included; `read` and `add` rely on it.
+    /// Bound above the nodes of all lanes, padding lanes included; `Reader` and `Adder` rely on it.
     node_bound: usize,
 }
 
@@ -163,13 +161,12 @@ impl<const N: usize> ElementSet<N> {
         let start = if tile == 0 { 0 } else { self.ends[tile - 1][KIND] };
         let batches = start..self.ends[tile][KIND];
         let before = [0, self.contiguous.len(), self.contiguous.len() + self.split.len()][KIND];
-        let (first, count) = (before + start, batches.len());
+        let first = before + start;
         Pass {
             contiguous: if KIND == CONTIGUOUS { &self.contiguous[batches.clone()] } else { &[] },
             split: if KIND == SPLIT { &self.split[batches.clone()] } else { &[] },
             gathered: if KIND == GATHERED { &self.gathered[batches] } else { &[] },
             first,
-            count,
             rows,
         }
     }
@@ -226,139 +223,6 @@ fn pairs<const N: usize>(split: &[Window<N, HALF>]) -> impl Iterator<Item = ([[u
         }
         (nodes, rows)
     })
-}
-
-/// The batches of one kind in one tile, for kernels; batches are numbered from 0 within the pass.
-#[derive(Debug, Clone, Copy)]
-pub struct Pass<'a, const N: usize, const KIND: usize> {
-    contiguous: &'a [[u32; N]],
-    split: &'a [[[u32; 2]; N]],
-    gathered: &'a [[[u32; LANES]; N]],
-    /// Number of batches before these in arrays of one entry per batch.
-    first: usize,
-    count: usize,
-    /// Bound above the nodes of these batches, padding lanes included.
-    rows: usize,
-}
-
-impl<'a, const N: usize, const KIND: usize> Pass<'a, N, KIND> {
-    /// Number of batches.
-    #[inline(always)]
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Whether the pass has no batch.
-    #[inline(always)]
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// The number of a batch among all batches of the set.
-    #[inline(always)]
-    pub fn place(&self, batch: usize) -> usize {
-        self.first + batch
-    }
-
-    /// The entries of these batches in an array of one entry per batch.
-    #[inline(always)]
-    pub fn of<T>(&self, values: &'a [T]) -> &'a [T] {
-        &values[self.first..][..self.count]
-    }
-
-    /// The batches in chunks, for sweeps in several stages over each chunk.
-    #[inline(always)]
-    pub fn chunks_of_batches(&self) -> impl Iterator<Item = Range<usize>> + use<N, KIND> {
-        let count = self.count;
-        (0..count).step_by(CHUNK).map(move |first| first..count.min(first + CHUNK))
-    }
-
-    /// The entries of the columns for the nodes of a batch; with three columns, their vectors.
-    #[inline(always)]
-    #[allow(unsafe_code)]
-    pub fn read<V: SimdF64, const COUNT: usize>(&self, columns: Columns<'_, COUNT>, batch: usize) -> [[V; COUNT]; N] {
-        assert!(self.rows <= columns.rows());
-        let mut points = [[V::zero(); COUNT]; N];
-        // SAFETY: the nodes of all lanes of all batches are below `ElementSet::node_bound`. This is at most `rows`
-        // (checked by `pass`), and `rows` at most that of the columns (checked above). `axis` is below COUNT.
-        unsafe {
-            if KIND == CONTIGUOUS {
-                let first = self.contiguous[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        points[k][axis] = columns.read(axis, first[k]);
-                    }
-                }
-            } else if KIND == SPLIT {
-                let first = self.split[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        points[k][axis] = columns.read_split(axis, first[k]);
-                    }
-                }
-            } else {
-                let nodes = &self.gathered[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        points[k][axis] = V::load(&columns.gather(axis, &nodes[k]));
-                    }
-                }
-            }
-        }
-        points
-    }
-
-    /// Adds a vector to each node of a batch; it must be zero in padding lanes.
-    #[inline(always)]
-    pub fn add<V: SimdF64>(&self, columns: &mut ColumnsMut<'_>, batch: usize, vectors: [Vec3<V>; N]) {
-        self.add_rows(columns, batch, vectors);
-    }
-
-    /// Adds a number to each node of a batch; it must be zero in padding lanes.
-    #[inline(always)]
-    pub fn add_numbers<V: SimdF64>(&self, column: &mut ColumnsMut<'_, 1>, batch: usize, numbers: [V; N]) {
-        let mut rows = [[V::zero()]; N];
-        for k in 0..N {
-            rows[k][0] = numbers[k];
-        }
-        self.add_rows(column, batch, rows);
-    }
-
-    #[inline(always)]
-    #[allow(unsafe_code)]
-    fn add_rows<V: SimdF64, const COUNT: usize>(
-        &self,
-        columns: &mut ColumnsMut<'_, COUNT>,
-        batch: usize,
-        rows: [[V; COUNT]; N],
-    ) {
-        assert!(self.rows <= columns.rows());
-        // SAFETY: as in `read`; `axis` is below COUNT.
-        unsafe {
-            if KIND == CONTIGUOUS {
-                let first = self.contiguous[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        columns.add(axis, first[k], rows[k][axis]);
-                    }
-                }
-            } else if KIND == SPLIT {
-                let first = self.split[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        columns.add_split(axis, first[k], rows[k][axis]);
-                    }
-                }
-            } else {
-                let nodes = &self.gathered[batch];
-                for k in 0..N {
-                    for axis in 0..COUNT {
-                        columns.scatter(axis, &nodes[k], rows[k][axis].lanes());
-                    }
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]

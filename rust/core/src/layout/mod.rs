@@ -3,10 +3,12 @@
 mod batches;
 mod coded;
 mod element_set;
+mod pass;
 mod radix;
 mod renumbering;
 
 pub(crate) use coded::merged;
 pub use coded::{Coded, Entry};
-pub use element_set::{CHUNK, ElementSet, Pass};
+pub use element_set::ElementSet;
+pub use pass::{CHUNK, Pass};
 pub use renumbering::Renumbering;

@@ -83,11 +83,12 @@ impl BatchKernel for SideKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
         let parameters = self.parameters.of(&pass);
         let (zero, own) = (V::zero(), V::all(OWN));
         for batch in 0..pass.len() {
             let Parameters { sign, softening: [soft_c, soft_d], .. } = &parameters[batch];
-            let facets = Facets::new(pass.read::<V, 3>(self.positions, batch));
+            let facets = Facets::new(positions.read::<V>(batch));
             let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
             let least = &mut self.least_angles[pass.place(batch)];
             let by_sine = facets.sine(V::load(sign)).below(zero, V::all(OTHER), own);

@@ -78,11 +78,12 @@ impl BatchKernel for PullKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.springs.links.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
         let parameters = self.springs.parameters.of(&pass);
         for batch in 0..pass.len() {
             let Parameters { rest_length, critical_length, .. } = &parameters[batch];
             let (rest, critical_length) = (V::load(rest_length), V::load(critical_length));
-            let length = Span::between(pass.read::<V, 3>(self.positions, batch)).length();
+            let length = Span::between(positions.read::<V>(batch)).length();
             let pull = (length.max(critical_length) - rest) * rest * rest / length.max(V::all(1e-12) * rest);
             self.pulls[pass.place(batch)] = pull.lanes();
         }
