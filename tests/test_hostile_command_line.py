@@ -109,6 +109,18 @@ def test_options_of_a_diagram_are_refused_before_a_run(options: str, said: str, 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("ablate spinning-tether --ensemble 0 --shift 1e-6", "Error: --shift: has no effect without perturbed starts"),
+        ("mesh-study okuizumi-model-1 --rows 8 --jobs 0", "Error: jobs = 0: must be from 1 to 1,000"),
+    ],
+)
+def test_options_of_studies_are_refused_before_there_is_a_folder(command: str, said: str, tmp_path: Path) -> None:
+    assert said in printed(*command.split(), "--out", tmp_path / "out", code=2)
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("options", [("--dt", "5e-324"), ("--dt", "1e-300", "--until", "1e12")])
 def test_check_refuses_more_steps_than_a_run_takes(options: tuple[str, ...], scene: Path) -> None:
     assert "Error: until = " in printed("check", scene, *options, "--integrator", "rk4", code=2)

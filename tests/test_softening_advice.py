@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,8 @@ from membrane_rs import (
 from membrane_rs.check import audit, facts, softening_advice
 from membrane_rs.check.redundancy import limit_of_step
 from membrane_rs.check.softening import (
+    CHARTED_PHASE,
+    CHARTED_RATE,
     MOST_CRITICAL_STRAIN,
     MOST_FACTOR,
     MOST_STRAIN,
@@ -202,9 +205,19 @@ def test_check_says_what_softening_gains() -> None:
     gain = limit_of_step(scene.with_values({"material.softening": 5.0})) / limit_of_step(scene)
     assert found.severity == "info"
     assert f"the step would be {gain:.2g} times as long" in found.message
+    assert f"{100.0 * (1.0 - 1.0 / gain):.0f} % fewer steps" in found.message
     assert "--set material.softening=5" in found.remedy
     for other in ({"run.integrator": "generalized_alpha"}, {"material.softening": 5.0}):
         assert not list(step_of_softened_film(scene.with_values(other)))
+
+
+def test_what_softening_changes_is_what_the_readme_has() -> None:
+    page = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+    part = page.partition("<!-- fast-scenes: begin -->")[2].partition("<!-- fast-scenes: end -->")[0]
+    head, _, *rows = ([cell.strip() for cell in line.split("|")] for line in part.splitlines() if "|" in line)
+    assert all(f"softened {MOST_FACTOR:g}," in row[2] for row in rows)
+    for name, charted in (("rate", CHARTED_RATE), ("phase [deg]", CHARTED_PHASE)):
+        assert max(float(row[head.index(name)]) for row in rows) == charted
 
 
 def test_nothing_is_said_where_something_else_sets_the_step() -> None:

@@ -26,7 +26,7 @@ from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.executor import Tell, run_parallel, teller, workers_of
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.run import MOST_MEMBERS, study_case
 from membrane_rs.study.common.stages import refuse_stages
@@ -229,6 +229,7 @@ def mesh_study(
     sail = sail_of(scene)
     for job in jobs:
         sail.with_rows(job.rows)  # refuses rows that do not fit, before anything runs
+    workers = workers_of(workers)  # refused before there is a folder
     folder = made_folder(folder)
     stop = Event()
     runs = run_parallel(
