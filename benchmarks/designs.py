@@ -4,8 +4,10 @@
                 stiffness of its creases
     ensemble    the same from several starts, with mean and band of its curves
 
-Runs are kept in memory. The full model is stepped as the fast scene is, and as its own file says. Threads and processes
-alternate; times are medians. Then what a run of the fast scene takes beside its steps, in one thread.
+Runs are kept in memory. Beside the fast scene there is a coarse one, with every other line of the mesh and softened
+more, for designs that need no more than docs/softening.md says of it; and the full model, stepped as the fast scene is,
+and as its own file says. Threads and processes alternate; times are medians. Then what a run of the fast scene takes
+beside its steps, in one thread.
 """
 
 from __future__ import annotations
@@ -21,12 +23,16 @@ from building import import_time
 from machine import cpu
 from membrane_rs import Scene, Simulation, scenes
 from membrane_rs._markdown import table
+from membrane_rs.scene.softened import with_softening
 from membrane_rs.study import RunPoint, Sweep, ensemble, sweep
 from membrane_rs.study.common.one_run import RunSetup, RunTask, make_run, packed
 from page import README, MarkedPart, options, show
+from softening_cases import COARSE, coarse
 
 PART = MarkedPart(README, "designs")
 FAST, FULL, KEY = "okuizumi-model-1-fast", "okuizumi-model-1", "laws.creases.stiffness"
+COARSE_SOFTENING = 10.0
+"""That of the coarse scene [-]; charted in docs/softening.md, "Error against cost"."""
 AIM = 100.0
 """Designs a minute on two cores."""
 Where = Literal["threads", "processes"]
@@ -60,8 +66,9 @@ def started(scene: Scene, count: int, where: Where) -> Sweep:
     return found.runs
 
 
-def stepped_alike(full: Scene, fast: Scene) -> Scene:
-    """The full model by the method of the fast scene, at the same share of its own limit."""
+def stepped_alike(scene: Scene, fast: Scene) -> Scene:
+    """A scene by the method of the fast one, at the same share of its own limit."""
+    full = replace(scene, run=replace(scene.run, snapshots=()))
     by_method = replace(full, run=replace(full.run, integrator=fast.run.integrator, substeps=fast.run.substeps))
     interval = full.run.until / (full.run.samples - 1)
     sim = Simulation(fast)
@@ -78,9 +85,13 @@ def shortened(scene: Scene, share: float) -> Scene:
 def cases(fast: Scene, full: Scene, count: int, few: int) -> list[Case]:
     """All studies: of the fast scene with so many designs, of the full model with few."""
     alike = stepped_alike(full, fast)
+    rough = stepped_alike(with_softening(coarse(full), COARSE_SOFTENING), fast)
+    name = f"{COARSE}, softened {COARSE_SOFTENING:g}"
     return [
         Case("sweep", "fast scene", fast, swept, count, AIM),
         Case("ensemble", "fast scene", fast, started, count, AIM),
+        Case("sweep", name, rough, swept, 4 * count, AIM),
+        Case("ensemble", name, rough, started, 4 * count, AIM),
         Case("sweep", "full model, stepped alike", alike, swept, few),
         Case("ensemble", "full model, stepped alike", alike, started, few),
         Case("sweep", "full model, as its file says", full, swept, few, is_long=True),
