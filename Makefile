@@ -72,7 +72,7 @@ peers: $(VENV)/tools
 		{ echo "MuJoCo and Newton could not be installed: this needs a network, and a platform that both have wheels for"; exit 1; }
 	cd benchmarks && ../$(BIN)/python -m peers --write
 
-# Every figure and table of the accuracy side from nothing, in less than an hour on two cores; some of them:
+# Every figure and table of the accuracy side from nothing, which takes hours; some of them:
 # make accuracy PART="work-precision limits". Parts: benchmarks/remake.py --list.
 accuracy: $(VENV)/tools
 	$(BIN)/python benchmarks/remake.py $(PART)
