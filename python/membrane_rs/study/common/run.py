@@ -14,9 +14,12 @@ from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind, count_of, number_of
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.errors import InputError, UnstableError
+from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.run_settings import LONGEST, SHORTEST
+from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import is_same_time
 from membrane_rs.study.common.executor import Tell, run_parallel
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
@@ -150,15 +153,15 @@ def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
     Raises
     ------
     InputError
-        An end that is not above 0, fewer than one instant, or a scene that a simulation refuses.
+        An end outside the range of runs, fewer than one instant, or a scene that a simulation refuses.
     InputTypeError
         No scene, or no number.
     """
     check_kind(scene, Scene, "scene", "a Scene")
     refuse_stages(scene)
     end = scene.run.until if until is None else number_of("until", until)
-    if not 0.0 < end < float("inf"):
-        raise InputError(f"until = {end}: must be greater than 0 and finite (s)")
+    if not SHORTEST <= end <= LONGEST:
+        raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
     instants = count_of("instants", instants, 1, MOST_SAMPLES, "samples of a run")
     sim = Simulation(scene)
     if scene.run.relax > 0:
@@ -179,9 +182,10 @@ def run_case(
 ) -> StudyRun:
     """Run a case by one method, with the step nearest to `dt` that meets the instants, or with a tolerance.
 
-    A run that the monitor stops is a result, not an error; its samples up to then are kept. So is a run that would
-    take more processor time than `budget` [s]. Setting `stop` ends the run at its next instant. `tell` is called with a
-    line of text at each `REPORTED` of its instants but the last.
+    A run that the monitor stops is a result, not an error; its samples up to then are kept. At each instant the monitor
+    judges the energy balance too. A run that would take more processor time than `budget` [s] is a result as well.
+    Setting `stop` ends the run at its next instant. `tell` is called with a line of text at each `REPORTED` of its
+    instants but the last.
     """
     scene, step = case.scene, None if dt is None else case.step_near(dt)
     if tolerance is not None:
@@ -190,8 +194,11 @@ def run_case(
     sim.positions = case.start
     samples = _Samples(case, shapes=shapes, budget=budget, stop=stop, tell=tell)
     failure = None
+    observers: list[Observer[Simulation]] = [samples]
+    if scene.bodies:
+        observers.append(BodyContacts())  # for its warnings
     try:
-        sim.march(case.times[-1], frames=2, samples=case.times, observers=[samples])
+        sim.march(case.times[-1], frames=2, samples=case.times, observers=observers)
     except _Ended:
         pass
     except UnstableError as error:
@@ -237,11 +244,12 @@ class _Samples:
 
     def sample(self, sim: Simulation) -> None:
         self.seconds += time.thread_time() - self._began
-        if self._stop is not None and self._stop.is_set():
-            raise _Ended
         # Neither the start nor the last state without a fault is an instant.
         if is_same_time(self._case.times[len(self.rows)], sim.time):
+            sim._core.check(True)  # otherwise a long interval would hide what the balance shows
             self._keep(sim)
+        if self._stop is not None and self._stop.is_set() and len(self.rows) < self._case.instants:
+            raise _Ended
         self._began = time.thread_time()
 
     def frame(self, sim: Simulation) -> None:
