@@ -68,9 +68,9 @@ def started(scene: Scene, count: int, where: Where) -> Sweep:
 
 def stepped_alike(scene: Scene, fast: Scene) -> Scene:
     """A scene by the method of the fast one, at the same share of its own limit."""
-    full = replace(scene, run=replace(scene.run, snapshots=()))
-    by_method = replace(full, run=replace(full.run, integrator=fast.run.integrator, substeps=fast.run.substeps))
-    interval = full.run.until / (full.run.samples - 1)
+    run = replace(scene.run, snapshots=(), integrator=fast.run.integrator, substeps=fast.run.substeps)
+    by_method = replace(scene, run=run)
+    interval = scene.run.until / (scene.run.samples - 1)
     sim = Simulation(fast)
     dt = sim.dt / sim.stable_dt() * Simulation(by_method).stable_dt()
     return replace(by_method, run=replace(by_method.run, dt=interval / -(-interval // dt)))

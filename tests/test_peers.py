@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from marked import MarkedPart
 from membrane_rs import Simulation, scenes
+from membrane_rs.study.common.run import study_case
 from peers import deployment, measure, ours, picture, problem, report, speed, work_precision
 from peers.neo_hookean import NeoHookean
 from peers.problem import Problem
@@ -139,6 +140,32 @@ def test_the_deployment_is_run_and_compared(small: Problem) -> None:
     assert done.dt == pytest.approx(0.9 * done.limit, rel=0.3)
     assert done.is_within
     assert 0.0 < done.errors["rate"] < 1e-3
+
+
+class Logged:
+    """A program whose steps take a second each, by a clock of its own, more of them in each repeat."""
+
+    def __init__(self, clock: list[float]) -> None:
+        self.clock, self.steps = clock, []  # type: ignore[var-annotated]
+
+    def step(self, n: int) -> None:
+        """Take n steps."""
+        self.steps.append(n)
+        self.clock[0] += n * (1.0 + len(self.steps) // 4)
+
+
+def test_programs_take_turns_and_the_median_ratio_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(deployment, "REPEATS", 3)
+    monkeypatch.setattr("peers.deployment.time.process_time", lambda: clock[0])
+    monkeypatch.setattr(Simulation, "reach", lambda _, __: clock.__setitem__(0, clock[0] + 0.5))
+    logged = Logged(clock)
+    case = study_case(scenes.load("spinning-tether"), 0.4, 4)
+    found = deployment.in_turns(case, "rk4", 1e-5, logged)  # type: ignore[arg-type]
+    assert logged.steps == [deployment.SLICE] * 12
+    # Half a second to each of four instants of 0.4 s, and steps of one second to three and more.
+    assert found.processor == pytest.approx(4.0)
+    assert found.other == pytest.approx((3 * 2.0 + 3.0) / 4)
 
 
 def test_the_fast_scene_is_run_and_timed_in_turns(small: Problem) -> None:

@@ -206,6 +206,7 @@ def test_check_says_what_softening_gains() -> None:
     assert found.severity == "info"
     assert f"the step would be {gain:.2g} times as long" in found.message
     assert f"{100.0 * (1.0 - 1.0 / gain):.0f} % fewer steps" in found.message
+    assert f"{MOST_FACTOR:g} times as soft differ from the full models' by {CHARTED_RATE:g} in the" in found.message
     assert "--set material.softening=5" in found.remedy
     for other in ({"run.integrator": "generalized_alpha"}, {"material.softening": 5.0}):
         assert not list(step_of_softened_film(scene.with_values(other)))

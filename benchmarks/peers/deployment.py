@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from membrane_rs import Scene, Simulation, scenes
 from membrane_rs.study.common.differences import CURVES
-from membrane_rs.study.common.run import run_case, study_case
+from membrane_rs.study.common.run import StudyCase, run_case, study_case
 from page import DOCS, MarkedPart
 
 from peers.program import Program
@@ -79,21 +79,22 @@ class FastDeployment:
     timed: Timed
 
 
-def in_turns(scene: Scene, method: str, dt: float, until: float, other: Program) -> Timed:
-    """Deployments up to a time, each in turns with the other program: from instant to instant, then some of its steps.
+def in_turns(case: StudyCase, method: str, dt: float, other: Program) -> Timed:
+    """Deployments of a case, each in turns with the other program: to the next instant, then some of its steps.
 
     Of the repeats, that whose ratio of both times is the median.
     """
     repeats = []
     for _ in range(REPEATS):
-        sim, own, others = Simulation(scene, integrator=method, dt=dt), 0.0, 0.0
-        for k in range(1, INSTANTS + 1):
+        sim, own, others = Simulation(case.scene, integrator=method, dt=dt), 0.0, 0.0
+        sim.positions = case.start
+        for instant in case.times:
             began = time.process_time()
-            sim.reach(k * until / INSTANTS)
+            sim.reach(instant)
             between = time.process_time()
             other.step(SLICE)
             own, others = own + between - began, others + time.process_time() - between
-        repeats.append(Timed(own * UNTIL / until, others / (INSTANTS * SLICE)))
+        repeats.append(Timed(own * UNTIL / case.until, others / (case.instants * SLICE)))
     return sorted(repeats, key=lambda timed: timed.other / timed.processor)[REPEATS // 2]
 
 
@@ -102,7 +103,7 @@ def deploy_fast(other: Program, until: float = UNTIL) -> FastDeployment:
     scene = scenes.load(FAST)
     assert scene.material is not None
     dt, softening = Simulation(scene).dt, scene.material.softening or 1.0
-    timed = in_turns(scene, scene.run.integrator, dt, until, other)
+    timed = in_turns(study_case(scene, until, INSTANTS), scene.run.integrator, dt, other)
     return FastDeployment(dt, scene.run.substeps, softening, round(until / dt), timed)
 
 
@@ -117,7 +118,7 @@ def deploy(scene: Scene, other: Program, until: float = UNTIL) -> Deployment:
         dt=run.dt,
         limit=limits[METHOD],
         steps=run.steps,
-        timed=in_turns(scene, METHOD, run.dt, until, other),
+        timed=in_turns(case, METHOD, run.dt, other),
         finer_dt=finer.dt,
         errors={name: error(run, finer, case.start) for name, (_, error) in CURVES.items()},
         spreads=spreads(MarkedPart(STUDIES, "deployment-work-precision").read()),

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from marked import DOCS, MarkedPart
+from marked import DOCS, MarkedPart, copy_small
 from membrane_rs import MembraneError, Scene, Springs, scenes
 from membrane_rs.scene.laws import Law
 from membrane_rs.study import Ablation, WorkPrecision, ablate, work_precision
@@ -108,7 +108,10 @@ def main() -> None:
         if options.write:
             PARTS[name].write(text)
             for target, source in files.items():
-                shutil.copy(source, DOCS / target)
+                if source.suffix == ".png":
+                    copy_small(source, target)
+                else:
+                    shutil.copy(source, DOCS / target)
     if failed:
         sys.exit(f"failed: {', '.join(failed)}; the others are done")
 

@@ -36,8 +36,14 @@ impl TriangleStress {
     }
 }
 
+/// The largest principal value of stresses 11, 22 and 12, at least 0; `None` of no stress \[Pa\].
+pub fn largest_principal(mut stresses: impl Iterator<Item = [f64; 3]>) -> Option<f64> {
+    let first = stresses.next()?;
+    Some(stresses.fold(principal_values(first)[0].max(0.0), |largest, stress| largest.max(principal_values(stress)[0])))
+}
+
 /// Principal values of a stress 11, 22 and 12, the larger first \[Pa\].
-pub fn principal_values([s11, s22, s12]: [f64; 3]) -> [f64; 2] {
+fn principal_values([s11, s22, s12]: [f64; 3]) -> [f64; 2] {
     let (mean, difference) = (0.5 * (s11 + s22), 0.5 * (s11 - s22));
     let spread = (difference * difference + s12 * s12).sqrt();
     [mean + spread, mean - spread]

@@ -23,7 +23,7 @@ pub struct Mechanics {
     pub(crate) spin: Spin,
     pub(crate) masses: Vec<f64>,
     pub(crate) inverse_masses: Vec<f64>,
-    /// Of net forces.
+    /// By which net forces become accelerations: 1/m, 0 for held nodes, 1 for moved ones.
     factors: Vec<f64>,
     pub(crate) evaluation_count: u64,
     pub(crate) pieces: FreePieces,

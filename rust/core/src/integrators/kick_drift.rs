@@ -50,60 +50,73 @@ impl Formula<2, 2> for Drift {
     }
 }
 
-/// What follows a correction in the same pass: nothing, a drift, or a drift with kicks of slow accelerations.
-const NOTHING: u8 = 0;
-const DRIFT: u8 = 1;
-const KICKED_DRIFT: u8 = 2;
-
-/// The velocity from its prediction, without the force of Coriolis: v = p + dt/2 (a' - a), with a' = F/m. Then what
-/// `THEN` says. Numbers of an axis: F, a, v, x; a' replaces a, and zero F.
-struct Correct<const THEN: u8> {
+/// The velocity from its prediction, without the force of Coriolis: v = p + dt/2 (a' - a), with a' = F/m. Numbers of an
+/// axis: F, a and v; a' replaces a, and zero replaces F.
+#[derive(Clone, Copy)]
+struct Correct {
     half: f64,
-    drift: Drift,
 }
 
-impl<const THEN: u8> Correct<THEN> {
+impl Formula<1, 3> for Correct {
     #[inline(always)]
-    fn then<V: SimdF64>(&self, a: V, slow: V, moved: [V; 2]) -> [V; 4] {
-        let [x, v] = match THEN {
-            NOTHING => moved,
-            DRIFT => self.drift.of(a, None, moved),
-            _ => self.drift.of(a, Some(slow), moved),
-        };
-        [V::zero(), a, v, x]
-    }
-}
-
-impl<const THEN: u8> Formula<2, 4> for Correct<THEN> {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, [factor, slow]: [V; 2], [force, a, p, x]: [V; 4]) -> [V; 4] {
+    fn row<V: SimdF64>(&self, [factor]: [V; 1], [force, a, p]: [V; 3]) -> [V; 3] {
         let new = force * factor;
-        self.then(new, slow, [x, p + V::all(self.half) * (new - a)])
+        [V::zero(), new, p + V::all(self.half) * (new - a)]
     }
 }
 
 /// The same with the force of Coriolis, for x and y.
-struct Boris<const THEN: u8> {
-    correct: Correct<THEN>,
+#[derive(Clone, Copy)]
+struct Boris {
+    half: f64,
     rate: f64,
 }
 
-impl<const THEN: u8> Formula<3, 8> for Boris<THEN> {
+impl Formula<1, 6> for Boris {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [factor]: [V; 1], [force_x, ax, px, force_y, ay, py]: [V; 6]) -> [V; 6] {
+        let h = self.rate * self.half;
+        let (half, rate, scale, h) = (V::all(self.half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
+        let (new_x, new_y) = (force_x * factor, force_y * factor);
+        let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
+        let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
+        [V::zero(), new_x + rate * dy, px + dx, V::zero(), new_y - rate * dx, py + dy]
+    }
+}
+
+/// A correction, then the drift of the next step, with kicks of slow accelerations where `KICKED`. Each axis has x as a
+/// fourth number.
+struct Then<F, const KICKED: bool> {
+    correct: F,
+    drift: Drift,
+}
+
+impl<F, const KICKED: bool> Then<F, KICKED> {
+    #[inline(always)]
+    fn drifted<V: SimdF64>(&self, [force, a, v]: [V; 3], slow: V, x: V) -> [V; 4] {
+        let [x, v] = self.drift.of(a, KICKED.then_some(slow), [x, v]);
+        [force, a, v, x]
+    }
+}
+
+impl<const KICKED: bool> Formula<2, 4> for Then<Correct, KICKED> {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [factor, slow]: [V; 2], [force, a, p, x]: [V; 4]) -> [V; 4] {
+        self.drifted(self.correct.row([factor], [force, a, p]), slow, x)
+    }
+}
+
+impl<const KICKED: bool> Formula<3, 8> for Then<Boris, KICKED> {
     #[inline(always)]
     fn row<V: SimdF64>(
         &self,
         [factor, slow_x, slow_y]: [V; 3],
         [force_x, ax, px, x, force_y, ay, py, y]: [V; 8],
     ) -> [V; 8] {
-        let (new_x, new_y) = (force_x * factor, force_y * factor);
-        let half = self.correct.half;
-        let h = self.rate * half;
-        let (half, rate, scale, h) = (V::all(half), V::all(self.rate), V::all(1.0 / (1.0 + h * h)), V::all(h));
-        let (rx, ry) = (half * (new_x - ax), half * (new_y - ay));
-        let (dx, dy) = (scale * (rx + h * ry), scale * (ry - h * rx));
-        let [force_x, ax, vx, x] = self.correct.then(new_x + rate * dy, slow_x, [x, px + dx]);
-        let [force_y, ay, vy, y] = self.correct.then(new_y - rate * dx, slow_y, [y, py + dy]);
-        [force_x, ax, vx, x, force_y, ay, vy, y]
+        let [fx, ax, vx, fy, ay, vy] = self.correct.row([factor], [force_x, ax, px, force_y, ay, py]);
+        let [fx, ax, vx, x] = self.drifted([fx, ax, vx], slow_x, x);
+        let [fy, ay, vy, y] = self.drifted([fy, ay, vy], slow_y, y);
+        [fx, ax, vx, x, fy, ay, vy, y]
     }
 }
 
@@ -205,11 +218,11 @@ impl End<'_> {
             for range in row_blocks(rows_of(tile, count)) {
                 let net = system.net_forces(range.clone(), state.at(time), powers);
                 match then {
-                    None => correction.run::<NOTHING>(net, range.clone(), accelerations, state, None),
-                    Some(RowDrift { slow: None, .. }) => {
-                        correction.run::<DRIFT>(net, range.clone(), accelerations, state, then);
+                    None => correction.run(net, range.clone(), accelerations, state),
+                    Some(drift) if drift.slow.is_none() => {
+                        correction.run_then::<false>(net, range.clone(), accelerations, state, drift);
                     }
-                    Some(_) => correction.run::<KICKED_DRIFT>(net, range.clone(), accelerations, state, then),
+                    Some(drift) => correction.run_then::<true>(net, range.clone(), accelerations, state, drift),
                 }
                 if has_power {
                     system.row_power_at(range.clone(), rows(&state.velocities, range.clone()), powers);
@@ -233,6 +246,7 @@ impl End<'_> {
 }
 
 /// The correction of the velocities at the end of a step.
+#[derive(Clone, Copy)]
 struct Correction {
     half: f64,
     /// Of the accelerations of Coriolis.
@@ -241,31 +255,44 @@ struct Correction {
 }
 
 impl Correction {
-    /// Corrects the velocities of these rows, and drifts with them as `THEN` says; accelerations become new ones.
-    fn run<const THEN: u8>(
+    /// Corrects the velocities of these rows; accelerations become new ones.
+    fn run(&self, net: NetForces<'_>, range: Range<usize>, accelerations: &mut NodeVectors, state: &mut State) {
+        let (NetForces { forces: [fx, fy, fz], factors }, Self { half, rate, instructions }) = (net, *self);
+        let [ax, ay, az] = rows_mut(accelerations, range.clone());
+        let [vx, vy, vz] = rows_mut(&mut state.velocities, range);
+        let correct = Correct { half };
+        each(instructions, &correct, [factors], [fz, az, vz]);
+        if rate == 0.0 {
+            each(instructions, &correct, [factors], [fx, ax, vx]);
+            each(instructions, &correct, [factors], [fy, ay, vy]);
+        } else {
+            each(instructions, &Boris { half, rate }, [factors], [fx, ax, vx, fy, ay, vy]);
+        }
+    }
+
+    /// The same, then the drift, with slow accelerations where `KICKED`.
+    fn run_then<const KICKED: bool>(
         &self,
-        NetForces { forces: [fx, fy, fz], factors }: NetForces<'_>,
+        net: NetForces<'_>,
         range: Range<usize>,
         accelerations: &mut NodeVectors,
         state: &mut State,
-        then: Option<&RowDrift<'_>>,
+        &RowDrift { drift, slow }: &RowDrift<'_>,
     ) {
+        let (NetForces { forces: [fx, fy, fz], factors }, Self { half, rate, instructions }) = (net, *self);
         let [ax, ay, az] = rows_mut(accelerations, range.clone());
         let [vx, vy, vz] = rows_mut(&mut state.velocities, range.clone());
         let [x, y, z] = rows_mut(&mut state.positions, range.clone());
-        let drift = then.map_or(Drift::alone(0.0), |then| then.drift);
         // Without slow accelerations what is given in their place is not read.
-        let slow = then.and_then(|then| then.slow);
         let [slow_x, slow_y, slow_z] = slow.map_or([factors; 3], |slow| rows(slow, range));
-        let Self { half, rate, instructions } = *self;
-        let correct = Correct::<THEN> { half, drift };
-        each(instructions, &correct, [factors, slow_z], [fz, az, vz, z]);
+        let alone = Then::<_, KICKED> { correct: Correct { half }, drift };
+        each(instructions, &alone, [factors, slow_z], [fz, az, vz, z]);
         if rate == 0.0 {
-            each(instructions, &correct, [factors, slow_x], [fx, ax, vx, x]);
-            each(instructions, &correct, [factors, slow_y], [fy, ay, vy, y]);
+            each(instructions, &alone, [factors, slow_x], [fx, ax, vx, x]);
+            each(instructions, &alone, [factors, slow_y], [fy, ay, vy, y]);
         } else {
-            let read = [factors, slow_x, slow_y];
-            each(instructions, &Boris { correct, rate }, read, [fx, ax, vx, x, fy, ay, vy, y]);
+            let both = Then::<_, KICKED> { correct: Boris { half, rate }, drift };
+            each(instructions, &both, [factors, slow_x, slow_y], [fx, ax, vx, x, fy, ay, vy, y]);
         }
     }
 }
@@ -275,4 +302,67 @@ pub(super) fn energy_shift(accelerations: &NodeVectors, masses: &[f64], dt: f64)
     let [x, y, z] = columns(accelerations);
     let squares = (0..masses.len()).map(|i| masses[i] * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]));
     -0.125 * dt * dt * squares.sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: usize = 11;
+
+    /// Numbers without an order, the same for each seed.
+    fn vectors(seed: f64) -> NodeVectors {
+        NodeVectors::from_fn(ROWS, |row, axis| (seed + 7.3 * row as f64 + 2.1 * axis as f64).sin())
+    }
+
+    /// The state, accelerations and forces after the correction and the drift `then`, in one pass or one by one.
+    fn corrected(instructions: InstructionSet, rate: f64, then: &RowDrift<'_>, in_one: bool) -> [NodeVectors; 4] {
+        let (mut forces, mut accelerations) = (vectors(0.1), vectors(0.2));
+        let mut state = State { positions: vectors(0.3), velocities: vectors(0.4) };
+        let factors: Vec<f64> = (0..ROWS).map(|row| if row == 3 { 0.0 } else { 1.0 / (1.0 + row as f64) }).collect();
+        let net = NetForces { forces: rows_mut(&mut forces, 0..ROWS), factors: &factors };
+        let correction = Correction { half: 0.03, rate, instructions };
+        match (in_one, then.slow.is_some()) {
+            (true, false) => correction.run_then::<false>(net, 0..ROWS, &mut accelerations, &mut state, then),
+            (true, true) => correction.run_then::<true>(net, 0..ROWS, &mut accelerations, &mut state, then),
+            (false, _) => {
+                correction.run(net, 0..ROWS, &mut accelerations, &mut state);
+                then.run(instructions, 0..ROWS, &accelerations, &mut state);
+            }
+        }
+        [state.positions, state.velocities, accelerations, forces]
+    }
+
+    #[test]
+    fn a_drift_in_the_pass_of_the_correction_has_the_bits_of_one_after_it() {
+        let slow = vectors(0.5);
+        for instructions in InstructionSet::ALL {
+            for rate in [0.0, 0.7] {
+                for slow in [None, Some(&slow)] {
+                    let then = RowDrift { drift: Drift { dt: 0.06, before: 0.0, after: 0.09 }, slow };
+                    let [one, other] = [true, false].map(|in_one| corrected(instructions, rate, &then, in_one));
+                    assert_eq!(one, other, "{instructions:?}, rate {rate}");
+                    assert_eq!(one[3], NodeVectors::zeros(ROWS));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_correction_solves_for_the_force_of_coriolis() {
+        let (rate, half) = (0.7, 0.03);
+        // A drift of no length predicts the velocity itself.
+        let still = RowDrift { drift: Drift::alone(0.0), slow: None };
+        let [_, v, new, _] = corrected(InstructionSet::Baseline, rate, &still, false);
+        let [_, _, without, _] = corrected(InstructionSet::Baseline, 0.0, &still, false);
+        let (old, p) = (vectors(0.2), vectors(0.4));
+        for row in 0..ROWS {
+            let d = [0, 1, 2].map(|axis| v[(row, axis)] - p[(row, axis)]);
+            let coriolis = [rate * d[1], -rate * d[0], 0.0];
+            for axis in 0..3 {
+                assert!((new[(row, axis)] - without[(row, axis)] - coriolis[axis]).abs() < 1e-15, "{row} {axis}");
+                assert!((d[axis] - half * (new[(row, axis)] - old[(row, axis)])).abs() < 1e-15, "{row} {axis}");
+            }
+        }
+    }
 }

@@ -29,8 +29,8 @@
 //! Storage: two vectors per node beside the state.
 
 use super::kick_drift::{Drift, End, RowDrift, add_work, amplification, begin, energy_shift};
-use super::{Integrator, Options, Properties, RateGroup, System, leapfrog, saved_works};
-use crate::arrays::blocks::{ROW_BLOCK, row_blocks, rows_of, tiles};
+use super::{Integrator, NetForces, Options, Properties, RateGroup, System, leapfrog, saved_works};
+use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut};
 use crate::simd::dispatch::InstructionSet;
@@ -57,8 +57,6 @@ struct Multirate {
     /// Whether the next step is the first since a start.
     is_first: bool,
     is_started: bool,
-    /// Accelerations of one row block.
-    row_block: NodeVectors,
     instructions: InstructionSet,
 }
 
@@ -75,7 +73,6 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
         exact_powers: vec![0.0; options.works],
         is_first: false,
         is_started: false,
-        row_block: NodeVectors::zeros(ROW_BLOCK.min(options.nodes)),
         instructions: options.instructions,
     })
 }
@@ -84,16 +81,16 @@ impl Multirate {
     /// Evaluates the slow laws at the end of a step. f_k - m (s' - s) replaces f_k, so that the correction of the last
     /// substep is that by b.
     fn evaluate_slow(&mut self, system: &mut dyn System, at: PhasePoint<'_>) {
-        let Self { fast, slow, step_powers, row_block, instructions, .. } = self;
+        let Self { fast, slow, step_powers, instructions, .. } = self;
         let shift = Shift { count: f64::from(self.count) };
         system.select_rate_group(RateGroup::Slow);
         let count = slow.nrows();
         for tile in tiles(count) {
             system.accumulate_forces(tile, at, step_powers);
             for range in row_blocks(rows_of(tile, count)) {
-                system.accelerations(range.clone(), at, rows_mut(row_block, 0..range.len()), step_powers);
-                let changed = [rows_mut(fast, range.clone()), rows_mut(slow, range.clone())];
-                on_axes(*instructions, &shift, [rows(row_block, 0..range.len())], changed);
+                let NetForces { forces, factors } = system.net_forces(range.clone(), at, step_powers);
+                let changed = [rows_mut(fast, range.clone()), rows_mut(slow, range), forces];
+                on_axes(*instructions, &shift, [[factors; 3]], changed);
             }
         }
         system.select_rate_group(RateGroup::Fast);
@@ -115,15 +112,16 @@ impl Multirate {
     }
 }
 
-/// f - m (s' - s) replaces f, and s' replaces s.
+/// f - m (s' - s) replaces f, s' = F/m replaces s, and zero replaces F.
 struct Shift {
     count: f64,
 }
 
-impl Formula<1, 2> for Shift {
+impl Formula<1, 3> for Shift {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [new]: [V; 1], [fast, slow]: [V; 2]) -> [V; 2] {
-        [fast - V::all(self.count) * (new - slow), new]
+    fn row<V: SimdF64>(&self, [factor]: [V; 1], [fast, slow, force]: [V; 3]) -> [V; 3] {
+        let new = force * factor;
+        [fast - V::all(self.count) * (new - slow), new, V::zero()]
     }
 }
 

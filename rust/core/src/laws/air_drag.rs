@@ -139,14 +139,14 @@ impl BatchKernel for FlowKernel<'_> {
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
         let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
         let positions = pass.reader(self.positions);
-        let wind = pass.reader(self.wind);
-        let along = pass.reader(self.along);
+        let winds = pass.reader(self.wind);
+        let alongs = pass.reader(self.along);
         let mut sums = pass.adder(&mut self.flows);
         let presence = self.facets.presence.of(&pass);
         for batch in 0..pass.len() {
             let r = positions.read::<V>(batch);
             let normal = scale(V::load(&presence[batch]), normal(&r));
-            let (wind, along) = (wind.read::<V>(batch), along.read::<V>(batch));
+            let (wind, along) = (winds.read::<V>(batch), alongs.read::<V>(batch));
             let mut flow = [V::zero(); 3];
             for k in 0..3 {
                 flow[k] = dot(normal, [wind[k][0], wind[k][1], along[k][0]]).abs();
@@ -217,12 +217,12 @@ impl BatchKernel for DampingKernel<'_> {
         let pass = self.drag.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
         let positions = pass.reader(self.positions);
         let velocities = pass.reader(self.velocities);
-        let p = pass.reader(self.p);
+        let vectors = pass.reader(self.p);
         let mut sums = pass.adder(&mut self.out);
         let presence = self.drag.facets.presence.of(&pass);
         for batch in 0..pass.len() {
             let (r, v) = (positions.read::<V>(batch), velocities.read::<V>(batch));
-            let p = p.read::<V>(batch);
+            let p = vectors.read::<V>(batch);
             let normal = normal(&r);
             let factor = V::all(self.factor * self.drag.factor) * V::load(&presence[batch]);
             let mut products = [[V::zero(); 3]; 3];

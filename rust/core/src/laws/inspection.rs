@@ -1,7 +1,7 @@
 //! Readings of the elements of a law: each from the equations of the law itself.
 
 use super::Instant;
-use crate::elements::stress::TriangleStress;
+use crate::elements::stress::{TriangleStress, largest_principal};
 
 /// A law with elements that have readings or bounds. It gives the readings that it has, in external order.
 pub trait Inspection {
@@ -22,8 +22,7 @@ pub trait Inspection {
 
     /// The largest principal stress of the film, at least 0; `None` without triangles \[Pa\].
     fn largest_film_stress(&self, at: Instant<'_>) -> Option<f64> {
-        let stresses = self.film_stress(at).filter(|stresses| !stresses.is_empty())?;
-        Some(stresses.iter().map(|stress| stress.values()[0]).fold(0.0, f64::max))
+        largest_principal(self.film_stress(at)?.iter().map(|triangle| triangle.stress))
     }
 
     /// State of each triangle of the film.

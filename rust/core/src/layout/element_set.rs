@@ -157,18 +157,16 @@ impl<const N: usize> ElementSet<N> {
     /// the loop over contiguous batches has contiguous loads and stores only.
     #[inline(always)]
     pub fn pass<const KIND: usize>(&self, tile: usize, rows: usize) -> Pass<'_, N, KIND> {
-        assert!(self.node_bound <= rows);
         let start = if tile == 0 { 0 } else { self.ends[tile - 1][KIND] };
         let batches = start..self.ends[tile][KIND];
         let before = [0, self.contiguous.len(), self.contiguous.len() + self.split.len()][KIND];
-        let first = before + start;
-        Pass {
-            contiguous: if KIND == CONTIGUOUS { &self.contiguous[batches.clone()] } else { &[] },
-            split: if KIND == SPLIT { &self.split[batches.clone()] } else { &[] },
-            gathered: if KIND == GATHERED { &self.gathered[batches] } else { &[] },
-            first,
-            rows,
-        }
+        Pass::new(
+            if KIND == CONTIGUOUS { &self.contiguous[batches.clone()] } else { &[] },
+            if KIND == SPLIT { &self.split[batches.clone()] } else { &[] },
+            if KIND == GATHERED { &self.gathered[batches] } else { &[] },
+            before + start,
+            [self.node_bound, rows],
+        )
     }
 
     /// The vectors of the nodes of any batch; not for use in every step.
@@ -255,5 +253,37 @@ mod tests {
         for (node, count) in counts.column(0).iter().enumerate() {
             assert_eq!(*count, pairs.iter().flatten().filter(|&&end| end as usize == node).count() as f64);
         }
+    }
+
+    fn on_columns(rows: usize, access: impl FnOnce(Pass<'_, 2, GATHERED>, &mut NodeVectors)) {
+        let elements = ElementSet::new(&[[0, 9]], 10);
+        access(elements.pass(0, 10), &mut NodeVectors::zeros(rows));
+    }
+
+    #[test]
+    #[should_panic(expected = "assertion failed")]
+    fn a_reader_refuses_columns_that_are_too_short() {
+        on_columns(9, |pass, vectors| _ = pass.reader(Columns::of(vectors)));
+    }
+
+    #[test]
+    #[should_panic(expected = "assertion failed")]
+    fn an_adder_refuses_columns_that_are_too_short() {
+        on_columns(9, |pass, vectors| _ = pass.adder(&mut ColumnsMut::of(vectors)));
+    }
+
+    #[test]
+    #[should_panic(expected = "assertion failed")]
+    fn a_pass_refuses_fewer_rows_than_it_has_nodes() {
+        ElementSet::new(&[[0, 9]], 10).pass::<GATHERED>(0, 9);
+    }
+
+    #[test]
+    fn columns_as_long_as_the_nodes_are_accepted() {
+        on_columns(10, |pass, vectors| {
+            assert_eq!(pass.len(), 1);
+            pass.reader(Columns::of(vectors)).read::<F64x8>(0);
+            pass.adder(&mut ColumnsMut::of(vectors)).add(0, [[F64x8::ZERO; 3]; 2]);
+        });
     }
 }

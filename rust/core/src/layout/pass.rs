@@ -9,19 +9,36 @@ use crate::simd::lanes::{LANES, SimdF64};
 /// Batches in a chunk.
 pub const CHUNK: usize = 32;
 
-/// The batches of one kind in one tile; batches are numbered from 0 within the pass. `ElementSet::pass` alone makes it.
+/// The batches of one kind in one tile; batches are numbered from 0 within the pass.
 #[derive(Debug, Clone, Copy)]
 pub struct Pass<'a, const N: usize, const KIND: usize> {
-    pub(super) contiguous: &'a [[u32; N]],
-    pub(super) split: &'a [[[u32; 2]; N]],
-    pub(super) gathered: &'a [[[u32; LANES]; N]],
+    contiguous: &'a [[u32; N]],
+    split: &'a [[[u32; 2]; N]],
+    gathered: &'a [[[u32; LANES]; N]],
     /// Number of batches before these in arrays of one entry per batch.
-    pub(super) first: usize,
+    first: usize,
     /// Bound above the nodes of these batches, padding lanes included.
-    pub(super) rows: usize,
+    rows: usize,
 }
 
 impl<'a, const N: usize, const KIND: usize> Pass<'a, N, KIND> {
+    /// The batches of the kind `KIND`, of slices of all kinds, with so many batches before them, for columns of `rows`
+    /// rows. `node_bound` lies above the nodes of all lanes of these batches.
+    ///
+    /// # Panics
+    /// If the rows do not reach the bound.
+    #[inline(always)]
+    pub(super) fn new(
+        contiguous: &'a [[u32; N]],
+        split: &'a [[[u32; 2]; N]],
+        gathered: &'a [[[u32; LANES]; N]],
+        first: usize,
+        [node_bound, rows]: [usize; 2],
+    ) -> Self {
+        assert!(node_bound <= rows);
+        Self { contiguous, split, gathered, first, rows }
+    }
+
     /// Number of batches.
     #[inline(always)]
     pub fn len(&self) -> usize {
@@ -96,9 +113,9 @@ impl<const N: usize, const KIND: usize, const COUNT: usize> Reader<'_, N, KIND, 
     pub fn read<V: SimdF64>(&self, batch: usize) -> [[V; COUNT]; N] {
         let Self { pass, columns } = self;
         let mut points = [[V::zero(); COUNT]; N];
-        // SAFETY: the nodes of all lanes of all batches are below `ElementSet::node_bound`. This is at most `pass.rows`
-        // (checked by `ElementSet::pass`), and that at most the rows of the columns (checked by `Pass::reader`). `axis`
-        // is below COUNT.
+        // SAFETY: the nodes of all lanes are below the bound that `ElementSet` keeps and gives to `Pass::new`, which
+        // checks that it is at most `pass.rows`. That is at most the rows of the columns, as `Pass::reader` checks.
+        // `axis` is below COUNT.
         unsafe {
             if KIND == CONTIGUOUS {
                 let first = pass.contiguous[batch];

@@ -16,7 +16,7 @@ use crate::arrays::columns::Columns;
 use crate::arrays::state::columns;
 use crate::assembly::Assembly;
 use crate::elements::link::Span;
-use crate::elements::stress::{TriangleStress, principal_values};
+use crate::elements::stress::{TriangleStress, largest_principal};
 use crate::laws::Instant;
 use crate::model::input::NegativeSprings;
 use crate::model::mesh::sub;
@@ -29,7 +29,7 @@ struct Triangle {
     nodes: [u32; 3],
     /// The edges opposite its corners, external rows.
     sides: [u32; 3],
-    /// k_i/(h A0 L_i^2) of its own part of each side, 0 where the spring was clipped [N/m5].
+    /// k_i/(h A0 L_i^2) of its own part of each side, 0 where the spring was clipped [N/m6].
     weights: [f64; 3],
     /// The third node of the reference and the length of the base [m], with the first node at the origin and the second
     /// on axis 1.
@@ -93,13 +93,13 @@ impl BatchKernel for PullKernel<'_> {
 
 impl Springs {
     /// (max(l, l_cr) - L) L^2 / l of each spring, in external order [m2].
-    fn pulls(&self, at: Instant<'_>) -> Vec<[f64; 1]> {
+    fn pulls(&self, at: Instant<'_>) -> Vec<f64> {
         let elements = &self.links.elements;
         let (positions, mut pulls) = (Columns::of(at.positions), vec![F64x8::ZERO; elements.batch_count()]);
         for tile in tiles(at.positions.nrows()) {
             self.links.instructions.run_batches(PullKernel { springs: self, tile, positions, pulls: &mut pulls });
         }
-        elements.unpack_rows(pulls.into_iter().map(|pull| [pull]))
+        elements.unpack(pulls.into_iter())
     }
 
     /// The stress of each triangle, in external order.
@@ -115,20 +115,18 @@ impl Springs {
     /// The largest principal stress, at least 0; `None` without triangles [Pa].
     pub(super) fn largest_triangle_stress(&self, at: Instant<'_>, film: &FilmTriangles) -> Option<f64> {
         let pulls = self.pulls(at);
-        let largest = |triangle: &Triangle| principal_values(triangle.stress(&pulls))[0];
-        (!film.triangles.is_empty()).then(|| film.triangles.iter().map(largest).fold(0.0, f64::max))
+        largest_principal(film.triangles.iter().map(|triangle| triangle.stress(&pulls)))
     }
 }
 
 impl Triangle {
     /// S, by the pulls of all springs.
-    fn stress(&self, pulls: &[[f64; 1]]) -> [f64; 3] {
+    fn stress(&self, pulls: &[f64]) -> [f64; 3] {
         let ([along, height], base) = (self.apex, self.base);
         let sides = [[along - base, height], [along, height], [base, 0.0]];
         let mut stress = [0.0; 3];
         for (k, [dx, dy]) in sides.into_iter().enumerate() {
-            let [pull] = pulls[self.sides[k] as usize];
-            let weight = self.weights[k] * pull;
+            let weight = self.weights[k] * pulls[self.sides[k] as usize];
             for (component, product) in stress.iter_mut().zip([dx * dx, dy * dy, dx * dy]) {
                 *component += weight * product;
             }
