@@ -285,9 +285,9 @@ def test_a_level_counts_only_with_all_finer_ones_and_below_the_limit() -> None:
     ("given", "words"),
     [
         ({"methods": ["rk5"]}, "did you mean 'rk4'"),
-        ({"until": 0.0}, "until = 0.0: must be from 1e-15 to 1e+12"),
+        ({"until": 0.0}, "until = 0.0: must be from 1e-15 to 1e.12"),
         ({"until": 1e-16}, "until = 1e-16: must be from 1e-15"),
-        ({"until": 1e13}, "must be from 1e-15 to 1e+12"),
+        ({"until": 1e13}, "must be from 1e-15 to 1e.12"),
         ({"until": math.nan}, "until = nan"),
         ({"steps": 0}, "steps = 0: must be from 1 to 24"),
         ({"members": -1}, "members = -1: must be from 0 to 1,000"),
