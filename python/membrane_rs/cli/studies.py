@@ -193,7 +193,7 @@ def ablate(
     from membrane_rs.study import ablate as study
 
     without_starts = {"--shift": ensemble == 0 and shift is not None}
-    refuse_given(without_starts, "has no effect without perturbed starts; leave it out, or --ensemble 0")
+    refuse_given(without_starts, "has no effect without perturbed starts; leave out this or --ensemble 0")
     chosen = load(scene, set_)
     report_audit(chosen)
     found = study(
