@@ -21,7 +21,7 @@ from membrane_rs.runs import signals
 from membrane_rs.runs.recorder import Recorder
 from membrane_rs.runs.request import CHECKPOINT, Request
 from membrane_rs.scene import Scene
-from membrane_rs.scene.run_settings import LONGEST, SHORTEST
+from membrane_rs.scene.run_settings import check_duration
 from membrane_rs.simulation.motion import Motion
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.relaxation import relaxed
@@ -301,8 +301,8 @@ class Simulation(Stepper):
             HistoryTable(self, measures).add(self)
         self._check_end(end)
         self._check_stages_last(end)
-        if not (end <= 0.0 or SHORTEST <= end <= LONGEST):
-            raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+        if not end <= 0.0:
+            check_duration(end, "until")
         request.output_times(self.time, self.scene)
         if not any(observer.is_resumed for observer in observers if isinstance(observer, Recorder)):
             request.warn_of_unshown(self.time)

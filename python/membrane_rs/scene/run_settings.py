@@ -17,6 +17,12 @@ MOST_INSTANTS = 10**7
 """More frames or samples than this would not fit into memory."""
 
 
+def check_duration(duration: float, where: str) -> None:
+    """Refuse a time at the end of a run, or a duration [s], from which steps cannot be counted. Raises InputError."""
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(f"{where} = {duration}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+
+
 def known_methods() -> list[str]:
     """The names of the methods of integration."""
     return [facts.name for facts in _core.integrators()]
@@ -107,5 +113,4 @@ class RunSettings:
         if self.integrator not in methods:
             what = f"RunSettings.integrator = {show(self.integrator)}: is no method"
             raise InputError(f"{what}; {nearest(self.integrator, methods)}")
-        if not SHORTEST <= self.until <= LONGEST:
-            raise InputError(f"RunSettings.until = {self.until}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+        check_duration(self.until, "RunSettings.until")

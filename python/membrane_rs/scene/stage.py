@@ -26,7 +26,7 @@ from membrane_rs._validation import (
     validated,
 )
 from membrane_rs.errors import InputError, InputTypeError
-from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
+from membrane_rs.scene.run_settings import MOST_INSTANTS, check_duration
 from membrane_rs.scene.schedule import Schedule
 
 MEASURE_UNITS = {
@@ -168,8 +168,7 @@ class Stage:
             raise InputError(
                 f"Stage.name = {show(self.name)}: must be 1 to {LONGEST_NAME} characters in one line, not all blank"
             )
-        if not SHORTEST <= self.duration <= LONGEST:
-            raise InputError(f"Stage.duration = {self.duration}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+        check_duration(self.duration, "Stage.duration")
         self._check_end()
         both = next((key for key in self.scale if key in self.set), None)
         if both is not None:

@@ -26,7 +26,7 @@ from membrane_rs.errors import ExecutorError, InputError, InputTypeError
 from membrane_rs.results.history_table import FIRST_COLUMNS, RENAMED
 from membrane_rs.results.recorded import Measures, record_table
 from membrane_rs.scene import Scene
-from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS, SHORTEST
+from membrane_rs.scene.run_settings import MOST_INSTANTS, check_duration
 from membrane_rs.study.common.executor import workers_of
 from membrane_rs.study.common.kept_runs import KeptRuns
 from membrane_rs.study.common.one_run import (
@@ -218,8 +218,8 @@ class ManyRuns:
 def checked_setup(setup: RunSetup) -> RunSetup:
     """The setup with plain numbers. Raises InputError and InputTypeError, which name what is wrong."""
     until = None if setup.until is None else number_of("until", setup.until)
-    if until is not None and not SHORTEST <= until <= LONGEST:
-        raise InputError(f"until = {until}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+    if until is not None:
+        check_duration(until, "until")
     samples = setup.samples
     if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int)):
         raise InputTypeError(f"samples = {show(samples)}: must be a whole number")

@@ -13,12 +13,12 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import check_kind, count_of, number_of
 from membrane_rs.analysis.deployment import Corners
-from membrane_rs.errors import InputError, UnstableError
+from membrane_rs.errors import UnstableError
 from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.results.measures import peak_stress
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.scene.run_settings import LONGEST, SHORTEST
+from membrane_rs.scene.run_settings import check_duration
 from membrane_rs.simulation.observer import Observer
 from membrane_rs.simulation.output_times import is_same_time
 from membrane_rs.study.common.executor import Tell, run_parallel
@@ -160,8 +160,7 @@ def study_case(scene: Scene, until: float | None, instants: int) -> StudyCase:
     check_kind(scene, Scene, "scene", "a Scene")
     refuse_stages(scene)
     end = scene.run.until if until is None else number_of("until", until)
-    if not SHORTEST <= end <= LONGEST:
-        raise InputError(f"until = {end}: must be from {SHORTEST:g} to {LONGEST:g} (s)")
+    check_duration(end, "until")
     instants = count_of("instants", instants, 1, MOST_SAMPLES, "samples of a run")
     sim = Simulation(scene)
     if scene.run.relax > 0:
