@@ -140,7 +140,7 @@ def test_space_plays_a_page_that_was_just_opened(browser: Browser, one: Path) ->
 
     def home_scrolls() -> bool:
         ActionChains(browser.driver).send_keys("\ue011").perform()  # a key right after a scroll may be lost
-        return browser.run("return scrollY") == 0
+        return bool(browser.run("return scrollY") == 0)
 
     browser.wait(home_scrolls, "the page is at its head")
     assert place(browser) == FRAMES - 1, "the picture was out of sight"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from membrane_rs import Scene, Simulation, SpringDamping, Tethers, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.check import softening_advice
 from membrane_rs.scene.softened import with_softening
-from membrane_rs.study.common.perturbation import MODEL_SHIFT
+from membrane_rs.study.common.perturbation import MODEL_SHIFT, perturbation
 from softening_cases import (
+    ALIKE,
     FAST_SCENES,
     MODELS,
     Case,
@@ -24,6 +26,7 @@ from softening_cases import (
     fast_scene,
     ratio_kept,
     spun,
+    symmetric,
     weak_creases,
 )
 from softening_distance import (
@@ -38,9 +41,18 @@ from softening_distance import (
     standard_error,
 )
 from softening_pictures import Groups, draw_distances, draw_front
-from softening_runs import RATE, Ensemble, Extent, Run, Runs, deployed, prepared
+from softening_runs import CURVES, RATE, Ensemble, Extent, Run, Runs, deployed, prepared
 from softening_substeps import DESIGNS, deployed_design, substeps_table
-from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
+from softening_symmetry import Petals
+from softening_tables import (
+    cost_table,
+    displacement_table,
+    distance_table,
+    fast_table,
+    front_table,
+    petals_table,
+    starts_table,
+)
 
 SAMPLES = 50
 
@@ -179,6 +191,19 @@ def test_fast_scenes_are_beside_their_full_models() -> None:
         assert prepared(own[label])[1] == scene.run.dt
 
 
+def test_a_petal_with_twice_the_spread_of_the_whole_sail_saves_nothing() -> None:
+    full = {"full model": ensemble(0), "full model, other starts": ensemble(2)}
+    wide = [
+        {**run, **{name: 2.0 * run[name] for name in CURVES}} for run in (*full["full model"].runs, *ensemble(2).runs)
+    ]
+    lines = petals_table({"model 1": {**full, ALIKE: Ensemble(wide)}, "model 2": {**full, ALIKE: Ensemble([{}])}})
+    *_, made, stopped = lines.splitlines()
+    cells = made.strip("| ").split(" | ")
+    assert len(cells) == 11
+    assert (cells[5], cells[10]) == ("1.00", "1.00")
+    assert stopped.count("stopped") == 10
+
+
 class MadeRuns(Runs):
     """Runs that are given: all with 2 substeps are stopped, and those with 4 of the softest creases. Others are the
     faster, the more substeps, and the longer their step."""
@@ -251,3 +276,28 @@ def test_one_strain_of_the_rule_is_another_in_each_of_its_scenes() -> None:
     assert strains(spun(scene)) == pytest.approx((4.0 * spin, critical))
     weak = weak_creases(scene)
     assert strains(weak) == pytest.approx((spin, 0.1 * critical))
+
+
+def test_petals_that_are_given_their_mean_motion_are_alike() -> None:
+    scene = coarse(fast(scenes.load(MODELS["model 2"])))
+    sim = Simulation(scene)
+    petals, still = Petals(sim.positions), sim.positions
+    assert np.array_equal(petals.mean(still), still)
+    displaced = petals.alike(perturbation(scene, 3, MODEL_SHIFT))
+    assert np.abs(petals.mean(displaced) - displaced).max() < 1e-15
+    assert displaced.std() == pytest.approx(MODEL_SHIFT, rel=0.1)
+    sim.positions = still + perturbation(scene, 3, MODEL_SHIFT)
+    sim.step(2)
+    before, speeds = sim.positions, sim.velocities
+    petals.average(sim)
+    assert np.abs(before - petals.mean(before)).max() > 0.1 * MODEL_SHIFT
+    assert np.abs(sim.positions - petals.mean(before)).max() < 1e-15
+    assert np.abs(sim.velocities - petals.mean(speeds)).max() < 1e-12
+
+
+def test_a_run_of_petals_alike_differs_from_that_of_the_whole_sail() -> None:
+    case = symmetric("model 1")[ALIKE]
+    brief = replace(case, make=lambda: coarse(fast(scenes.load(MODELS["model 1"]))))
+    alike, whole = (deployed(one, 1, share=0.005) for one in (brief, replace(brief, alike=False)))
+    assert np.array_equal(alike["time"], whole["time"])
+    assert 0.0 < np.abs(alike[RATE] - whole[RATE]).max() < 100 * MODEL_SHIFT / 0.1

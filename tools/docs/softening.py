@@ -25,12 +25,21 @@ from softening_cases import (
     fast_scene,
     of_rule,
     others,
+    symmetric,
 )
 from softening_pictures import draw_curves, draw_distances, draw_front
 from softening_rule import rule_table
 from softening_runs import Ensemble, Extent, Runs, ensembles
 from softening_substeps import substeps_table
-from softening_tables import cost_table, displacement_table, distance_table, fast_table, front_table, starts_table
+from softening_tables import (
+    cost_table,
+    displacement_table,
+    distance_table,
+    fast_table,
+    front_table,
+    petals_table,
+    starts_table,
+)
 from softening_wound import wound_ensembles, wound_table
 
 STARTS, FEW = 12, 8
@@ -87,6 +96,7 @@ ENSEMBLES = {
     "front": Part(FRONT, front_table, {"softening-front.png": draw_front}),
     "variants": Part(FRONT, variants_table),
     "displacement": Part(all_cases(charted, displaced), displacement_table),
+    "petals": Part(all_cases(symmetric), petals_table),
     "apart": Part(
         {name: of_rule(name) for name in RULE}, distance_table, {"softening-rule.png": draw_rule}, starts=FEW
     ),

@@ -23,6 +23,7 @@ FAST, SOFT = 2.0, 0.1
 FULL, AGAIN, NARROW = "full model", "full model, other starts", f"full model, {SHIFT:g} m"
 COARSE, REDUCED = "every other line of the mesh", "reduced mass in the dashpots"
 RATIO = "softened 10, ratio of the dashpots kept"
+ALIKE = "petals alike"
 
 
 @dataclass(frozen=True)
@@ -39,12 +40,15 @@ class Case:
         Standard deviation of the displacement of each coordinate at the start [m].
     first_seed : int
         Of its starts: those of the reference are no starts of others.
+    alike : bool
+        Whether all petals are given their mean motion, again and again.
     """
 
     label: str
     make: Callable[[], Scene]
     shift: float = MODEL_SHIFT
     first_seed: int = 1000
+    alike: bool = False
 
 
 def fast(scene: Scene) -> Scene:
@@ -120,6 +124,12 @@ def others(model: str) -> dict[str, Case]:
 def displaced(model: str) -> dict[str, Case]:
     """The full model from starts that are displaced as in other studies."""
     return {NARROW: Case(NARROW, lambda: fast(scenes.load(MODELS[model])), SHIFT)}
+
+
+def symmetric(model: str) -> dict[str, Case]:
+    """The full model twice, and with petals that all do the same."""
+    full = charted(model)
+    return {FULL: full[FULL], AGAIN: full[AGAIN], ALIKE: replace(full[AGAIN], label=ALIKE, alike=True)}
 
 
 RULE: Mapping[str, tuple[Callable[[Scene], Scene], tuple[int, ...]]] = {

@@ -18,6 +18,7 @@ from membrane_rs.analysis.deployment import Corners
 from membrane_rs.study.common.executor import run_parallel
 from membrane_rs.study.common.perturbation import perturbation
 from softening_cases import SHARE, Case
+from softening_symmetry import Petals
 
 RATE, PHASE = "deployment_rate", "phase_difference_deg"
 CURVES = {RATE: "rate", PHASE: "phase [deg]"}
@@ -113,11 +114,13 @@ def prepared(case: Case) -> tuple[Scene, float]:
 def deployed(case: Case, seed: int, share: float = 1.0) -> dict[str, Floats]:
     """Rate and phase of a run from a displaced start, steps, processor time of the stepping [s], energy error [-].
 
-    Empty where the monitor stops the run.
+    Empty where the monitor stops the run. Of petals alike, steps and energy error are those since the last averaging.
     """
     scene, dt = prepared(case)
     sim = Simulation(scene, dt=dt)
-    sim.positions = sim.positions + perturbation(scene, seed, case.shift)
+    petals = Petals(sim.positions) if case.alike else None
+    displacement = perturbation(scene, seed, case.shift)
+    sim.positions = sim.positions + (petals.alike(displacement) if petals else displacement)
     corners, rows, seconds = Corners(sim.assembly), [], 0.0
     for instant in scene.run.until * share * np.linspace(0.0, 1.0, INSTANTS + 1):
         began = time.thread_time()
@@ -129,6 +132,8 @@ def deployed(case: Case, seed: int, share: float = 1.0) -> dict[str, Floats]:
         seconds += time.thread_time() - began
         shape = sim.positions
         rows.append((sim.time, corners.deployment_rate(shape), corners.phase_difference(shape)))
+        if petals:
+            petals.average(sim)
     times, rate, phase = np.array(rows).T
     numbers = {"steps": sim.step_count, "seconds": seconds, "error": sim.ledger()["error"]}
     return {"time": times, RATE: rate, PHASE: phase, **{name: np.array(value) for name, value in numbers.items()}}

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from membrane_rs._markdown import table
-from softening_cases import AGAIN, FULL, NARROW
+from softening_cases import AGAIN, ALIKE, FULL, NARROW
 from softening_distance import distance, expected_inside, front, mean_distance, shares_inside, spread, standard_error
 from softening_runs import CURVES, PHASE, RATE, Ensemble
+from softening_symmetry import PETALS
 
 FORMS = {RATE: ".4f", PHASE: ".2f"}
 EARLY = 0.02
@@ -69,6 +70,28 @@ def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str,
         f"{100.0 * expected_inside(of_full):.0f} % on average for a start of that model itself."
     )
     return f"{caption}\n\n{found_table}"
+
+
+def petals_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
+    """Distance and spread of a sail whose petals are alike, and the cost of a mean by one of them.
+
+    A petal has a quarter of the cost at least, and takes as many times the starts as its variance is larger.
+    """
+    body: list[tuple[str, ...]] = []
+    for group, found in groups.items():
+        full, own = Ensemble([*found[FULL].runs, *found[AGAIN].runs]), found[ALIKE]
+        if not own.is_whole:
+            body.append((group, *(STOPPED,) * 2 * 5))
+            continue
+        cells: list[str] = []
+        for column, form in FORMS.items():
+            one = distance(full.curves(column), own.curves(column))
+            spreads = spread(full.curves(column)), spread(own.curves(column))
+            cells += [f"{number:{form}}" for number in (one.value, one.error, *spreads)]
+            cells.append(f"{(spreads[1] / spreads[0]) ** 2 / PETALS:.2f}")
+        body.append((group, *cells))
+    words = (": distance", ", standard error", ", spread of the full model", ", spread of petals alike", ", cost")
+    return table(("scene", *(f"{what}{of}" for what in CURVES.values() for of in words)), body)
 
 
 def starts_table(groups: Mapping[str, Mapping[str, Ensemble]]) -> str:
