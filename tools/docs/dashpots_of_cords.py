@@ -26,6 +26,8 @@ START, SPEED, INSTANT = -0.5, 1.0, 0.4
 """Height below the support [m], velocity upwards [m/s], and time of the reading [s]."""
 TIMES = np.linspace(0.0, 1.5, 150001)
 """Instants of the motion, and steps of the simulation [s]."""
+OF_TENSION, NEAR = 10, 0.005
+"""Instants from one reading of the tension to the next; each is one where the stretch is less than this [m]."""
 RAMPS = (0.001, 0.01, 0.1)
 """Elongations over which a ramp brings the dashpot to its full coefficient [m]."""
 Tension = Callable[[float, float], float]
@@ -121,13 +123,17 @@ def bounce(name: str, height: Floats, velocity: Floats, tension: Tension) -> tup
     stretch, rate = -height - LENGTH, -velocity
     taut = int(np.flatnonzero(stretch > 0.0)[0])
     after = taut + int(np.flatnonzero(stretch[taut:] < 0.0)[0])
-    pulls = [tension(s, r) for s, r in zip(stretch[:after], rate[:after], strict=True)]
-    slope = 1e-7
-    bent = [tension(s + slope, r) for s, r in zip(stretch[taut:after], rate[taut:after], strict=True)]
-    stiffness = float(np.abs(np.subtract(bent, pulls[taut:])).max()) / slope
+    is_read = np.abs(stretch[:after]) < NEAR
+    is_read[::OF_TENSION] = True
+    read, slope = np.flatnonzero(is_read), 1e-7
+    pulls, bent = (
+        np.array([tension(s + more, r) for s, r in zip(stretch[read], rate[read], strict=True)])
+        for more in (0.0, slope)
+    )
+    stiffness = float(np.abs(bent - pulls)[stretch[read] > 0.0].max()) / slope
     moved = float(np.interp(INSTANT, TIMES, height)) - START
     loss = abs(float(velocity[after] / velocity[taut]))
-    return name, f"{moved:.3f}", f"{max(0.0, -min(pulls)):.2f}", f"{stiffness / STIFFNESS:.1f}", f"{loss:.4f}"
+    return name, f"{moved:.3f}", f"{max(0.0, -pulls.min()):.2f}", f"{stiffness / STIFFNESS:.1f}", f"{loss:.4f}"
 
 
 def tether_curves(folder: Path, until: float | None = None) -> Curves:
