@@ -121,6 +121,25 @@ def test_options_of_studies_are_refused_before_there_is_a_folder(command: str, s
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("command", ["ablate", "work-precision", "mesh-study", "stability"])
+@pytest.mark.parametrize("below", ["", "deeper/still"])
+def test_a_study_into_a_file_is_refused_before_it_is_made(command: str, below: str, tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("kept", encoding="utf-8")
+    values = ("--values", "0.02") if command == "stability" else ()
+    scene = "okuizumi-model-1" if command == "mesh-study" else "spinning-tether"
+    shown = printed(command, scene, *values, "--out", file / below, code=1)
+    assert f"Error: cannot write {file / below}: {file} is no folder; choose a folder" in shown
+    assert "/" not in shown.partition("Error")[0]
+    assert file.read_text(encoding="utf-8") == "kept"
+
+
+def test_starts_as_far_apart_as_segments_are_long_are_refused(tmp_path: Path) -> None:
+    shown = printed("ensemble", "spinning-tether", "--starts", "3", "--shift", "1", "--out", tmp_path / "out", code=2)
+    assert "Error: shift = 1: must be below 0.02979, the shortest edge or cord" in shown
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("options", [("--dt", "5e-324"), ("--dt", "1e-300", "--until", "1e12")])
 def test_check_refuses_more_steps_than_a_run_takes(options: tuple[str, ...], scene: Path) -> None:
     assert "Error: until = " in printed("check", scene, *options, "--integrator", "rk4", code=2)

@@ -192,6 +192,7 @@ def test_cords_that_gain_much_mass_are_warned_of_and_bound_the_advice() -> None:
     assert f"take {softening_advice(lighter).factor:g} or less" in found.remedy
     advised = lighter.with_values({"material.softening": softening_advice(lighter).factor})
     assert [one.severity for one in softening_of_film(advised)] == ["info"]
+    assert not list(softening_of_film(scene.with_values({"material.softening": 1.0})))
 
 
 def test_facts_have_the_mass_of_the_sail_without_its_softening() -> None:

@@ -10,7 +10,7 @@ from peers.words import paragraph
 
 AIMS = {"RK4 step": (18, 25), "leapfrog step": (40, 40), "deployment": (60, 100), "fast deployment": (96, 160)}
 """How many times faster than the other program membrane_rs was meant to be, with AVX2 and with AVX-512. Of the fast
-deployment the aim with AVX-512 was set, and is real time there; that with AVX2 is less by the factor of the deployment."""
+deployment the aim with AVX-512 was set, and is real time there; that with AVX2 is less by the deployment's factor."""
 
 
 def _pace_of(seconds: float) -> str:

@@ -56,6 +56,16 @@ def made_folder(folder: object, name: str = "folder") -> Path:
     return path
 
 
+def check_folder(path: Path) -> None:
+    """Refuse a folder that cannot be made or written, before there is anything to write. Raises OutputError."""
+    there = next(place for place in (path.absolute(), *path.absolute().parents) if os.path.lexists(place))
+    with output_errors(path):
+        if not there.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, f"{there} is no folder")
+        if not os.access(there, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, f"{there} cannot be written")
+
+
 def check_regular(path: Path, most: int = MOST_BYTES) -> None:
     """Refuse what is no regular file, or one of more than `most` bytes, before it is opened.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from membrane_rs._extras import need
+from membrane_rs._files import check_folder
 from membrane_rs._renamed import deprecated
 from membrane_rs.cli.application import STUDIES, Json, command, print_json, tell
 from membrane_rs.cli.many_runs import Shift
@@ -66,6 +67,7 @@ def stability(
     from membrane_rs.study.stability import explicit_integrators, stability_map, write_map
 
     chosen = load(scene, set_)
+    folder = _folder(out, f"{chosen.name}-stability")
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrators")
@@ -82,7 +84,6 @@ def stability(
             f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
         ),
     )
-    folder = out or Path("runs") / f"{chosen.name}-stability"
     for path in write_map(cells, parameter, folder, chosen.name):
         (tell if json else typer.echo)(f"Wrote {path}")
     if json:
@@ -150,6 +151,7 @@ def work_precision(
 
     refuse_given({"--rows": rows != ROWS}, "has no effect without --mesh; leave it out, or add --mesh")
     chosen = load(scene, set_)
+    folder = _folder(out, f"{chosen.name}-work-precision")
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
     names = words(integrators, "--integrators") if integrators is not None else None
@@ -159,7 +161,7 @@ def work_precision(
         chosen, names, until, steps=steps, curves=curves, members=ensemble, densities=meshes, softenings=films,
         shift=shift, wanted=error, repeats=repeats, budget=budget, jobs=jobs, progress=tell,
     )  # fmt: skip
-    _save(found, out or Path("runs") / f"{chosen.name}-work-precision", json=json)
+    _save(found, folder, json=json)
 
 
 @command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1", hidden=True)
@@ -195,12 +197,13 @@ def ablate(
     without_starts = {"--shift": ensemble == 0 and shift is not None}
     refuse_given(without_starts, "has no effect without perturbed starts; leave out this or --ensemble 0")
     chosen = load(scene, set_)
+    folder = _folder(out, f"{chosen.name}-ablation")
     report_audit(chosen)
     found = study(
         chosen, until, tolerance=tolerance, members=ensemble, integrator=integrator, share=share,
         dense_until=dense_until, jobs=jobs, progress=tell, **({} if shift is None else {"shift": shift}),
     )  # fmt: skip
-    _save(found, out or Path("runs") / f"{chosen.name}-ablation", json=json)
+    _save(found, folder, json=json)
 
 
 @command(STUDIES, example="mesh-study okuizumi-model-1 --rows 8 --forms paper,strain --until 0.0001")
@@ -248,9 +251,9 @@ def _study_meshes(
     from membrane_rs.study.mesh_report import as_dict
 
     chosen = load(scene, set_)
+    folder = _folder(out, f"{chosen.name}-mesh-study")
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
-    folder = out or Path("runs") / f"{chosen.name}-mesh-study"
     if ensemble < 0:
         raise InputError(f"--ensemble = {ensemble}: must be 0 or above")
     counts = [whole(number, "--rows") for number in numbers(rows, "--rows")]
@@ -262,6 +265,13 @@ def _study_meshes(
         print_json({"scene": chosen.name, "folder": str(folder), **as_dict(made)})
         return
     typer.echo(f"{tables}\nResults are in {folder}")
+
+
+def _folder(out: Path | None, name: str) -> Path:
+    """The folder of a study. Raises OutputError where it cannot be written, before the study is made."""
+    folder = out or Path("runs") / name
+    check_folder(folder)
+    return folder
 
 
 def _save(study: Ablation | WorkPrecision, folder: Path, *, json: bool) -> None:

@@ -8,8 +8,9 @@ from membrane_rs.scene.scene import Scene
 
 
 def softening_of(scene: Scene) -> float | None:
-    """Of its material [-]; None without one, or without material."""
-    return None if scene.material is None else scene.material.softening
+    """Of its material [-], above 1; None without one, or without material."""
+    factor = None if scene.material is None else scene.material.softening
+    return None if factor == 1.0 else factor
 
 
 def with_softening(scene: Scene, factor: float | None) -> Scene:

@@ -41,7 +41,7 @@ from membrane_rs.study.common.one_run import (
     packed,
     stop_runs,
 )
-from membrane_rs.study.common.perturbation import shift_of
+from membrane_rs.study.common.perturbation import SHIFT, check_shift, shift_of
 from membrane_rs.study.common.pools import GIVEN_CAPACITY, Pool, completed, process_pools, thread_pools
 
 MOST_RUNS = 100_000
@@ -103,6 +103,8 @@ class ManyRuns:
         retry: bool = False,
     ) -> None:
         self.scene, self.setup = scene, checked_setup(setup or RunSetup())
+        if self.setup.shift != SHIFT:
+            check_shift(self.setup.shift, scene)
         self._executor, self._retry, self._ticket = executor, retry, uuid4().hex
         if isinstance(executor, Executor):
             self._jobs = GIVEN_CAPACITY if jobs is None else workers_of(jobs)
