@@ -178,6 +178,7 @@ def test_fast_scenes_are_beside_their_full_models() -> None:
     found = {"model 2": {**full, "softened 10": ensemble(1, 5.0, seconds=0.5)}}
     lines = fast_table(found, FAST_SCENES).splitlines()
     assert lines[0].startswith("Mean curves of 4 starts, against 8 of the full model")
+    assert lines[3] == "Starts inside with both curves throughout: 0."
     cells = lines[-1].strip("| ").split(" | ")
     assert cells[:2] == ["`okuizumi-model-2-fast`", "softened 10"]
     assert [float(cells[k]) for k in (2, 6)] == pytest.approx([4.0, 4.0], abs=0.3)

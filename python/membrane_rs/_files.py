@@ -58,7 +58,8 @@ def made_folder(folder: object, name: str = "folder") -> Path:
 
 def check_folder(path: Path) -> None:
     """Refuse a folder that cannot be made or written, before there is anything to write. Raises OutputError."""
-    there = next(place for place in (path.absolute(), *path.absolute().parents) if os.path.lexists(place))
+    whole = path.absolute()
+    there = next((place for place in (whole, *whole.parents) if os.path.lexists(place)), whole)
     with output_errors(path):
         if not there.is_dir():
             raise NotADirectoryError(errno.ENOTDIR, f"{there} is no folder")

@@ -44,18 +44,19 @@ def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str,
 
     `names`: of the scenes of the films.
     """
-    body, count, of_full = [], 0, 0
+    body, count, of_full, throughout = [], 0, 0, 0
     for group, found in groups.items():
         full = Ensemble([*found[FULL].runs, *found[AGAIN].runs])
         ((label, own),) = ((label, own) for label, own in found.items() if label not in {FULL, AGAIN})
         cells = [STOPPED] * 9
         if own.is_whole:
             cells = []
+            shares = {column: shares_inside(own.curves(column), full.curves(column)) for column in FORMS}
+            throughout += sum(min(of_start) == 1.0 for of_start in zip(*shares.values(), strict=True))
             for column, form in FORMS.items():
                 one = distance(full.curves(column), own.curves(column))
-                inside = 100.0 * shares_inside(own.curves(column), full.curves(column)).mean()
                 cells += [f"{number:{form}}" for number in (one.value, one.error)]
-                cells += [f"{100.0 * one.chance:.2g}", f"{inside:.0f}"]
+                cells += [f"{100.0 * one.chance:.2g}", f"{100.0 * shares[column].mean():.0f}"]
             cells.append(f"{full.typical('steps') / own.typical('steps'):.1f}")
         body.append((f"`{names[group]}`", label, *cells))
         count, of_full = len(own.runs), len(full.runs)
@@ -67,7 +68,8 @@ def fast_table(groups: Mapping[str, Mapping[str, Ensemble]], names: Mapping[str,
         "deployment.\n"
         "Inside is the share of the samples of single starts that lie between the lowest and the highest "
         "of the full model:\n"
-        f"{100.0 * expected_inside(of_full):.0f} % on average for a start of that model itself."
+        f"{100.0 * expected_inside(of_full):.0f} % on average for a start of that model itself.\n"
+        f"Starts inside with both curves throughout: {throughout}."
     )
     return f"{caption}\n\n{found_table}"
 

@@ -103,7 +103,7 @@ class ManyRuns:
         retry: bool = False,
     ) -> None:
         self.scene, self.setup = scene, checked_setup(setup or RunSetup())
-        if self.setup.shift != SHIFT:
+        if self.setup.shift != SHIFT:  # a scene without its varied values may be none that can be assembled
             check_shift(self.setup.shift, scene)
         self._executor, self._retry, self._ticket = executor, retry, uuid4().hex
         if isinstance(executor, Executor):
