@@ -23,9 +23,9 @@ WIDTH = 1500
 def copy_small(source: Path, name: str, *, share: float = 1.0, colours: int | None = 128) -> None:
     """A picture into docs/, at most `WIDTH` wide and in few colours, so that the repository stays small.
 
-    Colours are chosen by their distances, not by how often they occur: thin curves keep theirs. Each is then the mean of
-    those it stands for, so that grey areas stay grey. None: all colours, where few of them would make steps of a colour
-    bar.
+    Colours are chosen by their distances, not by how often they occur: thin curves keep theirs. Each is then the mean
+    of those it stands for, so that grey areas stay grey. None: all colours, where few of them would make steps of a
+    colour bar.
     """
     with Image.open(source) as picture:
         share = min(share, WIDTH / picture.width)
