@@ -17,6 +17,7 @@ __all__ = [
     "FilmStates",
     "FilmStress",
     "HubLoad",
+    "HubMotion",
     "LinkReadings",
     "MethodFacts",
     "NewtonStatistics",
@@ -217,6 +218,16 @@ class FilmStress:
     first: NDArray[np.float64]  # (m, 3) direction of the larger value.
     second: NDArray[np.float64]  # (m, 3) direction of the smaller value.
 
+class HubMotion:
+    """The motion of the hub. Vectors have components along its axes, but for `centre`."""
+
+    attitude: list[float]  # Quaternion (w, x, y, z) from components of the hub to those in space.
+    centre: list[float]  # Displacement of its centre of mass in space [m].
+    momentum: list[float]  # Angular momentum, without nodes held on it [kg m2/s]; 0 of a driven hub.
+    sail_momentum: list[float]  # Angular momentum of all nodes [kg m2/s].
+    motor_torque: float | None  # Of the motor of a free hub about its axis [N m].
+    state: list[float]  # All numbers of the motion, with which another simulation may go on.
+
 @final
 class HubLoad:
     """What the sail exerts on the hub, in the turning frame."""
@@ -287,6 +298,9 @@ class Simulation:
     def hub_rate(self) -> float:
         """Rate at which the hub turns now [rad/s]."""
 
+    def hub(self) -> HubMotion:
+        """The motion of the hub."""
+
     @property
     def instructions(self) -> str:
         """The vector instructions that the kernels run with."""
@@ -314,12 +328,12 @@ class Simulation:
     def start_from(
         self,
         time: float,
-        hub_angle: float,
+        hub: HubMotion,
         positions: NDArray[np.float64],
         velocities: NDArray[np.float64],
         crease_angles: NDArray[np.float64] | None,
     ) -> None:
-        """Start from a motion at a time [s], with the hub at an angle [rad], and open the ledger anew. Angles of
+        """Start from a motion at a time [s], with this motion of the hub, and open the ledger anew. Angles of
         creases [rad] tell whole turns, which positions do not.
         """
 

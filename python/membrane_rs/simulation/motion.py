@@ -203,7 +203,7 @@ class Motion(KnownAttributes, Copies, Readings):
             )
         check_same_nodes(self.assembly, other.assembly)
         angles = other._core.crease_angles() if has_same_creases(self.scene.mesh, other.scene.mesh) else None
-        self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities, angles)
+        self._core.start_from(other.time, other._core.hub(), other.positions, other.velocities, angles)
         self.is_relaxed = other.is_relaxed
         self._motions_set += 1
 

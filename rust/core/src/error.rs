@@ -127,6 +127,10 @@ pub enum Error {
     )]
     HopelessStep { dt: f64, limit: f64, integrator: &'static str, part: String },
 
+    /// What a free hub does not go with.
+    #[error("{what} does not go with a free hub; {remedy}, or drive the hub: leave its inertia out")]
+    FreeHub { what: String, remedy: &'static str },
+
     /// A run stopped by the monitor.
     #[error(
         "stopped at t = {time:.6e} s, step {step}: {what} ({place}, {law}). {remedy}. The state was set \

@@ -122,3 +122,23 @@ impl From<Statistics> for NewtonStatistics {
         Self { iterations, factorisations, fallbacks }
     }
 }
+
+/// The motion of the hub: attitude, place, angular momenta, and of a free hub the torque of its motor.
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct HubMotion {
+    attitude: [f64; 4],
+    centre: [f64; 3],
+    momentum: [f64; 3],
+    sail_momentum: [f64; 3],
+    motor_torque: Option<f64>,
+    pub(crate) state: [f64; 14],
+}
+
+impl HubMotion {
+    pub(crate) fn of(core: &Core) -> Self {
+        let (attitude, centre) = core.hub_pose();
+        let [momentum, sail_momentum] = core.momenta().map(Into::into);
+        let (motor_torque, state) = (core.motor_torque(), core.hub_state());
+        Self { attitude, centre, momentum, sail_momentum, motor_torque, state }
+    }
+}

@@ -18,7 +18,7 @@ use crate::errors::wrong_value;
 use crate::laws::law_of;
 use crate::progress::{check_values, progress_of, saved_of};
 use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
-use crate::results::{EnergyBalance, NewtonStatistics, StepLimit};
+use crate::results::{EnergyBalance, HubMotion, NewtonStatistics, StepLimit};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
@@ -189,13 +189,15 @@ impl Simulation {
         self.core(py).hub_angle()
     }
 
-    /// Rate at which the hub turns now [rad/s].
     #[getter]
     fn hub_rate(&self, py: Python<'_>) -> f64 {
         self.core(py).hub_rate()
     }
 
-    /// The instruction set of the kernels.
+    fn hub(&self, py: Python<'_>) -> HubMotion {
+        HubMotion::of(&self.core(py))
+    }
+
     #[getter]
     fn instructions(&self, py: Python<'_>) -> &'static str {
         self.core(py).instructions().name()
@@ -235,19 +237,19 @@ impl Simulation {
         checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
     }
 
-    /// Starts from a motion at a time [s], with the hub, and creases where given, at angles [rad].
+    /// Starts from a motion at a time [s], with this motion of the hub, and creases where given at angles [rad].
     fn start_from(
         &self,
         py: Python<'_>,
         time: f64,
-        hub_angle: f64,
+        hub: &HubMotion,
         positions: &Bound<'_, PyAny>,
         velocities: &Bound<'_, PyAny>,
         crease_angles: Option<Vec<f64>>,
     ) -> PyResult<()> {
         let _right = self.stepping()?;
         let (positions, velocities) = (rows("positions", positions)?, rows("velocities", velocities)?);
-        checked(self.core(py).start_from(time, hub_angle, &positions, &velocities, crease_angles.as_deref()))
+        checked(self.core(py).start_from(time, &hub.state, &positions, &velocities, crease_angles.as_deref()))
     }
 
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {

@@ -6,13 +6,14 @@ use super::deferral::{Deferral, place_of, power_of};
 use super::free_pieces::FreePieces;
 use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
-use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
 use crate::integrators::{Integrator, NetForces, RateGroup, System};
 use crate::laws::Instant;
 use crate::laws::{Law, Moved};
 use crate::linear::tangent::{Tangent, Weights};
 use crate::model::frame::Spin;
+use crate::model::hub::{Hub, Load};
+use crate::model::hub_motion::HubMotion;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Add, Formula, on_axes};
@@ -39,13 +40,18 @@ pub struct Mechanics {
     is_selected: Vec<bool>,
     pub(super) rate_group: Option<RateGroup>,
     expects_power_at: bool,
-    instructions: InstructionSet,
+    pub(super) instructions: InstructionSet,
     /// The laws with a history.
-    history_dependent: Vec<usize>,
+    pub(super) history_dependent: Vec<usize>,
     /// The law of the nodes that move as prescribed.
     pub(super) moved: Option<usize>,
     /// The loads from outside: those evaluated tile by tile, and nodal laws.
-    outside: [Vec<usize>; 2],
+    pub(super) outside: [Vec<usize>; 2],
+    /// The torque of each law from outside about the axis in the last evaluation, where the hub is free \[N m\].
+    pub(super) outside_torques: Vec<f64>,
+    /// The law of the frame, where the hub is free, and the nodes held on it.
+    pub(crate) hub_row: Option<usize>,
+    pub(super) held: Vec<usize>,
 }
 
 impl Mechanics {
@@ -66,18 +72,24 @@ impl Mechanics {
         let mut factors = inverse_masses.clone();
         laws.iter().filter_map(|law| law.moved()).flat_map(Moved::nodes).for_each(|node| factors[node] = 1.0);
         let outside = [false, true].map(|is_nodal| {
-            let is_own = |law: &mut Box<dyn Law>| law.turning_power().is_some() && law.nodal().is_some() == is_nodal;
+            let is_own = |law: &mut Box<dyn Law>| law.outside_torque().is_some() && law.nodal().is_some() == is_nodal;
             laws.iter_mut().enumerate().filter_map(|(row, law)| is_own(law).then_some(row)).collect()
         });
+        let hub_row = spin.hub.as_ref().and_then(|_| laws.iter().position(|law| law.is_frame()));
+        let mut is_selected = vec![true; laws.len()];
+        hub_row.iter().for_each(|&row| is_selected[row] = false);
         Self {
             outside,
+            outside_torques: vec![0.0; laws.len()],
+            hub_row,
+            held: (0..nodes).filter(|&node| inverse_masses[node] == 0.0).collect(),
             history_dependent,
             moved: laws.iter().position(|law| law.moved().is_some()),
             pieces: FreePieces::new(&laws, &inverse_masses),
             plan: Plan::with(&mut laws, &is_separate),
             deferrals,
             is_slow: vec![false; laws.len()],
-            is_selected: vec![true; laws.len()],
+            is_selected,
             rate_group: None,
             expects_power_at: true,
             laws,
@@ -112,15 +124,16 @@ impl Mechanics {
     pub(crate) fn forces_with_contact(&mut self, at: Instant<'_>) -> [NodeVectors; 2] {
         let is_contact = |law: &dyn Law| law.inspection().is_some_and(|law| law.is_contact_with_hub());
         let is_contact: Vec<bool> = self.laws.iter().map(|law| is_contact(law.as_ref())).collect();
-        let mut powers = vec![0.0; self.laws.len()];
-        [false, true].map(|contact_only| {
-            let mut forces = NodeVectors::zeros(self.masses.len());
-            let is_selected = |row: usize| !contact_only || is_contact[row];
-            if (0..self.laws.len()).any(is_selected) {
-                self.plan.add_selected(&mut self.laws, is_selected, at, &mut forces, &mut powers);
-            }
-            forces
-        })
+        [false, true].map(|contact_only| self.forces_by(|row| !contact_only || is_contact[row], at))
+    }
+
+    /// The forces \[N\] of some laws.
+    pub(super) fn forces_by(&mut self, is_selected: impl Fn(usize) -> bool + Copy, at: Instant<'_>) -> NodeVectors {
+        let (mut forces, mut powers) = (NodeVectors::zeros(self.masses.len()), vec![0.0; self.laws.len()]);
+        if (0..self.laws.len()).any(is_selected) {
+            self.plan.add_selected(&mut self.laws, is_selected, at, &mut forces, &mut powers);
+        }
+        forces
     }
 
     /// Omega L \[J\], with L the angular momentum of all nodes about the axis in inertial space.
@@ -132,75 +145,26 @@ impl Mechanics {
     }
 
     /// The power by which the loads from outside, of those evaluated tile by tile or of nodal ones, turn with the frame
-    /// \[W\], by their last evaluation.
-    fn turning_power(&self, is_nodal: bool) -> f64 {
-        let selected = self.outside[usize::from(is_nodal)].iter().filter(|&&row| self.is_selected[row]);
-        selected.filter_map(|&row| self.laws[row].turning_power()).sum()
+    /// \[W\], by their last evaluation. Notes their torques where the hub is free.
+    fn turning_power(&mut self, is_nodal: bool, rate: f64) -> f64 {
+        let mut power = 0.0;
+        for &row in self.outside[usize::from(is_nodal)].iter().filter(|&&row| self.is_selected[row]) {
+            let torque = self.laws[row].outside_torque().unwrap_or_default();
+            power += rate * torque;
+            if self.hub_row.is_some() {
+                self.outside_torques[row] += torque;
+            }
+        }
+        power
     }
 
-    /// The laws of a rate group.
+    /// The laws of a rate group; not the frame of a free hub, without whose forces its methods do.
     pub(crate) fn laws_of(&self, group: RateGroup) -> Vec<&dyn Law> {
         let laws = self.laws.iter().zip(&self.is_slow);
-        laws.filter(|(_, is_slow)| **is_slow == (group == RateGroup::Slow)).map(|(law, _)| law.as_ref()).collect()
-    }
-
-    /// The history of each law.
-    pub(crate) fn histories(&self) -> Vec<History> {
-        let own = self.laws.iter().map(|law| law.history_dependent());
-        own.map(|law| law.map_or_else(History::default, |law| law.history())).collect()
-    }
-
-    /// Restores the history of each law, or that of the start where none is given. The first law whose history does not
-    /// fit, if any.
-    pub(crate) fn restore_histories(&mut self, histories: &[History]) -> Option<&'static str> {
-        let given = histories.iter().cloned().chain(std::iter::repeat_with(History::default));
-        let mut unfit = self.laws.iter_mut().zip(given).filter_map(|(law, history)| {
-            let fits = match law.history_dependent_mut() {
-                Some(law) => law.restore_history(history),
-                None => history == History::default(),
-            };
-            (!fits).then(|| law.name())
-        });
-        unfit.next()
-    }
-
-    /// Passes the initial state of a step to each law with a history.
-    #[inline]
-    pub(crate) fn begin(&mut self, point: PhasePoint<'_>) {
-        let at = self.instant(point);
-        for &row in &self.history_dependent {
-            if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.begin(at);
-            }
-        }
-    }
-
-    /// Passes the end of an accepted step to each law with a history.
-    #[inline]
-    pub(crate) fn accept(&mut self, point: PhasePoint<'_>) {
-        let at = self.instant(point);
-        for &row in &self.history_dependent {
-            if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.accept(at);
-            }
-        }
-    }
-
-    /// Passes the state after a jump of schedules to each law with a history.
-    pub(crate) fn restart_paths(&mut self, point: PhasePoint<'_>) {
-        let at = self.instant(point);
-        for &row in &self.history_dependent {
-            if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.restart_paths(at);
-            }
-        }
-    }
-
-    /// Whether a law with a history has found a fault in the last step.
-    #[inline]
-    pub(crate) fn is_at_fault(&self) -> bool {
-        let has_found = |row: &usize| self.laws[*row].history_dependent().is_some_and(|law| law.is_at_fault());
-        self.history_dependent.iter().any(has_found)
+        let own = laws
+            .enumerate()
+            .filter(|(row, (_, is_slow))| Some(*row) != self.hub_row && **is_slow == (group == RateGroup::Slow));
+        own.map(|(_, (law, _))| law.as_ref()).collect()
     }
 
     /// The instant of a point.
@@ -248,6 +212,7 @@ impl System for Mechanics {
     fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
+            self.outside_torques.fill(0.0);
             // With rate groups, evaluations of the fast laws count.
             self.evaluation_count += u64::from(self.rate_group != Some(RateGroup::Slow));
         }
@@ -255,7 +220,7 @@ impl System for Mechanics {
         let Self { plan, laws, is_selected, forces, deferrals, expects_power_at, .. } = self;
         let mut sums = Sums { forces, powers, deferrals, stores_resistances: *expects_power_at };
         plan.add_to_tile(laws, |row| is_selected[row], tile, at, &mut sums);
-        powers[self.laws.len()] += self.turning_power(false);
+        powers[self.laws.len()] += self.turning_power(false, at.frame.rate);
     }
 
     fn net_forces(&mut self, range: Range<usize>, point: PhasePoint<'_>, powers: &mut [f64]) -> NetForces<'_> {
@@ -281,7 +246,7 @@ impl System for Mechanics {
                 (None, None) => {}
             }
         }
-        powers[self.laws.len()] += self.turning_power(true);
+        powers[self.laws.len()] += self.turning_power(true, at.frame.rate);
         let moves = self.moves_in(range.clone(), point.time);
         if let Some(row) = self.moved {
             powers[row] += moves.iter().map(|(node, prescribed)| self.power_of_move(*node, prescribed)).sum::<f64>();
@@ -379,7 +344,32 @@ impl System for Mechanics {
         (!self.pieces.is_empty()).then(|| self.pieces.about_centres(&self.masses, at))
     }
 
+    fn hub(&self) -> Option<&Hub> {
+        self.spin.hub.as_deref()
+    }
+
+    fn set_hub(&mut self, motion: HubMotion) {
+        if let Some(hub) = &mut self.spin.hub {
+            hub.motion = motion;
+        }
+    }
+
+    fn hub_load(&self, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
+        self.load_on_hub(at, accelerations)
+    }
+
+    fn hub_power(&self, time: f64, powers: &mut [f64]) {
+        self.add_hub_power(time, powers);
+    }
+
+    fn held(&self) -> &[usize] {
+        &self.held
+    }
+
     fn coriolis_rate(&self, time: f64) -> f64 {
+        if self.spin.hub.is_some() {
+            return 0.0;
+        }
         let frame = self.spin.at(time);
         self.laws.iter().filter_map(|law| law.linearisation()).map(|law| law.coriolis_rate(frame)).sum()
     }

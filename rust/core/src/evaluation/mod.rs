@@ -3,6 +3,8 @@
 mod damped_links;
 mod deferral;
 pub mod free_pieces;
+mod histories;
+mod hub;
 pub mod ledger;
 pub mod mechanics;
 mod moves;

@@ -4,6 +4,7 @@
 
 mod controller;
 mod dopri5;
+mod free_hub;
 mod generalized_alpha;
 mod kick_drift;
 mod leapfrog;
@@ -37,13 +38,15 @@ pub struct Options {
     pub spectral_radius: f64,
     /// Substeps in a step, for methods with substeps; slow laws are evaluated once a step.
     pub substeps: u32,
+    /// Whether the hub is free, for methods that move it with the nodes.
+    pub is_hub_free: bool,
 }
 
 impl Default for Options {
     /// Those of no scene, sufficient for the properties of a method.
     fn default() -> Self {
         let instructions = InstructionSet::Baseline;
-        Self { nodes: 1, works: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1 }
+        Self { nodes: 1, works: 0, instructions, spectral_radius: SPECTRAL_RADIUS, substeps: 1, is_hub_free: false }
     }
 }
 
@@ -118,6 +121,10 @@ pub trait Integrator: Send + Sync {
     /// The method whose limit bounds the step for slow laws, of a method with rate groups.
     fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
         None
+    }
+    /// Whether it moves a free hub with the nodes.
+    fn moves_hub(&self) -> bool {
+        false
     }
     /// The method as an implicit one.
     fn implicit(&self) -> Option<&dyn Implicit> {
@@ -215,15 +222,24 @@ pub struct Method {
 
 /// The list of methods.
 pub const METHODS: &[Method] = &[
-    Method { name: "rk4", make: rk4::make },
+    Method { name: "rk4", make: make_rk4 },
     Method { name: "leapfrog", make: make_leapfrog },
     Method { name: "dopri5", make: dopri5::make },
     Method { name: "generalized_alpha", make: generalized_alpha::make },
 ];
 
-/// Leapfrog, with substeps where more than one is set.
+/// Leapfrog, with a free hub, or with substeps where more than one is set.
 fn make_leapfrog(options: &Options) -> Box<dyn Integrator> {
-    if options.substeps > 1 { multirate::make(options) } else { leapfrog::make(options) }
+    match options {
+        Options { is_hub_free: true, .. } => free_hub::leapfrog::make(options),
+        Options { substeps: 2.., .. } => multirate::make(options),
+        _ => leapfrog::make(options),
+    }
+}
+
+/// The method of Runge and Kutta, with a free hub or without.
+fn make_rk4(options: &Options) -> Box<dyn Integrator> {
+    if options.is_hub_free { free_hub::rk4::make(options) } else { rk4::make(options) }
 }
 
 /// The method called `name`.

@@ -27,8 +27,17 @@ use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, on_axes};
 
 /// Node of each stage in the step, and its weight.
-const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
-const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+pub(super) const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
+pub(super) const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+
+/// Properties of the method.
+pub(super) const PROPERTIES: Properties = Properties::explicit("rk4", 4, 4, (1.0 / 120.0, 4));
+
+/// The largest factor by which a step multiplies a solution, see `Integrator::amplification`.
+pub(super) fn amplification(omega: f64, damping: f64, dt: f64) -> f64 {
+    let one = Complex::new(1.0, 0.0);
+    amplification_of(|z| one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0))), omega, damping, dt)
+}
 
 /// The method and its stages.
 struct Rk4 {
@@ -109,12 +118,11 @@ impl Formula<1, 1> for End {
 
 impl Integrator for Rk4 {
     fn properties(&self) -> Properties {
-        Properties::explicit("rk4", 4, 4, (1.0 / 120.0, 4))
+        PROPERTIES
     }
 
     fn amplification(&self, omega: f64, damping: f64, dt: f64) -> f64 {
-        let one = Complex::new(1.0, 0.0);
-        amplification_of(|z| one + z * (one + z / 2.0 * (one + z / 3.0 * (one + z / 4.0))), omega, damping, dt)
+        amplification(omega, damping, dt)
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {

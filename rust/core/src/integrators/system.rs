@@ -5,6 +5,8 @@ use std::ops::Range;
 use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows_mut};
 use crate::linear::tangent::Weights;
+use crate::model::hub::{Hub, Load};
+use crate::model::hub_motion::HubMotion;
 
 /// The laws of one evaluation, for methods with substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +58,25 @@ pub trait System {
                 self.accelerations(rows.clone(), at, rows_mut(accelerations, rows), powers);
             }
         }
+    }
+    /// The free hub, with its present motion, by which laws are evaluated; `None` where the hub is driven. With a free
+    /// hub, accelerations are those by forces alone, in space.
+    fn hub(&self) -> Option<&Hub> {
+        None
+    }
+    /// Moves the free hub, and the frame with it.
+    fn set_hub(&mut self, _motion: HubMotion) {}
+    /// The load on the free hub by the last evaluation, which gave these accelerations: the reaction to the forces on
+    /// all free nodes but those from outside, and the motor's torque.
+    fn hub_load(&self, _at: PhasePoint<'_>, _accelerations: &NodeVectors) -> Load {
+        Load::default()
+    }
+    /// Adds to powers what the turning of a free hub changes of them: the power of the motor, and that of the loads
+    /// from outside by the last evaluation, as they turn with the frame.
+    fn hub_power(&self, _time: f64, _powers: &mut [f64]) {}
+    /// Nodes that are held.
+    fn held(&self) -> &[usize] {
+        &[]
     }
     /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;

@@ -75,8 +75,8 @@ struct AirDrag {
     wind: Vec<f64>,
     /// The sum of |S . V| over the facets of each node, S twice the vector area [m3/s]; zero between evaluations.
     flows: Vec<f64>,
-    /// See `Law::turning_power`.
-    turning_power: f64,
+    /// See `Law::outside_torque`.
+    torque: f64,
     instructions: InstructionSet,
 }
 
@@ -91,7 +91,7 @@ impl AirDrag {
             air: parameters.air,
             wind: vec![0.0; 2 * nodes],
             flows: vec![0.0; nodes],
-            turning_power: 0.0,
+            torque: 0.0,
             instructions: assembly.instructions,
         })
     }
@@ -182,20 +182,20 @@ impl Formula<5, 4> for DragKernel {
     }
 }
 
-/// F . (Omega x r), with Omega x r = V - v.
-struct TurningPower {
+/// x F_y - y F_x.
+struct TorqueKernel {
     drag: DragKernel,
 }
 
-impl Formula<5, 0> for TurningPower {
+impl Formula<5, 0> for TorqueKernel {
     #[inline(always)]
     fn row<V: SimdF64>(&self, _: [V; 5], _: [V; 0]) -> [V; 0] {
         []
     }
 
     #[inline(always)]
-    fn summand<V: SimdF64>(&self, [wind_x, wind_y, u, v, flow]: [V; 5], _: [V; 0]) -> V {
-        self.drag.coefficient(flow) * (wind_x * (wind_x - u) + wind_y * (wind_y - v))
+    fn summand<V: SimdF64>(&self, [x, y, wind_x, wind_y, flow]: [V; 5], _: [V; 0]) -> V {
+        self.drag.coefficient(flow) * (x * wind_y - y * wind_x)
     }
 }
 
@@ -255,12 +255,12 @@ impl NodalLaw for AirDrag {
 
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
         let (wind_x, wind_y) = self.wind.split_at(self.flows.len());
-        let [u, v, w] = rows(at.velocities, range.clone());
+        let ([x, y, _], [u, v, w]) = (rows(at.positions, range.clone()), rows(at.velocities, range.clone()));
         let [wind_x, wind_y] = [&wind_x[range.clone()], &wind_y[range.clone()]];
         let (drag, flows) = (DragKernel { factor: self.factor }, &self.flows[range.clone()]);
-        self.turning_power = match self.rate(at.frame) {
-            0.0 => 0.0,
-            _ => each(self.instructions, &TurningPower { drag }, [wind_x, wind_y, u, v, flows], []),
+        self.torque = match (self.air, at.frame) {
+            (AirMotion::Turning, _) | (_, Frame { rate: 0.0, hub: None, .. }) => 0.0,
+            _ => each(self.instructions, &TorqueKernel { drag }, [x, y, wind_x, wind_y, flows], []),
         };
         let read = [wind_x, wind_y, u, v, w];
         each(self.instructions, &DragKernel { factor: self.factor }, read, [fx, fy, fz, &mut self.flows[range]])
@@ -289,8 +289,12 @@ impl Law for AirDrag {
         Some(self)
     }
 
-    fn turning_power(&self) -> Option<f64> {
-        (self.air == AirMotion::Still).then_some(self.turning_power)
+    fn outside_torque(&self) -> Option<f64> {
+        (self.air == AirMotion::Still).then_some(self.torque)
+    }
+
+    fn resists_frame(&self) -> bool {
+        true
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

@@ -103,6 +103,10 @@ impl Law for Gravity {
         true
     }
 
+    fn turns_in_frame(&self) -> bool {
+        self.acceleration[..2] != [0.0; 2]
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
         let (g, moment) = (self.in_frame(at.frame), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])

@@ -73,6 +73,10 @@ impl Law for MassDamping {
         Some(self)
     }
 
+    fn resists_frame(&self) -> bool {
+        true
+    }
+
     fn linearisation(&self) -> Option<&dyn Linearisation> {
         Some(self)
     }

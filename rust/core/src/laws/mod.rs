@@ -142,11 +142,25 @@ pub trait Law: Send + Sync {
         false
     }
 
-    /// Of a load from outside, such as that of air at rest: the power \[W\] of its torque at the rate of the frame, the
-    /// sum of Omega (x F_y - y F_x) over what the last `add_to_tile` or `add_to_rows` added. `None` for forces between
-    /// nodes, for those that the hub or what turns with it exerts, and for inertial laws, whose own power is the
-    /// opposite of it.
-    fn turning_power(&self) -> Option<f64> {
+    /// Whether it is a uniform field with a component across the axis, which turns in the frame.
+    fn turns_in_frame(&self) -> bool {
+        false
+    }
+
+    /// Whether it damps motion relative to the turning frame, on nodes that the hub does not touch.
+    fn resists_frame(&self) -> bool {
+        false
+    }
+
+    /// Whether it is the law of the frame.
+    fn is_frame(&self) -> bool {
+        false
+    }
+
+    /// Of a load from outside, such as that of air at rest: its torque about the axis \[N m\], the sum of x F_y - y F_x
+    /// over what the last `add_to_tile` or `add_to_rows` added. `None` for forces between nodes, for those that the hub
+    /// or what turns with it exerts, and for inertial laws.
+    fn outside_torque(&self) -> Option<f64> {
         None
     }
 

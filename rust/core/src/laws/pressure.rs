@@ -19,6 +19,7 @@ use crate::arrays::state::NodeVectors;
 use crate::elements::facet::{FacetSet, normal};
 use crate::error::Result;
 use crate::model::checks::finite;
+use crate::model::frame::Frame;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{SimdF64, dot, scale, sum};
 
@@ -34,7 +35,7 @@ impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
         let (facets, instructions) = (FacetSet::new(context.assembly), context.assembly.instructions);
-        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, turning_power: 0.0, instructions }))
+        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, torque: 0.0, instructions }))
     }
 
     fn example() -> Self {
@@ -47,8 +48,8 @@ struct Pressure {
     facets: FacetSet,
     /// p/6 [Pa].
     sixth: f64,
-    /// See `Law::turning_power`.
-    turning_power: f64,
+    /// See `Law::outside_torque`.
+    torque: f64,
     instructions: InstructionSet,
 }
 
@@ -124,15 +125,15 @@ impl Law for Pressure {
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let forces = ColumnsMut::of(forces);
-        self.turning_power = match at.frame.rate {
-            0.0 => 0.0,
-            rate => rate * self.instructions.run_batches(TorqueKernel { load: self, tile, positions }),
+        self.torque = match at.frame {
+            Frame { rate: 0.0, hub: None, .. } => 0.0,
+            _ => self.instructions.run_batches(TorqueKernel { load: self, tile, positions }),
         };
         self.instructions.run_batches(LoadKernel { load: self, tile, positions, velocities, forces })
     }
 
-    fn turning_power(&self) -> Option<f64> {
-        Some(self.turning_power)
+    fn outside_torque(&self) -> Option<f64> {
+        Some(self.torque)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

@@ -1,11 +1,14 @@
-//! The frame that turns with the hub about z: its prescribed motion, and its state at an instant.
+//! The frame that turns with the hub: its motion, prescribed about z or that of a free hub, and its state at an
+//! instant.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use super::hub::{Hub, HubFrame};
 use super::schedule::Schedule;
 
-/// Prescribed rotation of the hub: Omega(t) = rate + acceleration t, or 2 pi times a schedule of the frequency.
+/// Prescribed rotation of the hub: Omega(t) = rate + acceleration t, or 2 pi times a schedule of the frequency; or a
+/// free hub.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spin {
     /// Omega at t = 0 \[rad/s\].
@@ -20,6 +23,8 @@ pub struct Spin {
     pub interval: Option<[f64; 2]>,
     /// Angle at t = 0 \[rad\]: not 0 where the hub has turned at another rate before.
     pub phase: f64,
+    /// A hub that nothing drives, in place of the prescribed rotation.
+    pub hub: Option<Box<Hub>>,
 }
 
 /// State of the frame at an instant.
@@ -33,6 +38,8 @@ pub struct Frame {
     pub acceleration: f64,
     /// Whether angle and Omega stay as they are, although Omega and Omega' are not zero.
     pub is_frozen: bool,
+    /// What else there is to know of the frame of a free hub.
+    pub hub: Option<HubFrame>,
 }
 
 impl Frame {
@@ -70,6 +77,10 @@ impl Spin {
     /// The frame at `time` \[s\].
     #[inline]
     pub fn at(&self, time: f64) -> Frame {
+        if let Some(hub) = &self.hub {
+            let (angle, frame) = (hub.motion.angle, hub.frame());
+            return Frame { angle, rate: frame.rates.z, hub: Some(frame), ..Frame::default() };
+        }
         let time = self.time_of(time);
         let (rate, acceleration) = match &self.schedule {
             Some(schedule) => (TAU * schedule.value(time), TAU * schedule.rate(time)),
@@ -80,6 +91,7 @@ impl Spin {
             rate,
             acceleration,
             is_frozen: self.frozen_at.is_some(),
+            hub: None,
         }
     }
 

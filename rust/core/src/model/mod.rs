@@ -3,8 +3,11 @@
 pub mod checks;
 pub mod frame;
 pub mod graph;
+pub mod hub;
+pub mod hub_motion;
 pub mod input;
 pub mod mesh;
 pub mod names;
 pub mod schedule;
 mod spring_constants;
+pub mod turn;

@@ -119,6 +119,9 @@ impl Simulation {
             numbers: numbers.clone(),
         };
         let of_laws: Vec<History> = progress.law_histories.iter().map(internal).collect();
+        if let (Some(owner), true) = (self.mechanics.hub_law(), of_laws.is_empty()) {
+            return Err(Error::HistoryMisfit { owner });
+        }
         let of_method = internal(&progress.history);
         if !self.integrator.restore_history(of_method) {
             return Err(Error::HistoryMisfit { owner: self.name() });

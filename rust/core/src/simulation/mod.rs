@@ -120,7 +120,9 @@ impl Simulation {
         finite("time at which the hub is frozen [s]", settings.frozen_at.unwrap_or_default())?;
         let spin = Spin { frozen_at: settings.frozen_at, ..spin };
         let instructions = settings.instructions;
-        let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len() + 1));
+        let is_hub_free = spin.hub.is_some();
+        let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len() + 1, is_hub_free));
+        settings.check_free_hub(&spin, integrator.as_ref(), &laws)?;
         let couplings = |visit: &mut dyn FnMut(&[u32])| {
             laws.iter().filter_map(|law| law.linearisation()).for_each(|law| law.visit_couplings(visit));
         };
@@ -135,6 +137,7 @@ impl Simulation {
         let mut mechanics = Mechanics::new(laws, spin, masses, inverse_masses, tangent, method_of, instructions);
         let jumps = if settings.frozen_at.is_some() { Vec::new() } else { jumps::times(&mechanics) };
         mechanics.spin.interval = jumps::interval(&jumps, 0.0);
+        mechanics.weigh_hub(&state.positions);
         mechanics.start_moved(state.at(0.0));
         mechanics.set_moved(0.0, &mut state, &mut vec![0.0; count]);
         let energy_terms = mechanics.energy_terms(0.0, &state);
@@ -236,7 +239,8 @@ impl Simulation {
     }
 
     fn options(&self) -> Options {
-        options_of(&self.settings, self.mechanics.masses.len(), self.ledger.work.len())
+        let is_hub_free = self.mechanics.spin.hub.is_some();
+        options_of(&self.settings, self.mechanics.masses.len(), self.ledger.work.len(), is_hub_free)
     }
 
     fn name(&self) -> &'static str {
@@ -299,6 +303,7 @@ impl Simulation {
             (0..laws.len()).filter(|&row| name.is_none_or(|name| laws[row].name() == name)).collect();
         let mut forces = NodeVectors::zeros(self.mechanics.masses.len());
         let at = Instant::new(self.state.at(self.time()), &self.mechanics.spin);
+        let at = self.mechanics.with_accelerations(at);
         for row in rows {
             self.mechanics.add_forces_of(row, at, &mut forces);
         }
@@ -389,7 +394,7 @@ impl Simulation {
 }
 
 /// The options of the method.
-fn options_of(settings: &Settings, nodes: usize, works: usize) -> Options {
+fn options_of(settings: &Settings, nodes: usize, works: usize, is_hub_free: bool) -> Options {
     let Settings { instructions, spectral_radius, substeps, .. } = *settings;
-    Options { nodes, works, instructions, spectral_radius, substeps }
+    Options { nodes, works, instructions, spectral_radius, substeps, is_hub_free }
 }

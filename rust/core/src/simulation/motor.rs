@@ -10,7 +10,8 @@
 //! power -Omega tau_out, by which their potential changes as it turns in the frame. The stages of the method integrate
 //! both as works in the ledger, and `Law::turning_power` of the other loads from outside behind them. So the work is of
 //! the order of the method and needs no torque of contact, which is large and quick; and K in inertial space, U, and
-//! the works of all laws in inertial space have the residual of the balance in the turning frame.
+//! the works of all laws in inertial space have the residual of the balance in the turning frame. The motor of a free
+//! hub has the work of its torque, which is that of the law of the frame.
 
 use super::Simulation;
 
@@ -18,6 +19,9 @@ impl Simulation {
     /// The work of the motor since the start \[J\]; `None` where a state of an earlier version lacks its start.
     pub fn motor_work(&self) -> Option<f64> {
         let (mechanics, ledger) = (&self.mechanics, &self.ledger);
+        if let Some(row) = mechanics.hub_row {
+            return Some(ledger.work[row]);
+        }
         let start = ledger.start_turning?;
         let inertial = mechanics.laws.iter().zip(&ledger.work).filter(|(law, _)| law.is_inertial());
         let of_frame: f64 = inertial.map(|(_, work)| work).sum();

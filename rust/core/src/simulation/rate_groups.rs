@@ -75,7 +75,7 @@ impl Simulation {
     /// The limit of the step at an instant: the smaller of the limits of fast and slow laws.
     pub(super) fn limit_at(&self, at: Instant<'_>) -> Result<Limit> {
         let at = Instant { frame: self.mechanics.spin.fastest(at.frame), ..at };
-        let inverse_masses = &self.mechanics.inverse_masses;
+        let inverse_masses = &self.mechanics.inverse_masses_of_bounds(at.positions);
         let of = |method: &dyn Integrator, group, accuracy| {
             limit_to(accuracy, method, &self.mechanics.laws_of(group), at, inverse_masses)
         };

@@ -1,5 +1,7 @@
 //! Readings of the elements of the laws, and of the load on the hub.
 
+use nalgebra::Vector3;
+
 use super::Simulation;
 use crate::elements::stress::TriangleStress;
 use crate::laws::{FilmStates, Inspection, Instant, LinkReadings};
@@ -24,6 +26,40 @@ impl Simulation {
     /// Omega of the hub at present \[rad/s\].
     pub fn hub_rate(&self) -> f64 {
         self.instant().frame.rate
+    }
+
+    /// Quaternion (w, x, y, z) from components of the hub to those in space, and the displacement of its centre of mass
+    /// \[m\].
+    pub fn hub_pose(&self) -> ([f64; 4], [f64; 3]) {
+        let [_, w, x, y, z, cx, cy, cz, ..] = self.hub_state();
+        ([w, x, y, z], [cx, cy, cz])
+    }
+
+    /// Angular momenta of the hub and of all nodes \[kg m2/s\], in components along the axes of the hub: about the
+    /// origin of a hub on an axis, about the fixed point in space where the centre of mass of another one began. Nodes
+    /// held on the hub count as nodes. The inertia of a driven hub is not known: 0.
+    pub fn momenta(&self) -> [Vector3<f64>; 2] {
+        let frame = self.mechanics.spin.at(self.time());
+        let (hub, still) = (self.mechanics.spin.hub.as_ref(), Vector3::zeros());
+        let (rates, velocity) =
+            frame.hub.map_or((Vector3::new(0.0, 0.0, frame.rate), still), |hub| (hub.rates, hub.velocity));
+        // From the fixed point to the origin, in components of the hub.
+        let start = hub
+            .filter(|hub| hub.is_body())
+            .map_or(still, |hub| hub.attitude().inverse() * hub.motion.centre - hub.centre());
+        let own = hub.map_or(still, |hub| hub.own_momentum(start));
+        let of_node = |node: usize| {
+            let (x, v) = (self.state.positions.row(node).transpose(), self.state.velocities.row(node).transpose());
+            self.mechanics.masses[node] * (start + x).cross(&(v + rates.cross(&x) + velocity))
+        };
+        [own, (0..self.mechanics.masses.len()).map(of_node).sum()]
+    }
+
+    /// Torque of the motor of a free hub about its axis; `None` of a driven one, whose motor exerts what its rate needs
+    /// \[N m\].
+    pub fn motor_torque(&self) -> Option<f64> {
+        let spin = &self.mechanics.spin;
+        spin.hub.as_ref().map(|hub| hub.motor_torque(spin.time_of(self.time())))
     }
 
     /// The laws that can be read, with their names.
@@ -67,13 +103,14 @@ impl Simulation {
     /// The load of the sail on the hub.
     pub fn hub_load(&mut self) -> HubLoad {
         let at = Instant::new(self.state.at(self.time()), &self.mechanics.spin);
+        let at = self.mechanics.with_accelerations(at);
         let [all, by_contact] = self.mechanics.forces_with_contact(at);
         let prescribed = self.mechanics.prescribed_inertia(at.time);
-        let (mut force, mut torque, mut contact) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros(), 0.0);
+        let (mut force, mut torque, mut contact) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         for (node, &inverse_mass) in self.mechanics.inverse_masses.iter().enumerate() {
             let of_node = |forces: &crate::arrays::state::NodeVectors| forces.row(node).transpose();
             let is_held = inverse_mass == 0.0;
-            let own = if is_held { of_node(&all) } else { nalgebra::Vector3::zeros() } - of_node(&by_contact);
+            let own = if is_held { of_node(&all) } else { Vector3::zeros() } - of_node(&by_contact);
             force += own;
             torque += of_node(at.positions).cross(&own);
             contact += if is_held { 0.0 } else { of_node(&by_contact).norm() };

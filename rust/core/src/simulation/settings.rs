@@ -1,7 +1,8 @@
 //! The input of a simulation: its constituents, and the settings of monitor, step and kernels.
 
 use crate::assembly::Assembly;
-use crate::integrators::{self, Method, Tolerance};
+use crate::error::{Error, Result};
+use crate::integrators::{self, Integrator, Method, Tolerance};
 use crate::laws::Law;
 use crate::model::frame::Spin;
 use crate::simd::dispatch::InstructionSet;
@@ -43,6 +44,42 @@ impl Default for Settings {
             frozen_at: None,
             instructions: InstructionSet::widest(),
         }
+    }
+}
+
+impl Settings {
+    /// Refuses what a free hub does not go with.
+    ///
+    /// # Errors
+    /// `FreeHub`.
+    pub(super) fn check_free_hub(&self, spin: &Spin, method: &dyn Integrator, laws: &[Box<dyn Law>]) -> Result<()> {
+        let Some(hub) = &spin.hub else { return Ok(()) };
+        let refuse = |what: String, remedy| if what.is_empty() { Ok(()) } else { Err(Error::FreeHub { what, remedy }) };
+        if self.substeps > 1 {
+            refuse(format!("substeps = {}", self.substeps), "take one substep")?;
+        }
+        if !method.moves_hub() {
+            refuse(format!("the method {}", method.properties().name), "take leapfrog or rk4")?;
+        }
+        if self.frozen_at.is_some() {
+            refuse("a frozen time".to_owned(), "drive the hub while the scene is relaxed")?;
+        }
+        for law in laws {
+            let is_moved = law.moved().is_some();
+            let on_body = hub.is_body() && (law.outside_torque().is_some() || law.resists_frame());
+            if is_moved || on_body || (law.is_inertial() && !law.is_frame() && (hub.is_body() || law.turns_in_frame()))
+            {
+                let remedy = if is_moved {
+                    "move bodies in place of nodes"
+                } else if hub.is_body() {
+                    "leave it out, or let the hub turn about its axis alone"
+                } else {
+                    "a weight along the axis alone has no torque about it"
+                };
+                refuse(format!("the law {}", law.name()), remedy)?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -7,6 +7,7 @@ use crate::arrays::state::{NodeVectors, State};
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
 use crate::model::checks::finite;
+use crate::model::hub_motion::{HubMotion, NUMBERS, driven};
 use crate::model::mesh::check_finite;
 
 impl Simulation {
@@ -36,23 +37,24 @@ impl Simulation {
         Ok(())
     }
 
-    /// Starts from positions \[m\] and velocities \[m/s\], in external order, at a time \[s\] and with a hub that has
-    /// turned by `hub_angle` \[rad\], which goes on from there at the rate of this scene. Steps are counted from there,
-    /// and the ledger is opened anew. `crease_angles` \[rad\] tell whole turns, which positions do not. Without them,
-    /// each crease is on its own side.
+    /// Starts from positions \[m\] and velocities \[m/s\], in external order, at a time \[s\] and with a hub that moves
+    /// as the numbers `hub` say (`hub_state`): a free one goes on as it does, a driven one from its angle at the rate
+    /// of this scene. Steps are counted from there, and the ledger is opened anew. `crease_angles` \[rad\] tell whole
+    /// turns, which positions do not. Without them, each crease is on its own side.
     ///
     /// # Errors
     /// `OutOfRange`, `LengthMismatch`, `NotFinite`; the simulation is then unchanged.
     pub fn start_from(
         &mut self,
         time: f64,
-        hub_angle: f64,
+        hub: &[f64; NUMBERS],
         positions: &[[f64; 3]],
         velocities: &[[f64; 3]],
         crease_angles: Option<&[f64]>,
     ) -> Result<()> {
         finite("time at the start [s]", time)?;
-        finite("angle of the hub at the start [rad]", hub_angle)?;
+        hub.iter().try_for_each(|number| finite("number of the state of the hub at the start", *number))?;
+        let hub = HubMotion::from_numbers(hub).unwrap_or_default();
         self.set_motion(positions, velocities)?;
         self.output = None;
         // A start at a jump is after it, whatever rounding says.
@@ -60,10 +62,20 @@ impl Simulation {
         let time = jump.map_or(time, |jump| jump.max(time));
         self.count_anew(time);
         self.roll_back_adaptive(time);
-        self.mechanics.spin = self.mechanics.spin.clone().through(time, hub_angle);
+        self.mechanics.spin = self.mechanics.spin.clone().through(time, hub.angle);
+        if let Some(free) = &mut self.mechanics.spin.hub {
+            free.go_on(&hub);
+        }
         self.restart_moved(crease_angles);
         self.open_ledger();
         Ok(())
+    }
+
+    /// The motion of the hub with its rates, with which another simulation may go on, see `HubMotion`.
+    pub fn hub_state(&self) -> [f64; NUMBERS] {
+        let frame = self.mechanics.spin.at(self.time());
+        let of_driven = || driven(frame.angle, frame.rate);
+        self.mechanics.spin.hub.as_ref().map_or_else(of_driven, |hub| hub.state()).numbers()
     }
 
     /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are, and
@@ -92,6 +104,7 @@ impl Simulation {
 
     /// Opens the ledger anew, with the present motion as its start and as the last good state.
     pub(super) fn open_ledger(&mut self) {
+        self.mechanics.weigh_hub(&self.state.positions);
         let turning = self.mechanics.turning_energy(self.state.at(self.time()));
         self.ledger = Ledger::open(self.mechanics.scope(), self.energy_terms(), turning);
         self.record_good(self.ledger.start.clone());

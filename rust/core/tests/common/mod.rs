@@ -127,7 +127,7 @@ pub fn creases(natural_angle: f64) -> LawSpec {
 /// A hub with an angular velocity `rate` \[rad/s\] and an angular acceleration \[rad/s2\].
 pub fn spin(rate: f64, acceleration: f64) -> LawSpec {
     use std::f64::consts::TAU;
-    SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU, schedule: None }.into()
+    SpinParameters { frequency: rate / TAU, acceleration: acceleration / TAU, ..SpinParameters::default() }.into()
 }
 
 pub fn gravity(acceleration: [f64; 3]) -> LawSpec {

@@ -143,7 +143,7 @@ pub fn laws() -> Vec<LawSpec> {
         }
         .into(),
         AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still }.into(),
-        SpinParameters { frequency: 3.0, acceleration: 0.0, schedule: None }.into(),
+        SpinParameters { frequency: 3.0, acceleration: 0.0, ..SpinParameters::default() }.into(),
         SpoolContactParameters { radius: SPOOL, stiffness: 200.0, half_height: None, membrane: false }.into(),
     ]
 }
