@@ -1,4 +1,5 @@
 //! Free hubs, and the momentum of the whole.
+#![allow(unreachable_pub)]
 
 use std::f64::consts::TAU;
 
