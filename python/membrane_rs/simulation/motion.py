@@ -203,7 +203,8 @@ class Motion(KnownAttributes, Copies, Readings):
             )
         check_same_nodes(self.assembly, other.assembly)
         angles = other._core.crease_angles() if has_same_creases(self.scene.mesh, other.scene.mesh) else None
-        self._core.start_from(other.time, other.hub_angle, other.positions, other.velocities, angles)
+        hub = other.hub_angle, other.hub_rate
+        self._core.start_from(other.time, hub, other.positions, other.velocities, angles)
         self.is_relaxed = other.is_relaxed
         self._motions_set += 1
 
@@ -223,11 +224,6 @@ class Motion(KnownAttributes, Copies, Readings):
         """
         edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
         return frozen(np.vstack([edges, self.assembly.cords.nodes]))
-
-    @property
-    def hub_angle(self) -> float:
-        """The angle that the hub has turned since time 0 [rad]."""
-        return self._core.hub_angle
 
     @property
     def slow_laws(self) -> list[str]:

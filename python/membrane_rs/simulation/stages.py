@@ -254,16 +254,16 @@ class StagedMotion(Motion):
             return
         before = self.energies()
         record = replace(self._record(), ended_by=ended_by)
-        time, angle, rate, positions = core.time, core.hub_angle, core.hub_rate, core.positions()
+        time, hub, positions = core.time, (core.hub_angle, core.hub_rate), core.positions()
         velocities, angles = core.velocities(), core.crease_angles()
         starts = [*line.starts, core.time]
         index = line.index + 1
         with named(f"stages[{index}]"):
             self._simulate(self.scene.staged(index, starts), *self._method(index))
-        self._core.start_from(time, angle, positions, velocities, angles)
-        if (jump := self._core.hub_rate - rate) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
+        self._core.start_from(time, hub, positions, velocities, angles)
+        if (jump := self._core.hub_rate - hub[1]) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
             velocities[:, :2] += jump * positions[:, 1::-1] * (1.0, -1.0)
-            self._core.start_from(time, angle, positions, velocities, angles)
+            self._core.start_from(time, hub, positions, velocities, angles)
         after = self.energies()
         changes = {name: after.get(name, 0.0) - before.get(name, 0.0) for name in before | after}
         changes = {name: joule for name, joule in changes.items() if joule != 0.0}
