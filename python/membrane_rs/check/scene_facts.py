@@ -7,7 +7,7 @@ import numpy as np
 from membrane_rs._validation import check_kind
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
-from membrane_rs.scene.scales import hub_of
+from membrane_rs.scene.hub import hub_of
 from membrane_rs.scene.softened import with_softening
 
 

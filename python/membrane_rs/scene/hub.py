@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 from membrane_rs.scene.schedule import Schedule
 
@@ -17,6 +18,10 @@ class Hub(Protocol):
     @property
     def schedule(self) -> Schedule | None:
         """Turns per second of a driven hub [Hz], where a schedule gives them."""
+
+    @property
+    def torque(self) -> Schedule | None:
+        """Torque on a free hub [N m]; None: none."""
 
     @property
     def turning_in_words(self) -> str:
@@ -36,16 +41,40 @@ class Hub(Protocol):
             [Hz]
         """
 
-    def torque_impulse(self, start: float, end: float) -> float:
-        """Impulse of the torque on a free hub.
 
-        Parameters
-        ----------
-        start, end : float
-            From when to when [s].
+class HasHub(Protocol):
+    """A law."""
 
-        Returns
-        -------
-        float
-            [N m s]
-        """
+    @property
+    def hub(self) -> Hub | None:
+        """The hub, where the law turns it."""
+
+
+class Turning(Protocol):
+    """What of a scene says how its hub turns."""
+
+    @property
+    def laws(self) -> Sequence[HasHub]:
+        """All laws."""
+
+
+class Staged(Turning, Protocol):
+    """The same of a scene with stages."""
+
+    @property
+    def stages(self) -> Sequence[Any]:
+        """The stages."""
+
+    def staged(self, index: int) -> Turning:
+        """The scene of one of them."""
+
+
+def hub_of(scene: Turning) -> Hub | None:
+    """The hub of a scene without stages; None where no law turns it."""
+    return next((law.hub for law in scene.laws if law.hub is not None), None)
+
+
+def has_free_hub(scene: Staged) -> bool:
+    """Whether the hub of a scene turns freely, in any of its stages."""
+    hubs = map(hub_of, [scene.staged(k) for k in range(len(scene.stages))] or [scene])
+    return any(hub is not None and hub.inertia is not None for hub in hubs)

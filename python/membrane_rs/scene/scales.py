@@ -13,7 +13,6 @@ from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.triangulation import frozen
-from membrane_rs.scene.hub import Hub
 from membrane_rs.scene.law import Surroundings
 
 
@@ -74,11 +73,6 @@ def pull_of_spin(scene: Surroundings) -> float:
 def moment_of_inertia(scene: Surroundings) -> float:
     """Of all nodes at the start about the z axis [kg m2]."""
     return float(node_masses(scene) @ np.square(scene.assemble().positions[:, :2]).sum(axis=1))
-
-
-def hub_of(scene: Surroundings) -> Hub | None:
-    """The hub of a scene without stages; None where no law turns it."""
-    return next((law.hub for law in scene.laws if law.hub is not None), None)
 
 
 def node_masses(scene: Surroundings) -> Floats:

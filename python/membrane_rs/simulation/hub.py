@@ -62,7 +62,7 @@ class HubMotor:
     >>> from membrane_rs import Simulation, scenes
     >>> sim = Simulation(scenes.load("spinning-tether"))
     >>> motor = sim.hub_motor()
-    >>> motor.torque == -sim.hub_torque()[2], motor.power == motor.torque * sim.hub_rate
+    >>> bool(motor.torque == -sim.hub_torque()[2]), motor.power == motor.torque * sim.hub_rate
     (True, True)
     """
 

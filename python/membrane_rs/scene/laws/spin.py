@@ -174,13 +174,9 @@ class Spin(Law):
         """The hub that it turns."""
         return self
 
-    def torque_impulse(self, start: float, end: float) -> float:
-        """The impulse of the torque."""
-        return 0.0 if self.torque is None else self.torque.integral(start, end)
-
     def fastest_turning(self, until: float) -> float:
-        """That at the start, at the end, or the most of a schedule; of a free hub with what its torque gives it alone by any
-        of its knots, without the sail.
+        """That at the start, at the end, or the most of a schedule; of a free hub also what its torque gives the hub
+        alone, without the sail, by one of its knots.
         """
         return self._fastest(until, 0.0)
 
@@ -196,7 +192,24 @@ class Spin(Law):
         return max(most, *(abs(self._at_start + gain) for gain in gains))
 
     def planned_turning(self, time: float) -> float:
-        """That of a driven hub; of a free one that at its start."""
+        """Turns per second, as far as they are known before a run: of a free hub those at its start.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+
+        Returns
+        -------
+        float
+            [Hz]
+
+        Examples
+        --------
+        >>> from membrane_rs import Spin
+        >>> Spin(3.0, -0.5).planned_turning(2.0), Spin(3.0, inertia=0.1).planned_turning(2.0)
+        (2.0, 3.0)
+        """
         return self._at_start if self.inertia is not None else self._at(time)
 
     @property
