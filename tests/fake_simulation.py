@@ -23,7 +23,7 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs.folding import SquareSail
 from membrane_rs.runs import RunFolder
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.simulation import FilmStress, HubLoad
+from membrane_rs.simulation import AngularMomentum, FilmStress, HubLoad, HubMotor
 from numpy.typing import NDArray
 
 
@@ -47,6 +47,7 @@ class FakeSimulation:
     time: float = 0.0
     until: float | None = None
     hub_angle: float = 0.0
+    hub_rate: float = 6.0 * np.pi
     dt: float = 1e-5
     given_dt: float | None = None
     integrator: str = "rk4"
@@ -122,6 +123,12 @@ class FakeSimulation:
 
     def hub_load(self) -> HubLoad:
         return HubLoad(np.array([3.0, 4.0, 0.0]), np.array([0.0, 0.0, -0.5]), 0.25)
+
+    def hub_motor(self) -> HubMotor:
+        return HubMotor(0.5, 0.5 * self.hub_rate)
+
+    def angular_momentum(self) -> AngularMomentum:
+        return AngularMomentum(0.0, 2e-3)
 
     def stable_dt(self) -> float:
         return 2e-5

@@ -199,7 +199,7 @@ def test_each_stage_has_its_own_and_the_run_their_sum(tmp_path: Path) -> None:
     assert [stage["motor_work"] for stage in summary["stages"]] == [stage.motor_work for stage in stages]
     assert summary["energy_balance"]["motor_work"] == whole
     table = read_history(tmp_path / "run")
-    assert list(table)[-1] == "motor_work"
+    assert list(table)[-3:] == ["motor_work", "motor_torque", "motor_power"]
     assert table["motor_work"][[0, -1]].tolist() == [0.0, whole]
     at_boundary = int(np.searchsorted(table["time"], 0.05))
     assert table["motor_work"][at_boundary] == stages[0].motor_work
@@ -265,18 +265,19 @@ def test_older_state_of_a_staged_run_knows_the_later_stages(tmp_path: Path) -> N
     assert Simulation.restore(tmp_path / "state.npz").stages == again.stages
 
 
-def test_older_folder_is_resumed_with_its_own_columns(tmp_path: Path) -> None:
-    """history.csv then has no column of the motor's work, and the summary says null."""
+@pytest.mark.parametrize("lacking", [2, 3])
+def test_older_folder_is_resumed_with_its_own_columns(lacking: int, tmp_path: Path) -> None:
+    """history.csv then has no columns of the motor's torque and power, or of its work too: the summary says null."""
     out = tmp_path / "run"
     Simulation(spun(snapshots=())).run(until=0.05, out=out)
     path = out / "history.csv"
-    lines = [line.rpartition(",")[0] + "\n" for line in path.read_text().splitlines()]
+    lines = [",".join(line.split(",")[:-lacking]) + "\n" for line in path.read_text().splitlines()]
     path.write_text("".join(lines))
     resume(out, until=0.1)
     table = read_history(out)
-    assert "motor_work" not in table
+    assert ("motor_work" in table, "motor_power" in table) == (lacking == 2, False)
     assert table["time"][-1] == 0.1
-    assert read_summary(out)["energy_balance"]["motor_work"] is None
+    assert (read_summary(out)["energy_balance"]["motor_work"] is None) == (lacking == 3)
 
 
 @pytest.mark.parametrize("numbers", [[1.0], [np.nan, 0.0], [0.0, np.inf], "twice", [[1.0, 2.0]], [True, False]])

@@ -67,7 +67,7 @@ def with_stages(*stages: Stage) -> Scene:
         ({"above": 1.0}, InputError, "Stage.above = 1: is given without measure"),
         ({"measure": "hub_angle"}, InputError, "neither below nor above is given; give one of them"),
         ({"measure": "hub_angle", "below": 1, "above": 2}, InputError, "both below and above are given; give one"),
-        ({"measure": "rate", "below": 1}, InputError, "no such measure; known are: contact_force"),
+        ({"measure": "colour", "below": 1}, InputError, "no such measure; known are: contact_force"),
         ({"measure": "deployment_rat", "below": 1}, InputError, "did you mean 'deployment_rate'?"),
         ({"measure": "python:f", "below": 1}, InputError, "was a function, which no file holds"),
         ({"measure": 3, "below": 1}, InputTypeError, "must be the name of a measure, or in Python a function"),

@@ -194,7 +194,7 @@ def test_every_number_has_its_unit(cls: Any) -> None:
         assert not is_whole(cls, entry.name)
         unit = unit_of(cls, entry.name)
         assert unit is None or unit in KINDS, entry.name
-        said = set(re.findall(r"\[([^\]\s]+(?: m)?)\]", texts[entry.name])) - {"-"}
+        said = set(re.findall(r"\[([^\]\s]+(?: m2?)?)\]", texts[entry.name])) - {"-"}
         assert said == ({unit} if unit else set()), f"{cls.__name__}.{entry.name}: {unit!r}, and its docstring: {said}"
 
 

@@ -80,6 +80,7 @@ KINDS = {
     "deg": ("an angle", "2 deg"),
     "Hz": ("a frequency of turning", "25 rpm"),
     "Hz/s": ("a change of a frequency of turning", "10 rpm/s"),
+    "rad/s": ("an angular rate", "25 rpm"),
     "1/s": ("a rate", "50 1/s"),
     "m/s": ("a speed", "5 cm/s"),
     "m/s2": ("an acceleration", "9.81 m/s2"),
@@ -92,6 +93,8 @@ KINDS = {
     "N m": ("a torque", "3 mN m"),
     "W": ("a power", "2 mW"),
     "m2": ("an area", "30 cm2"),
+    "kg m2": ("a moment of inertia", "3 kg cm2"),
+    "kg m2/s": ("an angular momentum", "2 mN m s"),
 }
 """What is measured in a unit of this package, and an example of a text for it."""
 USUAL = (

@@ -7,6 +7,7 @@ import numpy as np
 from membrane_rs._validation import check_kind
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import hub_of
 from membrane_rs.scene.softened import with_softening
 
 
@@ -57,6 +58,6 @@ def facts(scene: Scene) -> dict[str, str]:
         masses = {"film": area * scene.material.thickness * scene.material.density} | masses
     shares = ", ".join(f"{name} {mass:.4g} kg" for name, mass in masses.items() if mass > 0.0)
     found["mass"] = f"{sum(masses.values()):.4g} kg ({shares})"
-    turns = [law.hub_frequency for law in scene.laws if law.hub_frequency is not None]
-    found["spin"] = f"{turns[0]:g} Hz" if turns else "none"
+    hub = hub_of(scene)
+    found["spin"] = "none" if hub is None else hub.turning_in_words
     return found

@@ -34,7 +34,7 @@ def supports(scene: Scene) -> Iterator[Finding]:
     free = joined & ~np.isin(label, label[assembly.fixed])
     if not free.any():
         return
-    turns = any(law.hub_frequency for law in scene.laws)
+    turns = any(law.fastest_turning(scene.run.until) for law in scene.laws)
     falls = any(law.accelerates_all and law.why_idle(scene) is None for law in scene.laws)
     masses = node_masses(scene)
     total, x, y = (np.bincount(label, masses * values) for values in (1.0, *assembly.positions[:, :2].T))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from membrane_rs.plotting.energy import plot_energy
     from membrane_rs.plotting.figure import save_figure
     from membrane_rs.plotting.history import plot_history
+    from membrane_rs.plotting.momentum import plot_momentum
     from membrane_rs.plotting.run_figures import save_run_figures
     from membrane_rs.plotting.snapshot_sheet import plot_snapshots
     from membrane_rs.plotting.style import PAPER, SCREEN, Style
@@ -29,6 +30,7 @@ __all__ = [
     "plot_deployment",
     "plot_energy",
     "plot_history",
+    "plot_momentum",
     "plot_snapshots",
     "save_figure",
     "save_run_figures",
@@ -44,6 +46,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.plotting.energy": ("plot_energy",),
             "membrane_rs.plotting.figure": ("save_figure",),
             "membrane_rs.plotting.history": ("plot_history",),
+            "membrane_rs.plotting.momentum": ("plot_momentum",),
             "membrane_rs.plotting.run_figures": ("save_run_figures",),
             "membrane_rs.plotting.snapshot_sheet": ("plot_snapshots",),
             "membrane_rs.plotting.style": ("PAPER", "SCREEN", "Style"),

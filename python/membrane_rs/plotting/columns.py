@@ -11,6 +11,10 @@ from membrane_rs.results.history_table import column_units
 
 LABELS = {
     "hub_angle": "Angle of the hub",
+    "hub_rate": "Rate of the hub",
+    "hub_momentum": "Angular momentum of the hub",
+    "sail_momentum": "Angular momentum of the sail",
+    "total_momentum": "Angular momentum of both",
     "hub_force": "Force on the hub",
     "hub_torque": "Torque on the hub",
     "largest_cord_tension": "Largest tension of cords",
@@ -18,6 +22,8 @@ LABELS = {
     "energy_error": "Energy error",
     "energy_of_changes": "Energy of changes of stage",
     "motor_work": "Work of the motor",
+    "motor_torque": "Torque of the motor",
+    "motor_power": "Power of the motor",
     "phase_difference_deg": "Phase difference",
 }
 """Labels of columns of history.csv that are not their names with blanks."""

@@ -30,6 +30,7 @@ FEATURES = {
     "highest_error": ("Highest energy error", ""),
     "reference_energy": ("Reference energy", "J"),
     "motor_work": ("Work of the motor", "J"),
+    "momentum_error": ("Error of the angular momentum", ""),
     "time": ("Time at the end", "s"),
     "dt": ("Step", "s"),
     "wall_time": ("Wall time", "s"),

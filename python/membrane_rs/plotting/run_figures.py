@@ -17,6 +17,7 @@ from membrane_rs.plotting.deployment import plot_deployment
 from membrane_rs.plotting.energy import plot_energy
 from membrane_rs.plotting.figure import FORMATS, save_figure
 from membrane_rs.plotting.history import plot_history
+from membrane_rs.plotting.momentum import is_of_free_hub, plot_momentum
 from membrane_rs.plotting.sheets import VIEWS
 from membrane_rs.plotting.snapshot_sheet import COUNT, plot_snapshots
 from membrane_rs.plotting.style import PAPER, Style, style_of
@@ -39,7 +40,8 @@ def save_run_figures(
     columns: Sequence[str | Sequence[str]] = (),
     progress: Callable[[Path], None] | None = None,
 ) -> list[Path]:
-    """Write the figures of a run: deployment, energy, snapshots, crossings where they were counted.
+    """Write the figures of a run: deployment, energy, momentum of a free hub, snapshots, crossings where they were
+    counted.
 
     Parameters
     ----------
@@ -63,8 +65,9 @@ def save_run_figures(
     Returns
     -------
     list of Path
-        The files: "deployment", "energy", "snapshots" and, with a hub that turns, "snapshots-turning", "crossings",
-        "history", each with the endings of its formats. What a run has no data for is left out.
+        The files: "deployment", "energy", "momentum" with a hub that turns freely, "snapshots" and, with a hub that
+        turns, "snapshots-turning", "crossings", "history", each with the endings of its formats. What a run has no data
+        for is left out.
 
     Raises
     ------
@@ -117,6 +120,8 @@ def _figures(
         if np.isfinite(history["deployment_rate"]).any():
             made.append(("deployment", lambda: plot_deployment(run, title=title, style=style)))
         made.append(("energy", lambda: plot_energy(run, title=title, style=style)))
+        if is_of_free_hub(history):
+            made.append(("momentum", lambda: plot_momentum(run, title=title, style=style)))
     if len(run.frames):
         has_hub = any(law.turns_hub for law in run.scene.laws)
         for name, view in zip(("snapshots", "snapshots-turning"), reversed(VIEWS), strict=True):

@@ -19,7 +19,10 @@ from membrane_rs.report.sources import BLACK, LabelledRun, Sources
 from membrane_rs.results.features import LEAST_PHASE
 
 FIRST = ("deployment_rate", "phase_difference_deg")
-NO_PANEL = ("time", "hub_angle", "reference_energy", "stage", "kinetic_energy", "stored_energy", "motor_work")
+NO_PANEL = (
+    "time", "hub_angle", "reference_energy", "stage", "kinetic_energy", "stored_energy", "motor_work", "motor_torque",
+)  # fmt: skip
+"""Columns without a panel; the torque of the motor is given for a free hub, and of a driven one minus hub_torque."""
 OF_BALANCE = ("energy_", "work_")
 """What columns of the energy balance begin with, which has figures of its own."""
 LEVELS = {"deployment_rate": 1.0, "phase_difference_deg": 0.0, "hub_torque": 0.0}

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from membrane_rs.plotting.columns import axis_label, label_of, prefixed
-from membrane_rs.report.curves import FIRST, changes, drawable, is_measure
+from membrane_rs.report.curves import FIRST, changes, drawable, finite, is_measure
 from membrane_rs.report.markup import Content, add, element, prose, table
 from membrane_rs.report.sources import LabelledRun
 from membrane_rs.report.summaries import is_number, table_of, tables_of
@@ -20,6 +20,8 @@ UNKNOWN = "?"
 SAMPLES = 300
 """Times of the values beside the picture."""
 MOST_READINGS = 8
+RPM = 30.0 / np.pi
+"""Turns per minute of one radian per second."""
 _SEVERITY = {"error": "Error", "warning": "Warning", "info": "Fact"}
 _OUTCOMES = {
     "unstable": "This run stopped itself",
@@ -99,6 +101,12 @@ def headline(labelled: LabelledRun) -> Element:
     error = balance.get("error")
     if is_number(error):
         rows.append(("Energy error at the end", f"{100.0 * error:+.3g} %"))
+    momentum = run.summary.get("momentum_error")
+    if is_number(momentum):
+        rows.append(("Error of the angular momentum", f"{100.0 * momentum:.2g} %"))
+    rates = finite(run.history["hub_rate"]) if "hub_momentum" in run.history else np.zeros(0)
+    if len(rates):
+        rows.append(("Rate of the hub", f"from {RPM * rates[0]:.4g} to {RPM * rates[-1]:.4g} rpm"))
     return _pairs([(name, value) for name, value in rows if value])
 
 

@@ -16,7 +16,7 @@ from membrane_rs._renamed import RenamedKeys
 from membrane_rs._validation import show
 from membrane_rs.errors import OutputError
 from membrane_rs.results.csv_lines import csv_file, csv_numbers
-from membrane_rs.results.history_table import FIRST_COLUMNS, MOTOR, RENAMED, HistoryTable
+from membrane_rs.results.history_table import FIRST_COLUMNS, RENAMED, HistoryTable
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
 from membrane_rs.simulation.stepper import Stepper
@@ -46,9 +46,7 @@ class History(Writer):
             self._write(self._history.columns)
             return
         table = read_history(self._path)
-        if list(table) == [name for name in self._history.columns if name != MOTOR]:
-            self._history.columns = list(table)
-        if list(table) != self._history.columns:
+        if not self._history.take(list(table)):
             raise OutputError(f"{self._path} holds other columns than this run writes; run the scene again")
         count = int(np.searchsorted(table["time"], sim.time, side="right"))
         self._history.resume(sim, np.stack(list(table.values()), axis=1)[:count])

@@ -18,15 +18,20 @@ contact_force          [N] sum of the magnitudes of the forces between spool and
 largest_cord_tension   [N] elastic tension of the tautest segment; with cords
 largest_film_stress    [Pa] largest principal stress, at least 0, see `Motion.film_stress`; with a law of the film
 motor_work             [J] work of the motor that turns the hub so far, on the sail; with a hub that turns. It is no
-                       term of the balance, which is that of the turning frame
+                       term of the balance, which is that of the turning frame. Of a free hub that of its torque
+hub_rate               [rad/s] of the hub; this and the next two where the hub turns freely, in any stage
+hub_momentum           [kg m2/s] angular momentum of the hub about its axis, 0 while it is driven, see `AngularMomentum`
+sail_momentum          [kg m2/s] of all nodes about that axis, in inertial space
+motor_torque           [N m] of the motor on the hub about its axis, see `HubMotor`; with a hub that turns
+motor_power            [W] that torque times the rate of the hub; likewise
 
 With stages the columns are those of all stages; an energy is 0 where its law is not at work. There are also
 
 stage                  index of the stage; at a boundary that of the stage that begins
 energy_of_changes      [J] put in by changes of stage so far: what is stored and moves after one, less what was before
 
-motor_work is the last of these columns, which runs of earlier versions lack. Behind it stand the measures that a run
-was asked to record, each with the unit that was given with it.
+motor_work and the columns below it are the last ones; runs of earlier versions lack them, or those below it. Behind
+them stand the measures that a run was asked to record, each with the unit that was given with it.
 """
 
 from __future__ import annotations
@@ -40,6 +45,8 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.results.recorded import Measures
+from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import has_free_hub
 from membrane_rs.simulation.measures import PHASE, stowed_turn
 from membrane_rs.simulation.stepper import Stepper
 
@@ -58,6 +65,12 @@ OF_STAGES = ("stage", "energy_of_changes")
 """The last columns of a scene with stages."""
 MOTOR = "motor_work"
 """A column of a scene whose hub turns."""
+OF_FREE_HUB = ("hub_rate", "hub_momentum", "sail_momentum")
+"""Columns of a scene whose hub turns freely."""
+OF_MOTOR = ("motor_torque", "motor_power")
+"""Further columns of a scene whose hub turns."""
+LATER = ((MOTOR, *OF_MOTOR), OF_MOTOR)
+"""Columns that runs of earlier versions lack."""
 RENAMED = {"energy_turned_over": "reference_energy"}
 """New names of columns by those of version 0.1; files and tables have both."""
 _UNITS = {
@@ -77,6 +90,11 @@ _UNITS = {
     "stage": "",
     "energy_of_changes": "J",
     MOTOR: "J",
+    "hub_rate": "rad/s",
+    "hub_momentum": "kg m2/s",
+    "sail_momentum": "kg m2/s",
+    "motor_torque": "N m",
+    "motor_power": "W",
 }
 
 
@@ -105,13 +123,14 @@ class HistoryTable:
         self._works = [*(law.kind for law in sim.scene.laws), *others]
         self._readings = _readings_of(sim)
         self._of_stages = OF_STAGES if sim.scene.stages else ()
+        self._of_hub = _of_hub(sim.scene)
         self.columns = [
             *FIRST_COLUMNS,
             *(f"energy_{name}" for name in self._energies),
             *(f"work_{name}" for name in self._works),
             *self._readings,
             *self._of_stages,
-            *((MOTOR,) if any(law.turns_hub for law in sim.scene.laws) else ()),
+            *self._of_hub,
         ]
         self.measures = (measures or Measures()).beside((*self.columns, *RENAMED))
         self.columns += self.measures.units
@@ -142,13 +161,23 @@ class HistoryTable:
         ]
         if self._of_stages:
             row += [sim.stage, math.fsum(ledger["changes"].values())]
-        if MOTOR in self.columns:
-            row.append(math.nan if ledger[MOTOR] is None else ledger[MOTOR])
+        row += _hub_readings(sim, self._of_hub, ledger[MOTOR])
         row += self.measures.values(sim)
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.last = [float(value) + 0.0 for value in row]
         self._values.extend(self.last)
         return True
+
+    def take(self, columns: Sequence[str]) -> bool:
+        """Take these columns, where they are those at hand, or those without some that runs of earlier versions lack;
+        whether they are.
+        """
+        for lacking in ((), *LATER):
+            if list(columns) == [name for name in self.columns if name not in lacking]:
+                self.columns = list(columns)
+                self._of_hub = tuple(name for name in self._of_hub if name not in lacking)
+                return True
+        return False
 
     def resume(self, sim: Stepper, rows: Floats) -> None:
         """Go on behind rows (samples, columns) of before."""
@@ -176,6 +205,25 @@ def _readings_of(sim: Stepper) -> list[str]:
     if len(sim.assembly.triangles) and any(law.is_film for law in sim.scene.laws):
         found.append("largest_film_stress")
     return found
+
+
+def _of_hub(scene: Scene) -> tuple[str, ...]:
+    """The columns of a hub that turns."""
+    if not any(law.turns_hub for law in scene.laws):
+        return ()
+    return (MOTOR, *(OF_FREE_HUB if has_free_hub(scene) else ()), *OF_MOTOR)
+
+
+def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None) -> list[float]:
+    """The readings of the hub of these names now; `work` is that of its motor [J]."""
+    found: dict[str, float] = {MOTOR: math.nan if work is None else work}
+    if "hub_rate" in names:
+        momentum = sim.angular_momentum()
+        found |= {"hub_rate": sim.hub_rate, "hub_momentum": momentum.hub, "sail_momentum": momentum.sail}
+    if "motor_torque" in names:
+        motor = sim.hub_motor()
+        found |= {"motor_torque": motor.torque, "motor_power": motor.power}
+    return [found[name] for name in names]
 
 
 def _readings(sim: Stepper, names: Sequence[str]) -> list[float]:

@@ -19,7 +19,9 @@ from membrane_rs.mesh.findings import Finding
 from membrane_rs.results.body_contacts import BodyContacts
 from membrane_rs.results.features import curve_features, energy_balance
 from membrane_rs.results.lock import this_process
+from membrane_rs.results.momentum import momentum_error
 from membrane_rs.results.record import RunData
+from membrane_rs.scene.hub import has_free_hub
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -74,6 +76,7 @@ class RunSummary:
             "samples": len(table["time"]),
             "energy_balance": energy_balance(table) | ({"changes": changes} if changes else {}),
             "curves": curve_features(table),
+            **self._momentum(sim),
             **({"stages": self._stages(sim)} if sim.scene.stages else {}),
             "pictures": "none",
         }
@@ -98,6 +101,13 @@ class RunSummary:
         self._contacts.sample(sim)
         if sim.scene.stages:
             self._stage_starts.setdefault(sim.stage, self._wall_time())
+
+    def _momentum(self, sim: Stepper) -> dict[str, float | None]:
+        """The error of the angular momentum, where the hub turns freely."""
+        if not has_free_hub(sim.scene):
+            return {}
+        starts = [record.start for record in sim.stages]
+        return {"momentum_error": momentum_error(self._record.table, sim.scene, starts)}
 
     def _stages(self, sim: Stepper) -> list[dict[str, Any]]:
         """The record of each stage, with its wall time and its curves."""

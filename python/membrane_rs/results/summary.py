@@ -48,6 +48,9 @@ frames, samples       how many were written
 energy_balance        reference_energy [J]; error at the end, lowest_error (loss) and highest_error (gain), each as a
                       fraction of the reference energy; motor_work [J], null where the hub does not turn; changes, what
                       changes of stage and jumps of schedules have put in [J], by name, where there were any
+momentum_error        where the hub turns freely: error of the angular momentum of hub and sail about the axis, the
+                      largest change less the impulse of the torque on the hub, over the largest part, of hub or sail;
+                      null while air, pressure or mass damping exert a torque too
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none
@@ -99,7 +102,10 @@ class Summary(RunSummary, Writer):
         before = read_summary(record.path)
         self._begin(record, before.get("wall_time") or 0.0, before.get("bodies"))
         self._stage_starts = dict(enumerate(before.get("stage_starts") or ()))
-        at_end = ("signal", "stopped", "frames", "samples", "energy_balance", "curves", "crossings", "pictures")
+        at_end = (
+            "signal", "stopped", "frames", "samples", "energy_balance", "curves", "momentum_error", "crossings",
+            "pictures",
+        )  # fmt: skip
         record.summary |= {key: value for key, value in before.items() if key not in at_end} | {
             "outcome": "running",
             "process": this_process(),

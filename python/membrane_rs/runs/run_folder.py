@@ -8,7 +8,8 @@ history.csv     a line per sample
 frames.pvd      after each frame, with frames/frame-<k>.vtu; both by a thread, from copies, while the core steps
 crossings.csv   a line per frame, where it is asked for; by that thread too
 shapes/*.npz    at the times of the snapshots, for a run that is resumed
-deployment.png, energy.png, crossings.png, snapshots/*.png, animation.gif    at the end, unless the run was interrupted
+deployment.png, energy.png, momentum.png (of a free hub), crossings.png, snapshots/*.png, animation.gif    at the end,
+                unless the run was interrupted
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from membrane_rs.plotting.animation import Animation
 from membrane_rs.plotting.crossings import CrossingsPicture
 from membrane_rs.plotting.deployment import DeploymentPicture
 from membrane_rs.plotting.energy import EnergyPicture
+from membrane_rs.plotting.momentum import MomentumPicture
 from membrane_rs.plotting.snapshots import Snapshots
 from membrane_rs.results.background import Background
 from membrane_rs.results.crossing_counts import CrossingsFile
@@ -58,6 +60,7 @@ WRITERS: list[type[Writer]] = [
     State,
     DeploymentPicture,
     EnergyPicture,
+    MomentumPicture,
     CrossingsPicture,
     Snapshots,
     Animation,

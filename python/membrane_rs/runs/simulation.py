@@ -96,6 +96,8 @@ class Simulation(Stepper):
     ((10,), (10,), False)
     >>> bool(sim.hub_load().force[0] > 0.0), sim.hub_force().shape, sim.hub_torque().shape, sim.body_loads()
     (True, (3,), (3,), {})
+    >>> round(sim.hub_rate, 2), sim.hub_motor().power == 0.0, sim.angular_momentum().hub
+    (18.85, False, 0.0)
     >>> strip = Simulation(scenes.load("hanging-strip"))
     >>> strip.film_stress().principal.shape, int(strip.film_states().max()), strip.crease_angles().shape
     ((84, 2), -1, (2,))

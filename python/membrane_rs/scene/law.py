@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 
@@ -15,6 +15,7 @@ from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.hub import Hub
 from membrane_rs.scene.plausible import Doubt
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.spool import Spool
@@ -72,6 +73,10 @@ class Law:
     """Whether it turns the hub, and the frame of the scene with it."""
     accelerates_all: ClassVar[bool] = False
     """Whether it is a field that accelerates all nodes alike, so that a scene without support falls."""
+    exerts_outside_torque: ClassVar[bool] = False
+    """Whether it is a load from outside that may change the angular momentum of hub and sail about the hub's axis."""
+    held_fields: ClassVar[tuple[str, ...]] = ()
+    """Fields that hold in later stages too where a stage sets them, and all that is set beside them."""
     acts_while_relaxing: ClassVar[bool] = True
     """Whether it acts while a scene is damped to rest before its start: False where it vanishes at rest."""
     length_fields: ClassVar[Mapping[str, str]] = {}
@@ -101,6 +106,61 @@ class Law:
             Names of fields.
         """
         return ()
+
+    def check_set(self, given: Law, names: Collection[str], *, is_first: bool) -> None:
+        """Refuse values of these fields that were set in place of those of a law, and have no effect or no meaning.
+
+        Parameters
+        ----------
+        given : Law
+            The law of the scene, in whose place this one stands.
+        names : collection of str
+            Of the fields.
+        is_first : bool
+            Whether they hold from the start of the run on; False: a later stage sets them.
+
+        Raises
+        ------
+        InputError
+            Such a value, with the remedy.
+        """
+
+    def carried(self, before: Callable[[], Law | None], time: float) -> Law:
+        """The law in a stage, where the motion goes on at a time with which another stage ends.
+
+        Parameters
+        ----------
+        before : callable
+            Gives the law of this kind in the stage before, or None: it was not at work.
+        time : float
+            Of the boundary [s].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
+        return self
+
+    def while_held(self, rate: float) -> Law:
+        """The law while the scene is damped to rest at an instant, at which the hub turns at a rate.
+
+        Parameters
+        ----------
+        rate : float
+            Of the hub [rad/s].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
+        return self
+
+    @property
+    def hub(self) -> Hub | None:
+        """The hub, where the law turns it."""
+        return None
 
     @property
     def negative_springs(self) -> str | None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 from membrane_rs._validation import build
+from membrane_rs.errors import InputError
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.bodies import Body
@@ -77,6 +79,11 @@ class Place:
         replaced: Sequence[str] = self.item.replaced_by(name) if self.section == "laws" else ()
         return replaced
 
+    @property
+    def held_fields(self) -> frozenset[str]:
+        """Fields that hold in later stages too where a stage sets them, and all that is set beside them."""
+        return frozenset(self.item.held_fields if self.section == "laws" else ())
+
     def defaults(self, names: Collection[str]) -> dict[str, Any]:
         """The defaults of fields."""
         return {entry.name: entry.default for entry in fields(self.item) if entry.name in names}
@@ -85,6 +92,16 @@ class Place:
         """What stands here with other values of its fields, checked by its own class. Raises InputError."""
         own = {field.name: getattr(self.item, field.name) for field in fields(self.item)}
         return build(type(self.item), own | dict(values), f"{where}: {self.label}" if where else self.label)
+
+
+@contextmanager
+def labelled(place: Place, where: str = "") -> Iterator[None]:
+    """Name what stands at a place by its keys, in an error that begins with its class."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error).removeprefix(f"{place.kind.__name__}.")
+        raise type(error)(f"{where}: {place.label}.{text}" if where else f"{place.label}.{text}") from None
 
 
 def places_of(scene: Changeable) -> Iterator[Place]:

@@ -70,6 +70,11 @@ def pull_of_spin(scene: Surroundings) -> float:
     return (2.0 * math.pi * hub_frequency(scene)) ** 2 * float(node_masses(scene)[: len(points)] @ radii)
 
 
+def moment_of_inertia(scene: Surroundings) -> float:
+    """Of all nodes at the start about the z axis [kg m2]."""
+    return float(node_masses(scene) @ np.square(scene.assemble().positions[:, :2]).sum(axis=1))
+
+
 def node_masses(scene: Surroundings) -> Floats:
     """(N,) masses of all nodes, of membrane, cords and tips [kg]; read-only."""
     if scene not in _MASSES:

@@ -148,6 +148,56 @@ class Schedule:
             return self.values[k] + change * self._risen(before)
         return self.values[k + 1] - change * self._risen(after)
 
+    def integral(self, start: float, end: float) -> float:
+        """The integral of the value over time.
+
+        Parameters
+        ----------
+        start, end : float
+            From when to when [s].
+
+        Returns
+        -------
+        float
+            In the unit of the values, times seconds.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            A time that is no finite number.
+
+        Examples
+        --------
+        >>> from membrane_rs import Schedule
+        >>> Schedule([0.0, 2.0], [0.0, 10.0]).integral(0.0, 3.0)
+        20.0
+        """
+        return self._area(number_of("end", end)) - self._area(number_of("start", start))
+
+    def _area(self, time: float) -> float:
+        """The integral from the first knot on."""
+        times, values = self.times, self.values
+        if time <= times[0]:
+            return values[0] * (time - times[0])
+        k = bisect_right(times, time) - 1
+        lengths = [times[i + 1] - times[i] for i in range(k)]
+        whole = [0.5 * (values[i] + values[i + 1]) * length for i, length in enumerate(lengths)]
+        if k == len(times) - 1:
+            return math.fsum([*whole, values[-1] * (time - times[-1])])
+        length, change = times[k + 1] - times[k], values[k + 1] - values[k]
+        share = (time - times[k]) / length
+        return math.fsum([*whole, values[k] * (time - times[k]), change * length * self._risen_area(share)])
+
+    def _risen_area(self, share: float) -> float:
+        """The integral of p from 0 to s."""
+        if share > 0.5:
+            return share - 0.5 + self._risen_area(1.0 - share)
+        ease = self.ease
+        if share >= ease:
+            return (0.15 * ease * ease + 0.5 * share * (share - ease)) / (1.0 - ease)
+        u = share / ease
+        return ease * ease * u**4 * (0.25 - 0.1 * u) / (1.0 - ease)
+
     def _steepest(self, change: float, length: float) -> float:
         """The largest rate between two knots, or the largest second derivative where that is more."""
         rate = change / (length * (1.0 - self.ease))

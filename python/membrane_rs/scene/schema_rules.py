@@ -34,6 +34,8 @@ _OF_BODY = {
 _FELT_BY_NONE = {"membrane": {"const": False}, "cords": {"const": False}}
 _OF_TIME = {"minimum": SHORTEST, "maximum": LONGEST}
 _OF_KNOTS = {"minItems": 1, "maxItems": MOST_KNOTS}
+_NONE = {"anyOf": [{"const": 0}, {"type": "string"}]}
+"""A number that is 0, or a text, which may be of 0."""
 _KEY = r"^(material\.|(laws|parts|bodies)\.[^.]+\."
 
 
@@ -67,9 +69,9 @@ OF_CLASSES: Mapping[type, Rule] = {
     },
     LAWS["spin"]: {
         "dependencies": {
-            "schedule": {
-                "properties": {"frequency": False, "acceleration": {"anyOf": [{"const": 0}, {"type": "string"}]}}
-            }
+            "schedule": {"properties": {"frequency": False, "acceleration": _NONE}},
+            "inertia": {"properties": {"schedule": False, "acceleration": _NONE}},
+            "torque": ["inertia"],
         }
     },
     PATTERNS["square-sail"]: {

@@ -35,6 +35,7 @@ MEASURE_UNITS = {
     "kinetic_energy": "J",
     "stored_energy": "J",
     "hub_angle": "rad",
+    "hub_rate": "rad/s",
     "hub_force": "N",
     "hub_torque": "N m",
     "contact_force": "N",
@@ -127,7 +128,8 @@ class Stage:
     set : dict, read-only
         Values in place of those of the scene, by the same keys, and "run.<key>" for method, step and monitor. Times of
         a schedule count from the start of this stage. None, in files {}, takes a value away. What stands in
-        place of a schedule holds in later stages too, until one sets another; all else holds in this stage alone.
+        place of a schedule, and what sets a hub free or drives it again, holds in later stages too, until one sets
+        another; all else holds in this stage alone.
     frames, samples : int, optional
         Shapes written, and rows of the history, evenly spaced over `duration`, both ends among them, in place of those
         of the run in this stage; from 2 to 10^7. What lies after an earlier end falls away.

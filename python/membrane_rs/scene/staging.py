@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
@@ -14,7 +14,7 @@ import numpy as np
 from membrane_rs._validation import in_si, is_list, nearest, number_of, show
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.places import SINGLE, Changeable, Place, located, names_of, places_of
+from membrane_rs.scene.places import SINGLE, Changeable, Place, labelled, located, names_of, places_of
 from membrane_rs.scene.run_settings import LONGEST, MOST_INSTANTS
 from membrane_rs.scene.stage import Stage, has_text
 
@@ -99,6 +99,7 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
     """The scene of a stage, without stages, from the start times [s] of all stages up to it. Raises SceneError."""
     stage, where = scene.stages[index], f"stages[{index}]"
     places = list(places_of(scene))
+    run_of = Run(scene, places, starts)
     try:
         gone = _gone(places, stage, where)
         values = _values(scene, places, index, starts)
@@ -109,14 +110,8 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
         made: dict[str, list[Any]] = {section: [] for section in SECTIONS}
         for place in places:
             if place not in gone:
-                item, delay = place.item, starts[0]
-                if delay:
-                    item = place.rebuilt(_delayed(item, delay), where)
-                if (own := values.get((place.section, place.index))) is not None:
-                    item = replace(place, item=item).rebuilt(own, where)
-                    if place.section == "laws" and any(_find(places, key, where)[0] is place for key in stage.set):
-                        item = item.within(starts[index], starts[index] + stage.duration)
-                made[place.section].append(item)
+                own = values.get((place.section, place.index))
+                made[place.section].append(run_of.item(place, index, own))
         run = made["run"][0]
         until = starts[index] + stage.duration
         whole: Any = scene
@@ -134,6 +129,44 @@ def staged(scene: S, index: int, starts: Sequence[float]) -> S:
     except InputError as error:
         text = str(error)
         raise SceneError(text if text.startswith(where) else f"{where}: {text}") from None
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scene with the start of each of its stages up to one."""
+
+    scene: Changeable
+    places: Sequence[Place]
+    starts: Sequence[float]
+    """[s]"""
+
+    def item(self, place: Place, index: int, own: Mapping[str, Any] | None) -> Any:
+        """What stands at a place in a stage, with its own values of that stage. Raises InputError."""
+        stage, where = self.scene.stages[index], f"stages[{index}]"
+        item, delay = place.item, self.starts[0]
+        if delay:
+            item = place.rebuilt(_delayed(item, delay), where)
+        if own is not None:
+            item = replace(place, item=item).rebuilt(own, where)
+        if place.section != "laws":
+            return item
+        is_set, changed = (
+            [name for found, name in (_find(self.places, key, where) for key in keys) if found is place]
+            for keys in (stage.set, (*stage.set, *stage.scale))
+        )
+        with labelled(place, where):
+            item.check_set(place.item, changed, is_first=index == 0)
+        if is_set:
+            item = item.within(self.starts[index], self.starts[index] + stage.duration)
+        return item.carried(lambda: self._before(place, index), self.starts[index]) if index else item
+
+    def _before(self, place: Place, index: int) -> Any:
+        """The law at a place in the stage before one; None where that is without it."""
+        before = index - 1
+        if place.name in self.scene.stages[before].without:
+            return None
+        values = _values(self.scene, self.places, before, self.starts)
+        return self.item(place, before, values.get((place.section, place.index)))
 
 
 @contextmanager
@@ -208,6 +241,7 @@ def _values(
                 holds = _is_schedule(value) or any(
                     _is_schedule(changes.now(other)) or other in changes.values for other in names
                 )
+                holds = holds or not place.held_fields.isdisjoint(values)
                 if is_last or holds:
                     changes.set(name, value.delayed(starts[k]) if _is_schedule(value) else value, others[name])
     for key, factor in scene.stages[index].scale.items():

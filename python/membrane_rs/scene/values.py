@@ -22,7 +22,7 @@ from membrane_rs._validation import (
 )
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
-from membrane_rs.scene.places import SINGLE, Changeable, Place, located, places_of
+from membrane_rs.scene.places import SINGLE, Changeable, Place, labelled, located, places_of
 
 S = TypeVar("S", bound=Changeable)
 
@@ -324,7 +324,11 @@ def _rebuilt(change: Change) -> Any:
     if isinstance(place.item, type):
         return build(place.item, values, place.label)
     replaced = place.defaults([other for name in values for other in place.replaced_by(name)])
-    return place.rebuilt({**replaced, **values})
+    made = place.rebuilt({**replaced, **values})
+    if place.section == "laws":
+        with labelled(place):
+            made.check_set(place.item, values, is_first=True)
+    return made
 
 
 def _hint(places: list[Place], key: str) -> str:

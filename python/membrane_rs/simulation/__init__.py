@@ -8,17 +8,20 @@ from membrane_rs._moved import Moved
 from membrane_rs._on_demand import OnDemand
 
 if TYPE_CHECKING:
+    from membrane_rs.simulation.hub import AngularMomentum, HubLoad, HubMotor
     from membrane_rs.simulation.methods import IntegratorFacts, integrators
     from membrane_rs.simulation.motion import Motion
     from membrane_rs.simulation.observer import Observer
-    from membrane_rs.simulation.readings import BodyLoad, FilmStress, HubLoad
+    from membrane_rs.simulation.readings import BodyLoad, FilmStress
     from membrane_rs.simulation.stepper import Stepper
     from membrane_rs.simulation.timeline import StageRecord
 
 __all__ = [
+    "AngularMomentum",
     "BodyLoad",
     "FilmStress",
     "HubLoad",
+    "HubMotor",
     "IntegratorFacts",
     "Motion",
     "Observer",
@@ -31,10 +34,11 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
     _on_demand = OnDemand(
         __name__,
         {
+            "membrane_rs.simulation.hub": ("AngularMomentum", "HubLoad", "HubMotor"),
             "membrane_rs.simulation.methods": ("IntegratorFacts", "integrators"),
             "membrane_rs.simulation.motion": ("Motion",),
             "membrane_rs.simulation.observer": ("Observer",),
-            "membrane_rs.simulation.readings": ("BodyLoad", "FilmStress", "HubLoad"),
+            "membrane_rs.simulation.readings": ("BodyLoad", "FilmStress"),
             "membrane_rs.simulation.stepper": ("Stepper",),
             "membrane_rs.simulation.timeline": ("StageRecord",),
         },

@@ -28,6 +28,7 @@ OF_MOTION: dict[str, Callable[[Motion], float]] = {
     "kinetic_energy": lambda sim: sim.energies()["kinetic"],
     "stored_energy": lambda sim: math.fsum(energy for name, energy in sim.energies().items() if name != "kinetic"),
     "hub_angle": lambda sim: sim.hub_angle,
+    "hub_rate": lambda sim: sim.hub_rate,
     "hub_force": lambda sim: float(np.linalg.norm(sim.hub_load().force)),
     "hub_torque": lambda sim: float(sim.hub_load().torque[2]),
     "contact_force": lambda sim: sim.hub_load().contact,

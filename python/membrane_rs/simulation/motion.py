@@ -225,11 +225,6 @@ class Motion(KnownAttributes, Copies, Readings):
         return frozen(np.vstack([edges, self.assembly.cords.nodes]))
 
     @property
-    def hub_angle(self) -> float:
-        """The angle that the hub has turned since time 0 [rad]."""
-        return self._core.hub_angle
-
-    @property
     def slow_laws(self) -> list[str]:
         """The laws that are evaluated once a step, others at each of its `substeps`; empty without those."""
         return self._core.slow_laws

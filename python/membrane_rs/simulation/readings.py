@@ -1,4 +1,4 @@
-"""What is read off the laws of a scene: stress of the film, tension of the cords, load on the hub."""
+"""What is read off the laws of a scene: stress of the film, tension of the cords, loads on bodies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from membrane_rs import _core
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._renamed import RenamedKeys
 from membrane_rs._validation import check_text, show
@@ -20,6 +19,7 @@ from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.laws import Law
+from membrane_rs.simulation.hub import HubReadings
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,41 +54,6 @@ class FilmStress:
 
 
 @dataclass(frozen=True, eq=False)
-class HubLoad:
-    """What the sail exerts on the hub, in the frame that turns with the hub.
-
-    The sail is all nodes, held ones included. The hub holds these, and touches others at the spool and at the bodies
-    that it drives. The load is
-
-        sum over held nodes of (forces of all laws, inertial forces of the turning frame included)
-        - sum over all nodes of the forces of contact with spool and bodies,
-
-    so that it balances the rate of change of the sail's momentum and of its angular momentum in an inertial frame,
-    less the loads from outside: gravity, air, pressure and mass damping; friction on bodies is contact.
-
-    Attributes
-    ----------
-    force : (3,) float
-        Components along the axes of the turning frame [N].
-    torque : (3,) float
-        About the origin, along the same axes; the third is about the hub's axis [N m].
-    contact : float
-        Sum of the magnitudes of the forces of spool and bodies on the nodes [N].
-
-    Examples
-    --------
-    >>> from membrane_rs import Simulation, scenes
-    >>> load = Simulation(scenes.load("spinning-tether")).hub_load()
-    >>> load.force.shape, load.contact
-    ((3,), 0.0)
-    """
-
-    force: Floats
-    torque: Floats
-    contact: float
-
-
-@dataclass(frozen=True, eq=False)
 class BodyLoad:
     """What film and cords exert on a body, all its copies together, friction and damping included.
 
@@ -117,10 +82,9 @@ class BodyLoad:
     contact: float
 
 
-class Readings:
+class Readings(HubReadings):
     """Readings of a scene in motion, each by the laws of the scene."""
 
-    _core: _core.Simulation
     scene: Scene
     assembly: Assembly
 
@@ -187,9 +151,10 @@ class Readings:
             takes energy out), "reference_energy" (the largest change of a single term of the balance so far), all [J];
             "error", the residual of the balance as a share of the reference energy, negative where the method loses
             energy; "stored_by_law", of the laws that have a potential, and "work_by_law", {law: J}; "motor_work" [J],
-            that of the motor which turns the hub, on the sail: no term of this balance, which is that of the turning
-            frame. None where it goes on from a state of an earlier version, which did not count it. Once jumps of
-            schedules have put in energy, "changes", {term: J}, where a term is "kinetic" or a law.
+            that of the motor which turns the hub, on the sail, or of the torque on a free hub: no term of this
+            balance, which is that of the turning frame. None where it goes on from a state of an earlier version,
+            which did not count it. Once jumps of schedules have put in energy, "changes", {term: J}, where a term is
+            "kinetic" or a law.
             "turned_over" is the old name of "reference_energy".
         """
         balance = self._core.ledger()
@@ -311,37 +276,6 @@ class Readings:
         """
         found = self._core.link_readings("tethers")
         return np.zeros(0) if found is None else found.tension
-
-    def hub_load(self) -> HubLoad:
-        """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws.
-
-        Returns
-        -------
-        HubLoad
-            [N, N m, N]
-        """
-        load = self._core.hub_load()
-        return HubLoad(np.array(load.force), np.array(load.torque), load.contact)
-
-    def hub_force(self) -> Floats:
-        """(3,) force of the sail on the hub now [N], in the turning frame; see `HubLoad`.
-
-        Returns
-        -------
-        (3,) float64
-            [N]
-        """
-        return self.hub_load().force
-
-    def hub_torque(self) -> Floats:
-        """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`.
-
-        Returns
-        -------
-        (3,) float64
-            [N m]
-        """
-        return self.hub_load().torque
 
     def body_loads(self) -> dict[str, BodyLoad]:
         """Force and torque of film and cords on each body now, by its name.

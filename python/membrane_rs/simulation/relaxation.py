@@ -54,9 +54,11 @@ class FrozenStepper(Stepper):
         return replace(super()._settings(scene), frozen_at=self._instant)
 
 
-def held_scene(scene: Scene, rate: float) -> Scene:
-    """The scene with its guide bars closed, friction added, and without the laws that vanish at rest."""
-    laws = [law for law in scene.laws if law.acts_while_relaxing]
+def held_scene(scene: Scene, rate: float, hub_rate: float = 0.0) -> Scene:
+    """The scene with its guide bars closed, friction added, and without the laws that vanish at rest. A free hub is
+    driven at the rate that it has [rad/s].
+    """
+    laws = [law.while_held(hub_rate) for law in scene.laws if law.acts_while_relaxing]
     held = [Fixed(nodes=GUIDE_BARS)] if GUIDE_BARS in scene.assemble().node_sets else []
     return replace(scene, laws=[*laws, MassDamping(rate=rate)], parts=[*scene.parts, *held])
 
@@ -90,7 +92,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
     for name, value, unit in (("duration", time, "s"), ("rate", rate, "1/s")):
         if not (np.isfinite(value) and value > 0):
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
-    held = FrozenStepper(held_scene(scene, rate), start.integrator, start.time)
+    held = FrozenStepper(held_scene(scene, rate, start.hub_rate), start.integrator, start.time)
     held.positions = start.positions
     floor = NO_FORCE * _largest_force(held)
     left, further = _stopped(held, rate, floor), ""
@@ -100,7 +102,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
     except UnstableError:  # vibrations that the friction hardly damps; kinetic damping has none
         held.positions = start.positions
     if left.share > AT_REST:
-        free_scene = replace(held_scene(scene, 0.0), run=replace(scene.run, energy_loss=ANY_LOSS))
+        free_scene = replace(held_scene(scene, 0.0, start.hub_rate), run=replace(scene.run, energy_loss=ANY_LOSS))
         freely = FrozenStepper(free_scene, start.integrator, start.time)
         freely.positions = left.positions
         try:

@@ -45,6 +45,7 @@ class AirDrag(Law):
     """
 
     kind: ClassVar[str] = "air_drag"
+    exerts_outside_torque: ClassVar[bool] = True
     pressure: Annotated[NonNegative, Unit("Pa")] = 4.5
     temperature: Annotated[Positive, Unit("K")] = 293.0
     air: Literal["still", "turning"] = "still"

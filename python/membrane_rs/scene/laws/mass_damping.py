@@ -36,6 +36,7 @@ class MassDamping(Law):
     """
 
     kind: ClassVar[str] = "mass_damping"
+    exerts_outside_torque: ClassVar[bool] = True
     stiff_through: ClassVar[StiffThrough] = "law"
     acts_while_relaxing: ClassVar[bool] = False
     rate: Annotated[NonNegative, Unit("1/s")]

@@ -39,6 +39,7 @@ class Pressure(Law):
     """
 
     kind: ClassVar[str] = "pressure"
+    exerts_outside_torque: ClassVar[bool] = True
     pressure: Annotated[Finite, Unit("Pa")]
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:

@@ -18,9 +18,11 @@ from membrane_rs._arrays import Floats
 from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.results.features import curve_features, energy_balance
 from membrane_rs.results.history_table import HistoryTable
+from membrane_rs.results.momentum import momentum_error
 from membrane_rs.results.recorded import Measures, Recorded, RecordTable, record_table
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import has_free_hub
 from membrane_rs.study.common.perturbation import SHIFT, perturbation
 
 FINISHED, UNSTABLE, REFUSED, FAILED = "finished", "unstable", "refused", "failed"
@@ -207,6 +209,8 @@ def _facts(sim: Simulation, history: Mapping[str, Floats], record: RecordTable) 
     facts: dict[str, float | None] = {"time": sim.time, **curve_features(history)}
     balance = energy_balance(dict(history))
     facts |= {"energy_error": balance.pop("error"), **balance}
+    if has_free_hub(sim.scene):
+        facts["momentum_error"] = momentum_error(history, sim.scene, [record.start for record in sim.stages])
     for name, column in history.items():
         if name in record or (name not in NAMED and not name.startswith(DETAILS)):
             facts |= {f"final_{name}": float(column[-1]), f"lowest_{name}": float(column.min())}

@@ -1,0 +1,169 @@
+"""What is read of the hub: how it turns, what the sail exerts on it, its motor, and angular momentum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from membrane_rs import _core
+from membrane_rs._arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class HubLoad:
+    """What the sail exerts on the hub, in the frame that turns with the hub.
+
+    The sail is all nodes, held ones included. The hub holds these, and touches others at the spool and at the bodies
+    that it drives. The load is
+
+        sum over held nodes of (forces of all laws, inertial forces of the turning frame included)
+        - sum over all nodes of the forces of contact with spool and bodies,
+
+    so that it balances the rate of change of the sail's momentum and of its angular momentum in an inertial frame,
+    less the loads from outside: gravity, air, pressure and mass damping; friction on bodies is contact.
+
+    Attributes
+    ----------
+    force : (3,) float
+        Components along the axes of the turning frame [N].
+    torque : (3,) float
+        About the origin, along the same axes; the third is about the hub's axis [N m].
+    contact : float
+        Sum of the magnitudes of the forces of spool and bodies on the nodes [N].
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> load = Simulation(scenes.load("spinning-tether")).hub_load()
+    >>> load.force.shape, load.contact
+    ((3,), 0.0)
+    """
+
+    force: Floats
+    torque: Floats
+    contact: float
+
+
+@dataclass(frozen=True)
+class HubMotor:
+    """What the motor of the hub exerts on it about its axis: on a free hub the given torque, on a driven one what turns
+    it as prescribed against the load of the sail, so that it needs no inertia of its own.
+
+    Attributes
+    ----------
+    torque : float
+        [N m]
+    power : float
+        The torque times the rate of the hub [W].
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> sim = Simulation(scenes.load("spinning-tether"))
+    >>> motor = sim.hub_motor()
+    >>> bool(motor.torque == -sim.hub_torque()[2]), motor.power == motor.torque * sim.hub_rate
+    (True, True)
+    """
+
+    torque: float
+    power: float
+
+
+@dataclass(frozen=True)
+class AngularMomentum:
+    """Angular momentum about the axis of the hub in inertial space.
+
+    Attributes
+    ----------
+    hub : float
+        Of a free hub, inertia times rate, without the nodes that it holds; 0 of a driven one [kg m2/s].
+    sail : float
+        Of all nodes [kg m2/s].
+
+    Examples
+    --------
+    >>> from membrane_rs import Simulation, scenes
+    >>> found = Simulation(scenes.load("spinning-tether")).angular_momentum()
+    >>> found.hub, found.total == found.sail > 0.0
+    (0.0, True)
+    """
+
+    hub: float
+    sail: float
+
+    @property
+    def total(self) -> float:
+        """Of hub and sail [kg m2/s]: constant but for the torque on the hub and loads from outside."""
+        return self.hub + self.sail
+
+
+class HubReadings:
+    """Readings of the hub of a scene in motion."""
+
+    _core: _core.Simulation
+
+    @property
+    def hub_angle(self) -> float:
+        """The angle that the hub has turned since time 0 [rad]."""
+        return self._core.hub_angle
+
+    @property
+    def hub_rate(self) -> float:
+        """The rate at which the hub turns now [rad/s], counter-clockwise seen from +z."""
+        return self._core.hub_rate
+
+    def hub_load(self) -> HubLoad:
+        """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws.
+
+        Returns
+        -------
+        HubLoad
+            [N, N m, N]
+        """
+        load = self._core.hub_load()
+        return HubLoad(np.array(load.force), np.array(load.torque), load.contact)
+
+    def hub_force(self) -> Floats:
+        """(3,) force of the sail on the hub now [N], in the turning frame; see `HubLoad`.
+
+        Returns
+        -------
+        (3,) float64
+            [N]
+        """
+        return self.hub_load().force
+
+    def hub_torque(self) -> Floats:
+        """(3,) torque of the sail on the hub about the origin now [N m], in the turning frame; see `HubLoad`.
+
+        Returns
+        -------
+        (3,) float64
+            [N m]
+        """
+        return self.hub_load().torque
+
+    def hub_motor(self) -> HubMotor:
+        """Torque and power of the motor of the hub now.
+
+        Returns
+        -------
+        HubMotor
+            [N m, W]
+        """
+        torque = self._core.hub().motor_torque
+        if torque is None:
+            torque = -float(self.hub_load().torque[2])
+        return HubMotor(torque, torque * self.hub_rate)
+
+    def angular_momentum(self) -> AngularMomentum:
+        """Angular momentum of hub and sail now, about the axis of the hub in inertial space.
+
+        Returns
+        -------
+        AngularMomentum
+            [kg m2/s]
+        """
+        hub = self._core.hub()
+        return AngularMomentum(hub.momentum[2], hub.sail_momentum[2])
