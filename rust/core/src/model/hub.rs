@@ -122,7 +122,7 @@ impl Hub {
         self.inverse = self.axes * Matrix3::from_diagonal(&self.moments.map(f64::recip)) * self.axes.transpose();
     }
 
-    /// Mass \[kg\] and moments of inertia about the axes \[kg m2\] without the nodes held on it; 0 where it is not free.
+    /// Mass \[kg\] and moments of inertia about the axes \[kg m2\] without the nodes held on it; 0 where it is held.
     fn own(&self) -> (f64, Vector3<f64>) {
         match self.freedom {
             Freedom::Axis { inertia } => (0.0, Vector3::new(0.0, 0.0, inertia)),
