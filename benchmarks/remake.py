@@ -67,6 +67,11 @@ PARTS = (
         fills_cores=True,
     ),
     Part(
+        "free-hub",
+        "docs/free_hub.md: free hubs against closed forms, and their cost",
+        [("tools/docs/free_hub.py", "--write")],
+    ),
+    Part(
         "dashpots",
         "docs/dashpots.md: forms of the dashpots compared",
         [("tools/docs/dashpots.py", "--write")],
