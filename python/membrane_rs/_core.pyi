@@ -218,6 +218,7 @@ class FilmStress:
     first: NDArray[np.float64]  # (m, 3) direction of the larger value.
     second: NDArray[np.float64]  # (m, 3) direction of the smaller value.
 
+@final
 class HubMotion:
     """The motion of the hub. Vectors have components along its axes, but for `centre`."""
 
