@@ -19,7 +19,7 @@ from membrane_rs.scenes import names
 from numpy.testing import assert_array_equal
 
 TETHER = "spinning-tether"
-UNITS = {"", "s", "deg", "rad", "J", "N", "N m", "Pa"}
+UNITS = {"", "s", "deg", "rad", "J", "N", "N m", "Pa", "W"}
 
 
 @pytest.fixture(scope="module")

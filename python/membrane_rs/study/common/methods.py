@@ -16,17 +16,16 @@ def methods_of(scene: Scene, tell: Tell) -> list[str]:
     Raises
     ------
     InputError
-        The scene goes with none: what the first one says.
+        The scene goes with none: what the last one says.
     """
-    refusals: dict[str, InputError] = {}
-    for name in integrators():
+    found = []
+    for name in (names := list(integrators())):
         try:
             Simulation(scene, name)
-        except InputError as refusal:
-            refusals[name] = refusal
-    found = [name for name in integrators() if name not in refusals]
-    if not found:
-        raise next(iter(refusals.values()))
-    for name, error in refusals.items():
-        tell(f"left out: {name}: {error}")
+        except InputError as error:
+            if name == names[-1] and not found:
+                raise
+            tell(f"left out: {name}: {error}")
+        else:
+            found.append(name)
     return found
