@@ -128,7 +128,7 @@ class FakeSimulation:
         return HubMotor(0.5, 0.5 * self.hub_rate)
 
     def angular_momentum(self) -> AngularMomentum:
-        return AngularMomentum(0.0, 2e-3)
+        return AngularMomentum(0.0, 2e-3, np.array([0.0, 0.0, 2e-3]))
 
     def stable_dt(self) -> float:
         return 2e-5

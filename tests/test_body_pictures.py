@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, small_sail
 from membrane_rs import Cylinder, Plane, Schedule, Simulation, Stage
+from membrane_rs.analysis.attitude import turned
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.painter import ProcessPainter, pyvista_works
-from membrane_rs.plotting.picture import Subject, turned
+from membrane_rs.plotting.picture import Subject
 from membrane_rs.plotting.scenery import BodiesInTime, Scenery, cylinder_ends, reach_of, stage_at
 from membrane_rs.scene.solid import Solid
 

@@ -121,7 +121,7 @@ def test_a_large_animation_takes_fewer_colours(
     noise = np.random.default_rng(1).integers(0, 255, (480, 480, 3), dtype=np.uint8)
 
     class Noisy:
-        def paint(self, positions: Any, hub_angle: float = 0.0, around: Any = None) -> Any:
+        def paint(self, positions: Any, turn: Any = 0.0, around: Any = None) -> Any:
             return noise
 
         def close(self) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.analysis.attitude import Turn, turned
 from membrane_rs.plotting.camera import ANGLE_DEG, Camera
 from membrane_rs.plotting.picture import (
     BODY,
@@ -22,7 +23,6 @@ from membrane_rs.plotting.picture import (
     TIP,
     Color,
     Subject,
-    turned,
 )
 from membrane_rs.plotting.scenery import cylinder_ends, plane_corners, turned_solid
 from membrane_rs.scene.solid import Solid
@@ -71,14 +71,14 @@ class MembraneActors:
             )
         self._spool = [] if subject.spool is None else self._add_spool(subject.spool)
 
-    def show(self, positions: Floats, hub_angle: float, solids: Sequence[Solid], camera: Camera) -> None:
-        """Move all to positions (N, 3) [m], turned about z by `hub_angle` [rad]; `camera` bounds what is endless."""
-        points = turned(positions, hub_angle)
+    def show(self, positions: Floats, turn: Turn, solids: Sequence[Solid], camera: Camera) -> None:
+        """Move all to positions (N, 3) [m], turned as the hub is; `camera` bounds what is endless."""
+        points = turned(positions, turn)
         for cloud in self._moving:
             cloud.points = points[: cloud.n_points]
         for actor in self._spool:
-            actor.orientation = (0.0, 0.0, float(np.degrees(hub_angle)))
-        self._place(solids, hub_angle, camera)
+            actor.user_matrix = _matrix(turn)
+        self._place(solids, turn, camera)
 
     def lift(self, reach: float, view: Floats) -> None:
         """Lift lines from the faces they lie in towards a camera in the direction `view` (3,), which reaches so far
@@ -197,14 +197,14 @@ class MembraneActors:
             self._plotter.add_mesh(mark, color=CORD),
         ]
 
-    def _place(self, solids: Sequence[Solid], hub_angle: float, camera: Camera) -> None:
+    def _place(self, solids: Sequence[Solid], turn: Turn, camera: Camera) -> None:
         """Bodies as they stand, in place of those shown before."""
         import pyvista
 
         for actor in self._solids:
             self._plotter.remove_actor(actor, render=False)
         self._solids = []
-        for solid in (turned_solid(solid, hub_angle) for solid in solids):
+        for solid in (turned_solid(solid, turn) for solid in solids):
             if solid.radius is None:
                 mesh = pyvista.PolyData(plane_corners(solid, camera), faces=np.array([4, 0, 1, 2, 3]))
             else:
@@ -221,6 +221,13 @@ class MembraneActors:
                 mesh, color=BODY, diffuse=0.7, ambient=0.35, opacity=opacity, reset_camera=False, render=False
             )
             self._solids.append(actor)
+
+
+def _matrix(turn: Turn) -> Floats:
+    """(4, 4) matrix that turns an actor as the hub is."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = turned(np.eye(3), turn).T
+    return matrix
 
 
 def film_colors(subject: Subject, back: bool) -> Colors:

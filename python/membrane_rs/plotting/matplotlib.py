@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.analysis.attitude import Turn, turned
 from membrane_rs.plotting.camera import Camera, with_scale_bar
 from membrane_rs.plotting.picture import (
     BODY,
@@ -21,7 +22,6 @@ from membrane_rs.plotting.picture import (
     Color,
     Image,
     Subject,
-    turned,
 )
 from membrane_rs.plotting.scenery import NONE, Scenery, cylinder_ends, plane_corners, turned_solid
 from membrane_rs.scene.solid import Solid
@@ -42,8 +42,8 @@ class MatplotlibPainter:
         self._size = size
         self._beside = _faces_beside(subject.creases, subject.triangles)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, turn: Turn = 0.0, around: Scenery = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned as the hub is."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -55,8 +55,8 @@ class MatplotlibPainter:
         camera = around.camera or self._subject.camera
         pieces = _Pieces(camera)
         for solid in around.solids:
-            _add_solid(pieces, solid, hub_angle)
-        self._draw(axes, turned(positions, hub_angle), hub_angle, pieces)
+            _add_solid(pieces, solid, turn)
+        self._draw(axes, turned(positions, turn), turn, pieces)
         canvas.draw()
         picture: Image = np.array(canvas.buffer_rgba(), dtype=np.uint8)[:, :, :3]
         return with_scale_bar(picture, camera) if around.scale_bar else picture
@@ -64,7 +64,7 @@ class MatplotlibPainter:
     def close(self) -> None:
         """Nothing is held."""
 
-    def _draw(self, axes: Axes, points: Floats, hub_angle: float, pieces: _Pieces) -> None:
+    def _draw(self, axes: Axes, points: Floats, turn: Turn, pieces: _Pieces) -> None:
         """Faces, lines, spool and what pieces there are, the farthest first, then tip masses."""
         from matplotlib.collections import PolyCollection
 
@@ -79,7 +79,7 @@ class MatplotlibPainter:
         pieces.add_lines(place, subject.creases, beside + lift, CREASE, width)
         pieces.add_lines(place, subject.cords, near[subject.cords].max(axis=1) + lift, CORD, 1.6 * width)
         if subject.spool is not None:
-            _add_spool(pieces, *subject.spool, hub_angle)
+            _add_spool(pieces, *subject.spool, turn)
         order = np.argsort(np.array(pieces.depths), kind="stable")
         chosen = [[pieces.polygons[k] for k in order], [pieces.faces[k] for k in order]]
         axes.add_collection(
@@ -161,18 +161,18 @@ class _Pieces:
         self.widths += [width] * len(pairs)
 
 
-def _add_spool(pieces: _Pieces, radius: float, low: float, high: float, hub_angle: float) -> None:
+def _add_spool(pieces: _Pieces, radius: float, low: float, high: float, turn: Turn) -> None:
     """A cylinder from `low` to `high` [m], and the mark on its top."""
     _, nearness = pieces.add_cylinder(np.array([(0.0, 0.0, low), (0.0, 0.0, high)]), radius, SPOOL, _SIDES)
     mark = np.array([(radius * x, radius * y, high) for x, y in MARK])
-    pieces.add(turned(mark, hub_angle), CORD, nearness + 1e-3 * radius)
+    pieces.add(turned(mark, turn), CORD, nearness + 1e-3 * radius)
 
 
-def _add_solid(pieces: _Pieces, solid: Solid, hub_angle: float) -> None:
+def _add_solid(pieces: _Pieces, solid: Solid, turn: Turn) -> None:
     if solid.radius is None:
-        pieces.add(plane_corners(turned_solid(solid, hub_angle), pieces.camera), BODY, opacity=PLANE_OPACITY)
+        pieces.add(plane_corners(turned_solid(solid, turn), pieces.camera), BODY, opacity=PLANE_OPACITY)
         return
-    ends = turned(np.array(cylinder_ends(solid)), hub_angle)
+    ends = turned(np.array(cylinder_ends(solid)), turn)
     pieces.add_cylinder(ends, solid.radius, BODY, _SIDES_OF_BODY)
 
 

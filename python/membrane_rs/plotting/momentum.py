@@ -25,10 +25,12 @@ if TYPE_CHECKING:
     from membrane_rs.plotting.styled_figure import StyledFigure
 
 RATE, HUB, SAIL = OF_FREE_HUB
-TOTAL = "total_momentum"
+TOTAL, NUTATION = "total_momentum", "nutation_deg"
 _RPM = 30.0 / math.pi
 """Of one radian per second."""
 PANELS = (Panel((RATE,)), Panel((HUB, SAIL, TOTAL), "Angular momentum", levels=(0.0,)))
+OF_BODY = Panel((NUTATION,))
+"""Of a hub in six degrees of freedom."""
 
 
 class MomentumPicture(Drawing):
@@ -58,7 +60,8 @@ def plot_momentum(
     labels: Sequence[str] | None = None,
     style: Style | str | Path | Mapping[str, Any] | None = None,
 ) -> Figure:
-    """The rate of a hub that turns freely, and the angular momentum of hub, sail and both, against time.
+    """The rate of a hub that turns freely, and the angular momentum of hub, sail and both, against time; of one in six
+    degrees of freedom the nutation angle too.
 
     Parameters
     ----------
@@ -101,8 +104,9 @@ def plot_momentum(
 
 def _figure(sources: Sequence[Source], style: Style, title: str) -> StyledFigure:
     """The figure of histories with the columns of a free hub."""
+    panels = (*PANELS, OF_BODY) if any(NUTATION in source.table for source in sources) else PANELS
     with style.context():
-        figure, _ = draw_panels(Content([_shown(source) for source in sources]), PANELS, style, title)
+        figure, _ = draw_panels(Content([_shown(source) for source in sources]), panels, style, title)
     return figure
 
 

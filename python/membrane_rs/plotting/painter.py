@@ -8,6 +8,7 @@ from threading import Lock
 from typing import Protocol
 
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.matplotlib import MatplotlibPainter
 from membrane_rs.plotting.picture import Image, Subject
 from membrane_rs.plotting.process import PaintingError, PaintingProcess
@@ -22,8 +23,8 @@ TRIES = 2
 class Painter(Protocol):
     """Draws one subject, the same camera each time."""
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, turn: Turn = 0.0, around: Scenery = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned as the hub is."""
         ...
 
     def close(self) -> None:
@@ -95,20 +96,20 @@ class ProcessPainter:
         self._subject, self._size = subject, size
         self._other: MatplotlibPainter | None = None
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, turn: Turn = 0.0, around: Scenery = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned as the hub is."""
         for _ in range(TRIES):
             process = None if self._other else _pyvista.process()
             if process is None:
                 break
             try:
-                return process.paint(self._subject, self._size, (positions, hub_angle, around))
+                return process.paint(self._subject, self._size, (positions, turn, around))
             except PaintingError:
                 _pyvista.fail(process)
         if self._other is None:
             _pyvista.give_up()
             self._other = MatplotlibPainter(self._subject, self._size)
-        return self._other.paint(positions, hub_angle, around)
+        return self._other.paint(positions, turn, around)
 
     def close(self) -> None:
         """Nothing is held: the process serves the next painter, or ends by itself."""

@@ -105,13 +105,6 @@ def is_drawable(positions: Floats) -> bool:
     return bool((np.abs(positions) < FARTHEST).all())
 
 
-def turned(points: Floats, angle: float) -> Floats:
-    """Points (n, 3) turned about z by `angle` [rad]: from the turning frame to the fixed one."""
-    c, s = np.cos(angle), np.sin(angle)
-    fixed: Floats = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return fixed
-
-
 def spool_of(scene: Scene) -> Spool | None:
     """The spool that laws or parts describe; None for a scene without one."""
     described = (*(law.spool for law in scene.laws), *(part.spool for part in scene.parts))

@@ -20,6 +20,7 @@ from typing import IO, Any
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.picture import Image, Subject
 from membrane_rs.plotting.scenery import Scenery
 
@@ -56,7 +57,7 @@ class PaintingProcess:
         """Wait until its first picture is drawn. Raises PaintingError where it fails."""
         self._answer(seconds)
 
-    def paint(self, subject: Subject, size: int, shown: tuple[Floats, float, Scenery]) -> Image:
+    def paint(self, subject: Subject, size: int, shown: tuple[Floats, Turn, Scenery]) -> Image:
         """A picture of a subject, one at a time: of what `Painter.paint` takes. Raises PaintingError."""
         with self._lock:
             if self._shown is None or self._shown[0] is not subject or self._shown[1] != size:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.actors import LIGHTS, MembraneActors, aim, silence_vtk
 from membrane_rs.plotting.camera import Camera, with_scale_bar
 from membrane_rs.plotting.picture import Image, Subject
@@ -25,12 +26,12 @@ class PyvistaPainter:
         self._actors = MembraneActors(self._plotter, subject, size)
         self._light(subject.camera)
 
-    def paint(self, positions: Floats, hub_angle: float = 0.0, around: Scenery = NONE) -> Image:
-        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned about z by `hub_angle` [rad]."""
+    def paint(self, positions: Floats, turn: Turn = 0.0, around: Scenery = NONE) -> Image:
+        """Picture (size, size, 3) of positions (N, 3) [m] and what is around, turned as the hub is."""
         camera = around.camera or self._camera
         self._actors.lift(camera.reach, camera.view)
         aim(self._plotter, camera)
-        self._actors.show(positions, hub_angle, around.solids, camera)
+        self._actors.show(positions, turn, around.solids, camera)
         self._plotter.render()
         picture: Image = self._plotter.screenshot(return_img=True)[:, :, :3].copy()
         return with_scale_bar(picture, camera) if around.scale_bar else picture

@@ -9,8 +9,9 @@ from typing import Protocol
 import numpy as np
 
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn, turned
 from membrane_rs.plotting.camera import Camera
-from membrane_rs.plotting.picture import spool_of, turned
+from membrane_rs.plotting.picture import spool_of
 from membrane_rs.scene import Scene
 from membrane_rs.scene.bodies import Body
 from membrane_rs.scene.solid import Solid
@@ -100,9 +101,9 @@ def reach_of(positions: Floats, solids: Iterable[Solid]) -> float:
     return float(max([reach, *(far for far in outer if far < FAR * reach)]))
 
 
-def turned_solid(solid: Solid, angle: float) -> Solid:
-    """The same turned about z [rad]: from the turning frame to the fixed one."""
-    centre, direction = turned(np.stack([solid.centre, solid.direction]), angle)
+def turned_solid(solid: Solid, turn: Turn) -> Solid:
+    """The same turned as the hub is: from its frame to the fixed one."""
+    centre, direction = turned(np.stack([solid.centre, solid.direction]), turn)
     return replace(solid, centre=centre, direction=direction)
 
 

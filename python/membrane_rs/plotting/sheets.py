@@ -12,6 +12,7 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._files import replacing
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import RIGHT, decimals
 from membrane_rs.plotting.painter import Painter
@@ -34,10 +35,10 @@ _TITLE = 56
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Positions (N, 3) [m] in the turning frame at `time` [s], and how far the hub had turned [rad]."""
+    """Positions (N, 3) [m] in the frame of the hub at `time` [s], and how that had turned."""
 
     time: float
-    hub_angle: float
+    turn: Turn
     positions: Floats
 
 
@@ -83,7 +84,7 @@ class Sheets:
             images = []
             for shot, beside in zip(part.shots, solids, strict=True):
                 around = Scenery(tuple(beside), camera)
-                image = self._artist.paint(shot.positions, shot.hub_angle if view == "fixed" else 0.0, around)
+                image = self._artist.paint(shot.positions, shot.turn if view == "fixed" else 0.0, around)
                 with replacing(self._folder / f"{part.prefix}{view}-{shot.time:.{digits}f}s.png") as file:
                     Pillow.fromarray(image).save(file, format="PNG")
                 images.append(image)

@@ -146,7 +146,7 @@ def _paint(run: Any, frames: Sequence[Any], view: str) -> tuple[list[Image], Cam
     with painter(subject, PIXELS) as artist:
         for frame in frames:
             around = Scenery(bodies.at(frame.time), scale_bar=False)
-            images.append(artist.paint(frame.positions, frame.hub_angle if view == "fixed" else 0.0, around))
+            images.append(artist.paint(frame.positions, frame.turn if view == "fixed" else 0.0, around))
     return images, subject.camera
 
 

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, replace
 
-import numpy as np
-
+from membrane_rs.analysis.attitude import turn_at
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import Drawing, spread
 from membrane_rs.plotting.painter import painter
@@ -119,8 +118,7 @@ class Snapshots(Drawing):
 
     def _snapshot(self, time: float, file: str) -> Snapshot:
         table = self.record.table
-        angle = float(np.interp(time, table["time"], table["hub_angle"]))
-        return Snapshot(time, angle, read_frame(self.record.path / file))
+        return Snapshot(time, turn_at(table, time), read_frame(self.record.path / file))
 
 
 def _are_few(shots: Sequence[Snapshot], frames: Sequence[tuple[float, str]], fewest: int) -> bool:
@@ -145,7 +143,7 @@ class SnapshotTaker:
         """Keep the state of `sim` and give it if a wanted time has come."""
         if not self.wanted or sim.time < self.wanted[0] - 1e-9:
             return None
-        return self.take(Snapshot(sim.time, sim.hub_angle, sim.positions.copy()))
+        return self.take(Snapshot(sim.time, sim.hub_turn, sim.positions.copy()))
 
     def take(self, shape: Snapshot) -> Snapshot:
         """Keep a shape: times up to its own are no longer wanted."""

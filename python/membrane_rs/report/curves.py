@@ -21,6 +21,7 @@ from membrane_rs.results.features import LEAST_PHASE
 FIRST = ("deployment_rate", "phase_difference_deg")
 NO_PANEL = (
     "time", "hub_angle", "reference_energy", "stage", "kinetic_energy", "stored_energy", "motor_work", "motor_torque",
+    *(f"attitude_{name}" for name in "wxyz"),
 )  # fmt: skip
 """Columns without a panel; the torque of the motor is given for a free hub, and of a driven one minus hub_torque."""
 OF_BALANCE = ("energy_", "work_")

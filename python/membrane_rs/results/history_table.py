@@ -22,6 +22,11 @@ motor_work             [J] work of the motor that turns the hub so far, on the s
 hub_rate               [rad/s] of the hub; this and the next two where the hub turns freely, in any stage
 hub_momentum           [kg m2/s] angular momentum of the hub about its axis, 0 while it is driven, see `AngularMomentum`
 sail_momentum          [kg m2/s] of all nodes about that axis, in inertial space
+nutation_deg           [deg] angle between the axis of the hub and the angular momentum of the whole; this and the next
+                       three where the hub moves in six degrees of freedom, in any stage
+attitude_w, _x, _y, _z quaternion that turns vectors along the axes of the hub into those in space
+hub_x, hub_y, hub_z    [m] displacement of the hub's centre of mass in space
+momentum_x, _y, _z     [kg m2/s] angular momentum of the whole along axes fixed in space
 motor_torque           [N m] of the motor on the hub about its axis, see `HubMotor`; with a hub that turns
 motor_power            [W] that torque times the rate of the hub; likewise
 
@@ -46,7 +51,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.results.recorded import Measures
 from membrane_rs.scene import Scene
-from membrane_rs.scene.hub import has_free_hub
+from membrane_rs.scene.hub import has_free_body, has_free_hub
 from membrane_rs.simulation.measures import PHASE, stowed_turn
 from membrane_rs.simulation.stepper import Stepper
 
@@ -67,6 +72,13 @@ MOTOR = "motor_work"
 """A column of a scene whose hub turns."""
 OF_FREE_HUB = ("hub_rate", "hub_momentum", "sail_momentum")
 """Columns of a scene whose hub turns freely."""
+OF_BODY = (
+    "nutation_deg",
+    *(f"attitude_{name}" for name in "wxyz"),
+    *(f"hub_{name}" for name in "xyz"),
+    *(f"momentum_{name}" for name in "xyz"),
+)
+"""Further columns of a scene whose hub moves in six degrees of freedom."""
 OF_MOTOR = ("motor_torque", "motor_power")
 """Further columns of a scene whose hub turns."""
 LATER = ((MOTOR, *OF_MOTOR), OF_MOTOR)
@@ -95,6 +107,10 @@ _UNITS = {
     "sail_momentum": "kg m2/s",
     "motor_torque": "N m",
     "motor_power": "W",
+    **dict.fromkeys(OF_BODY, ""),
+    "nutation_deg": "deg",
+    **dict.fromkeys(("hub_x", "hub_y", "hub_z"), "m"),
+    **dict.fromkeys(("momentum_x", "momentum_y", "momentum_z"), "kg m2/s"),
 }
 
 
@@ -211,7 +227,8 @@ def _of_hub(scene: Scene) -> tuple[str, ...]:
     """The columns of a hub that turns."""
     if not any(law.turns_hub for law in scene.laws):
         return ()
-    return (MOTOR, *(OF_FREE_HUB if has_free_hub(scene) else ()), *OF_MOTOR)
+    of_free = (*(OF_FREE_HUB if has_free_hub(scene) else ()), *(OF_BODY if has_free_body(scene) else ()))
+    return (MOTOR, *of_free, *OF_MOTOR)
 
 
 def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None) -> list[float]:
@@ -220,6 +237,9 @@ def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None) -> lis
     if "hub_rate" in names:
         momentum = sim.angular_momentum()
         found |= {"hub_rate": sim.hub_rate, "hub_momentum": momentum.hub, "sail_momentum": momentum.sail}
+        if OF_BODY[0] in names:
+            values = (math.degrees(sim.nutation_angle), *sim.hub_attitude, *sim.hub_displacement, *momentum.in_space)
+            found |= dict(zip(OF_BODY, values, strict=True))
     if "motor_torque" in names:
         motor = sim.hub_motor()
         found |= {"motor_torque": motor.torque, "motor_power": motor.power}

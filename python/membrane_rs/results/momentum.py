@@ -12,13 +12,16 @@ from membrane_rs.scene.hub import Hub, hub_of
 from membrane_rs.scene.schedule import Schedule
 
 COLUMNS = ("hub_momentum", "sail_momentum")
+IN_SPACE = ("momentum_x", "momentum_y", "momentum_z")
+"""Of the whole, of a hub in six degrees of freedom, all of which are constant without a torque on it."""
 
 
 def momentum_error(table: Mapping[str, Floats], scene: Scene, starts: Sequence[float] = ()) -> float | None:
     """Error of the angular momentum of hub and sail about the axis, of a hub that turns freely [-].
 
     In each stage with a free hub, the largest change of the total since the first sample, less the impulse of the
-    torque on the hub; of all stages the largest, over the largest part, of hub or sail. None where there is none: with
+    torque on the hub; of all stages the largest, over the largest part, of hub or sail. With a hub in six degrees of
+    freedom without a torque, the change is that of the vector in space. None where there is none: with
     a driven hub, while loads from outside such as air drag exert a torque too, and where nothing turns.
 
     `table` holds (samples,) columns of a history, `starts` the start of each stage that was reached [s].
@@ -31,7 +34,13 @@ def momentum_error(table: Mapping[str, Floats], scene: Scene, starts: Sequence[f
         time, total = table["time"][rows], (hub_part + sail_part)[rows]
         torque = hub.torque or Schedule((0.0,), (0.0,))
         given = np.array([torque.integral(float(time[0]), float(now)) for now in time])
-        errors.append(float(np.abs(total - total[0] - given).max()))
+        change = np.abs(total - total[0] - given)
+        if hub.mass is not None:
+            if hub.torque is not None:
+                continue
+            whole = np.stack([table[name][rows] for name in IN_SPACE], axis=1)
+            change = np.linalg.norm(whole - whole[0], axis=1)
+        errors.append(float(change.max()))
         parts.append(float(max(np.abs(hub_part[rows]).max(), np.abs(sail_part[rows]).max())))
     largest = max(parts, default=0.0)
     return max(errors) / largest if largest > 0.0 else None

@@ -14,6 +14,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs._known_attributes import KnownAttributes
 from membrane_rs._validation import number_of, show
+from membrane_rs.analysis.attitude import Turn, attitude_at
 from membrane_rs.errors import InputError, InputTypeError, OutputError
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.results.frame_fields import Frame, FrameData, FrameFields
@@ -34,6 +35,8 @@ class RunFrame(FrameData):
         [s].
     hub_angle : float
         Turned by the hub since time 0 [rad]; positions and velocities are relative to the frame that turns with it.
+    attitude : (4,) float or None
+        Unit quaternion (w, x, y, z) of a hub in six degrees of freedom; None: the hub turns about z.
     stage : int
         Index of the stage; at a boundary of the one that begins, 0 for a scene without stages.
     positions : (N, 3) float
@@ -60,7 +63,13 @@ class RunFrame(FrameData):
 
     time: float
     hub_angle: float
+    attitude: Floats | None
     stage: int
+
+    @property
+    def turn(self) -> Turn:
+        """How the frame of the hub is turned in space: the angle about z [rad], or the quaternion."""
+        return self.hub_angle if self.attitude is None else self.attitude
 
     def to_pyvista(self) -> Any:
         """The frame as a `pyvista.PolyData` of triangles and lines, with all fields.
@@ -145,7 +154,8 @@ class RunFrames(KnownAttributes, Sequence[RunFrame]):
         k %= len(self)
         time, data = float(self.times[k]), self._data(k)
         stage = self._stage(time)
-        return RunFrame(**vars(data), time=time, hub_angle=self._history.at(time, "hub_angle"), stage=stage)
+        angle, attitude = self._history.at(time, "hub_angle"), attitude_at(self._history, time)
+        return RunFrame(**vars(data), time=time, hub_angle=angle, attitude=attitude, stage=stage)
 
     def __len__(self) -> int:
         """The number of frames."""

@@ -16,6 +16,10 @@ class Hub(Protocol):
         """Moment of inertia of a free hub about z [kg m2]; None: it is driven."""
 
     @property
+    def mass(self) -> float | None:
+        """Mass of a hub that is free in six degrees of freedom [kg]; None: it turns about its axis."""
+
+    @property
     def schedule(self) -> Schedule | None:
         """Turns per second of a driven hub [Hz], where a schedule gives them."""
 
@@ -76,5 +80,14 @@ def hub_of(scene: Turning) -> Hub | None:
 
 def has_free_hub(scene: Staged) -> bool:
     """Whether the hub of a scene turns freely, in any of its stages."""
+    return any(hub.inertia is not None for hub in _hubs_of(scene))
+
+
+def has_free_body(scene: Staged) -> bool:
+    """Whether the hub of a scene moves in six degrees of freedom, in any of its stages."""
+    return any(hub.mass is not None for hub in _hubs_of(scene))
+
+
+def _hubs_of(scene: Staged) -> list[Hub]:
     hubs = map(hub_of, [scene.staged(k) for k in range(len(scene.stages))] or [scene])
-    return any(hub is not None and hub.inertia is not None for hub in hubs)
+    return [hub for hub in hubs if hub is not None]

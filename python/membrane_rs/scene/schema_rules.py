@@ -72,6 +72,9 @@ OF_CLASSES: Mapping[type, Rule] = {
             "schedule": {"properties": {"frequency": False, "acceleration": _NONE}},
             "inertia": {"properties": {"schedule": False, "acceleration": _NONE}},
             "torque": ["inertia"],
+            "mass": ["inertia", "transverse_inertia"],
+            "transverse_inertia": ["inertia", "mass"],
+            "tumble": ["mass"],
         }
     },
     PATTERNS["square-sail"]: {

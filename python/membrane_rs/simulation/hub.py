@@ -8,6 +8,9 @@ import numpy as np
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn, rotation_of
+from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import hub_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,14 +75,19 @@ class HubMotor:
 
 @dataclass(frozen=True)
 class AngularMomentum:
-    """Angular momentum about the axis of the hub in inertial space.
+    """Angular momentum in inertial space.
 
     Attributes
     ----------
     hub : float
-        Of a free hub, inertia times rate, without the nodes that it holds; 0 of a driven one [kg m2/s].
+        Of a free hub about its axis, inertia times rate, without the nodes that it holds; 0 of a driven one
+        [kg m2/s]. Of a hub in six degrees of freedom it is the component along its axis, about the point in space where
+        its centre of mass began.
     sail : float
-        Of all nodes [kg m2/s].
+        Of all nodes, likewise [kg m2/s].
+    in_space : (3,) float
+        Of the whole, along axes fixed in space [kg m2/s]. All three components are constant with a hub in six degrees
+        of freedom; a bearing holds the axis of another hub, so that the third alone is.
 
     Examples
     --------
@@ -91,6 +99,7 @@ class AngularMomentum:
 
     hub: float
     sail: float
+    in_space: Floats
 
     @property
     def total(self) -> float:
@@ -104,14 +113,60 @@ class HubReadings:
     _core: _core.Simulation
 
     @property
+    def stage_scene(self) -> Scene:
+        """The scene of the present stage."""
+        raise NotImplementedError
+
+    @property
     def hub_angle(self) -> float:
         """The angle that the hub has turned since time 0 [rad]."""
         return self._core.hub_angle
 
     @property
     def hub_rate(self) -> float:
-        """The rate at which the hub turns now [rad/s], counter-clockwise seen from +z."""
+        """The rate at which the hub turns about its axis now [rad/s], counter-clockwise seen from +z."""
         return self._core.hub_rate
+
+    @property
+    def hub_attitude(self) -> Floats:
+        """(4,) unit quaternion (w, x, y, z) of the hub: it turns vectors along its axes into those fixed in space."""
+        return np.array(self._core.hub().attitude)
+
+    @property
+    def hub_rotation(self) -> Floats:
+        """(3, 3) rotation matrix of the hub: `sim.positions @ sim.hub_rotation.T + sim.hub_displacement` lie in space.
+
+        Of a hub whose centre of mass is displaced by the nodes that it holds, they are those but for a constant.
+        """
+        return rotation_of(self.hub_attitude)
+
+    @property
+    def hub_turn(self) -> Turn:
+        """How the frame of the hub is turned in space, for pictures: the angle about z, or a quaternion."""
+        return self.hub_attitude if self._is_body else self.hub_angle
+
+    @property
+    def hub_displacement(self) -> Floats:
+        """(3,) displacement in space of the centre of mass of hub and nodes held on it [m]; 0 of a hub on its axis."""
+        return np.array(self._core.hub().centre)
+
+    @property
+    def nutation_angle(self) -> float:
+        """Angle between the axis of the hub and the angular momentum of the whole [rad], 0 to pi.
+
+        Of a hub that a bearing holds on its axis it is 0.
+        """
+        hub = self._core.hub()
+        total = np.add(hub.momentum, hub.sail_momentum)
+        if not self._is_body or not total.any():
+            return 0.0
+        return float(np.arctan2(np.hypot(total[0], total[1]), total[2]))
+
+    @property
+    def _is_body(self) -> bool:
+        """Whether the hub moves in six degrees of freedom now."""
+        hub = hub_of(self.stage_scene)
+        return hub is not None and hub.mass is not None
 
     def hub_load(self) -> HubLoad:
         """Force, torque and force of contact that the sail exerts on the hub now, from one evaluation of the laws.
@@ -166,4 +221,5 @@ class HubReadings:
             [kg m2/s]
         """
         hub = self._core.hub()
-        return AngularMomentum(hub.momentum[2], hub.sail_momentum[2])
+        in_space = self.hub_rotation @ np.add(hub.momentum, hub.sail_momentum)
+        return AngularMomentum(hub.momentum[2], hub.sail_momentum[2], in_space)

@@ -89,11 +89,6 @@ class Readings(HubReadings):
     assembly: Assembly
 
     @property
-    def stage_scene(self) -> Scene:
-        """The scene at work now."""
-        raise NotImplementedError
-
-    @property
     def positions(self) -> Floats:
         """(N, 3) positions now [m]."""
         raise NotImplementedError

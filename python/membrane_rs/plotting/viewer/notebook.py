@@ -10,9 +10,10 @@ from typing import Any
 
 from membrane_rs._extras import need
 from membrane_rs._files import path_of
+from membrane_rs.analysis.attitude import turned
 from membrane_rs.errors import MissingExtraError
 from membrane_rs.plotting.painter import painter, pyvista_works
-from membrane_rs.plotting.picture import Image, turned
+from membrane_rs.plotting.picture import Image
 from membrane_rs.plotting.scenery import Scenery
 from membrane_rs.plotting.viewer.canvas import canvas_of
 from membrane_rs.plotting.viewer.page import SIZE, Page

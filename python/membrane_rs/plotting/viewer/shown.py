@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from membrane_rs._arrays import Floats, Ints
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.actors import Colors
 from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.scene.solid import Solid
@@ -18,8 +19,9 @@ class Shown:
     ----------
     positions : (N, 3) float64
         In the frame that turns with the hub [m].
-    hub_angle : float
-        By which all is turned about z [rad]; 0 in the turning frame.
+    hub_angle : float or (4,) float64
+        By which all is turned about z [rad], 0 in the turning frame; or the quaternion of a hub in six degrees of
+        freedom.
     solids : tuple of Solid
         Bodies as they stand.
     upper, lower : (m, 3) uint8
@@ -41,7 +43,7 @@ class Shown:
     """
 
     positions: Floats
-    hub_angle: float
+    hub_angle: Turn
     solids: tuple[Solid, ...]
     upper: Colors
     lower: Colors

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from membrane_rs._arrays import Floats
+from membrane_rs.analysis.attitude import Turn
 from membrane_rs.plotting.fields import FieldFrame
 from membrane_rs.plotting.stage_marks import stage_starts
 from membrane_rs.scene import Scene
@@ -20,8 +21,8 @@ class ViewedFrame(FieldFrame, Protocol):
         """[s]"""
 
     @property
-    def hub_angle(self) -> float:
-        """By which the hub has turned [rad]."""
+    def turn(self) -> Turn:
+        """How the hub has turned: the angle about z [rad], or a quaternion."""
 
     @property
     def positions(self) -> Floats:

@@ -10,12 +10,13 @@ import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs._validation import number_of, show
+from membrane_rs.analysis.attitude import Turn, turned
 from membrane_rs.errors import InputError, OutputError
 from membrane_rs.plotting.actors import film_colors
 from membrane_rs.plotting.camera import Camera
 from membrane_rs.plotting.drawing import decimals
 from membrane_rs.plotting.fields import BARE, FIELDS, SHARE, Field, fields_of, value_ranges
-from membrane_rs.plotting.picture import FARTHEST, Subject, is_drawable, turned
+from membrane_rs.plotting.picture import FARTHEST, Subject, is_drawable
 from membrane_rs.plotting.scenery import BodiesInTime, reach_of, stage_at
 from membrane_rs.plotting.viewer.coloring import Scale
 from membrane_rs.plotting.viewer.frames import KeptFrames
@@ -367,7 +368,7 @@ class Viewer:
                     lines, line_colors = np.asarray(frame.lines)[has], scale.color(values[has])
         return Shown(
             positions=np.asarray(frame.positions, dtype=np.float64),
-            hub_angle=0.0 if self.in_turning_frame else float(np.nan_to_num(frame.hub_angle)),
+            hub_angle=0.0 if self.in_turning_frame else _turn(frame.turn),
             solids=self._bodies.at(frame.time),
             upper=upper,
             lower=lower,
@@ -386,3 +387,8 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
         hint = f"; did you mean {' or '.join(alike)}?" if alike else ""
         raise InputError(f"{name} = {show(value)}: must be one of {', '.join(choices)}{hint}")
     return value
+
+
+def _turn(turn: Turn) -> Turn:
+    """A turn of a frame; 0 for an angle that is not known."""
+    return turn if isinstance(turn, np.ndarray) else float(np.nan_to_num(turn))

@@ -16,7 +16,7 @@ STRONGEST = 10.0
 
 @validated
 class MassDamping(Law):
-    """Friction against the turning frame, F = -rate m v: for bringing a scene to rest.
+    """Friction against the turning frame, F = -rate m v: for bringing a scene to rest. Its reaction acts on a free hub.
 
     Parameters
     ----------
@@ -36,7 +36,6 @@ class MassDamping(Law):
     """
 
     kind: ClassVar[str] = "mass_damping"
-    exerts_outside_torque: ClassVar[bool] = True
     stiff_through: ClassVar[StiffThrough] = "law"
     acts_while_relaxing: ClassVar[bool] = False
     rate: Annotated[NonNegative, Unit("1/s")]

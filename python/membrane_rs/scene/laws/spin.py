@@ -14,8 +14,8 @@ from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
 from membrane_rs.scene.scales import moment_of_inertia, outermost
 from membrane_rs.scene.schedule import Schedule
 
-OF_FREE = ("inertia", "torque")
-"""Fields of a hub that turns freely."""
+OF_FREE = ("inertia", "torque", "mass", "transverse_inertia", "tumble")
+"""Fields of a free hub."""
 FREQUENCY = 3.0
 """Of the deployment experiments of Okuizumi et al. [Hz]."""
 FASTEST = 300.0
@@ -36,7 +36,9 @@ class Spin(Law):
     """The hub turns about z, and the scene is computed in the frame that turns with it.
 
     Omega(t) = 2 pi (frequency + acceleration t), or 2 pi schedule(t): the hub is driven. With an inertia it is free:
-    its rate follows from the balance of angular momentum about z, by what the sail and the torque exert on it.
+    its rate follows from the balance of angular momentum about z, by what the sail and the torque exert on it. With
+    a mass and a transverse inertia besides, it is a symmetric rigid body in six degrees of freedom, whose centre of
+    mass is the origin of the frame that is fixed in it.
 
     Parameters
     ----------
@@ -52,12 +54,20 @@ class Spin(Law):
         Set by a stage it holds in later ones too, and a free hub goes on at the rate that it has. By keyword alone.
     torque : Schedule, optional
         Torque of a motor, or from outside, on a free hub about z [N m]. None: none. By keyword alone.
+    mass : float, optional
+        Mass of a hub that is free in six degrees of freedom [kg], above 0, without the nodes that it holds. None: the
+        hub turns about its axis alone. By keyword alone.
+    transverse_inertia : float, optional
+        Moment of inertia of that hub about any axis across its own [kg m2], at least half of the inertia. By keyword
+        alone.
+    tumble : float, optional
+        Turns per second of that hub about x at the start [Hz]. None: none. By keyword alone.
 
     Raises
     ------
     InputError
-        A schedule beside a frequency or an acceleration, either beside an inertia, a torque without one, a number
-        outside its range.
+        A schedule beside a frequency or an acceleration, either beside an inertia, a torque or a mass without one, a
+        mass without a transverse inertia or the reverse, a number outside its range.
     InputTypeError
         What is no number or no schedule.
 
@@ -82,6 +92,9 @@ class Spin(Law):
 
     inertia: Annotated[Positive | None, Unit("kg m2")] = field(default=None, kw_only=True)
     torque: Annotated[Schedule | None, Unit("N m")] = field(default=None, kw_only=True)
+    mass: Annotated[Positive | None, Unit("kg")] = field(default=None, kw_only=True)
+    transverse_inertia: Annotated[Positive | None, Unit("kg m2")] = field(default=None, kw_only=True)
+    tumble: Annotated[Finite | None, Unit("Hz")] = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check that the motion of the hub is given once."""
@@ -90,6 +103,7 @@ class Spin(Law):
         elif self.torque is not None:
             what = "acts on a free hub alone; give its inertia (kg m2), or leave the torque out, {} in a stage (N m)"
             raise InputError(f"Spin.torque = {show(self.torque)}: {what}")
+        self._check_body()
         if self.schedule is None:
             if self.frequency is None:
                 object.__setattr__(self, "frequency", FREQUENCY)
@@ -99,6 +113,25 @@ class Spin(Law):
             raise InputError(f"Spin.acceleration = {self.acceleration!r}: {what}")
         if self.frequency is not None:
             raise InputError(f"Spin.frequency = {self.frequency!r}: is not used with a schedule; leave it out")
+
+    def _check_body(self) -> None:
+        """Refuse half of a hub in six degrees of freedom. Raises InputError."""
+        needed = {"inertia": self.inertia, "mass": self.mass, "transverse_inertia": self.transverse_inertia}
+        is_body = all(value is not None for value in needed.values())
+        for name, value, unit in (
+            ("mass", self.mass, "kg"),
+            ("transverse_inertia", self.transverse_inertia, "kg m2"),
+            ("tumble", self.tumble, "Hz"),
+        ):
+            if value is not None and not is_body:
+                lacking = " and ".join(other for other, given in needed.items() if given is None)
+                what = "belongs to a hub that is free in six degrees of freedom; give its"
+                raise InputError(f"Spin.{name} = {show(value)}: {what} {lacking} too, or leave it out ({unit})")
+        if self.inertia is not None and self.transverse_inertia is not None:
+            least = 0.5 * self.inertia
+            if self.transverse_inertia < least:
+                what = f"must be at least half of the inertia, {least:g}, as that of any body"
+                raise InputError(f"Spin.transverse_inertia = {show(self.transverse_inertia)}: {what} (kg m2)")
 
     def _check_free(self) -> None:
         """Refuse a prescribed motion beside an inertia. Raises InputError."""
@@ -116,8 +149,9 @@ class Spin(Law):
         """A number as frequency beside a schedule, too, with which the core does not use it; what a driven hub lacks is
         left out.
         """
-        given = super().core_parameters() | {"frequency": self._at_start}
-        return {name: value for name, value in given.items() if name not in OF_FREE or value is not None}
+        given = super().core_parameters() | {"frequency": self._at_start, "tumble": (self.tumble or 0.0, 0.0)}
+        is_free = self.inertia is not None
+        return {name: value for name, value in given.items() if name not in OF_FREE or (is_free and value is not None)}
 
     def replaced_by(self, name: str) -> tuple[str, ...]:
         """A schedule by a frequency, frequency and acceleration by a schedule, and by an inertia all but the frequency,
@@ -230,7 +264,8 @@ class Spin(Law):
         if self.inertia is None:
             return turning
         driven = "" if self.torque is None else " under a torque"
-        return f"{turning} at the start, then freely{driven}: a hub of {self.inertia:.4g} kg m2"
+        size = f"{self.inertia:.4g} kg m2" if self.mass is None else f"{self.mass:.4g} kg in six degrees of freedom"
+        return f"{turning} at the start, then freely{driven}: a hub of {size}"
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The rim of the flat shape moves more slowly than `FASTEST`, and a film is stretched by less than `STRETCHED`

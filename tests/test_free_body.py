@@ -1,0 +1,174 @@
+"""A hub in six degrees of freedom: its parameters, readings, columns, pictures and stages."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import membrane_rs
+import numpy as np
+import pytest
+from membrane_rs import RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
+from membrane_rs.analysis.attitude import turn_at, turned
+from membrane_rs.errors import InputError
+from membrane_rs.plotting import plot_momentum
+from membrane_rs.results import read_history, read_summary
+from membrane_rs.results.history_table import OF_BODY, HistoryTable, column_units
+
+BODY = Spin(0.2, inertia=9.0, mass=30.0, transverse_inertia=6.0, tumble=0.02)
+
+
+def flown(spin: Spin, stages: tuple[Stage, ...] = (), **run: Any) -> Scene:
+    """Two unequal masses on cords of a body, at different heights."""
+    tethers = [
+        Tether((x, 0.0, z), (5.0 * x, 0.0, z), 2, 500.0, 1e-3, tip_mass=mass)
+        for x, z, mass in ((0.4, 0.1, 0.2), (-0.4, 0.0, 0.3))
+    ]
+    settings = RunSettings(**{"until": 1.0, "frames": 3, "samples": 21, "integrator": "leapfrog", **run})
+    return Scene(None, None, [spin], tethers, stages=stages, run=settings, name="flown")
+
+
+@pytest.mark.parametrize("integrator", ["leapfrog", "rk4"])
+def test_angular_momentum_in_space_is_constant(integrator: str) -> None:
+    sim = Simulation(flown(BODY, integrator=integrator))
+    before, start = sim.angular_momentum(), sim.hub_attitude
+    sim.reach(2.0)
+    after = sim.angular_momentum()
+    size = np.linalg.norm(before.in_space)
+    assert np.linalg.norm(after.in_space - before.in_space) < (1e-12 if integrator == "leapfrog" else 1e-7) * size
+    assert np.linalg.norm(sim.hub_attitude - start) > 0.1
+    assert np.linalg.norm(sim.hub_displacement) > 1e-4
+    assert sim.hub_rotation @ sim.hub_rotation.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert 0.0 < sim.nutation_angle < 0.5
+    whole = sim.hub_rotation.T @ after.in_space
+    assert whole[2] == pytest.approx(after.total, rel=1e-12)
+    assert sim.nutation_angle == pytest.approx(math.acos(whole[2] / np.linalg.norm(whole)), rel=1e-6)
+
+
+def test_a_bearing_holds_the_axis_of_another_hub() -> None:
+    sim = Simulation(flown(Spin(0.2, inertia=9.0)))
+    sim.reach(0.5)
+    assert sim.nutation_angle == 0.0
+    assert (sim.hub_displacement == 0.0).all()
+    assert turned(np.eye(3), sim.hub_angle) == pytest.approx(turned(np.eye(3), sim.hub_attitude), abs=1e-14)
+    assert sim.angular_momentum().in_space[2] == pytest.approx(sim.angular_momentum().total, rel=1e-14)
+
+
+def test_a_run_records_attitude_and_momentum_and_resumes_with_them(tmp_path: Path) -> None:
+    scene = flown(BODY)
+    run = membrane_rs.run(scene, out=tmp_path / "run", pictures=False)
+    assert set(OF_BODY) <= set(run.history)
+    units = column_units(OF_BODY, {})
+    assert (units["nutation_deg"], units["attitude_w"], units["hub_x"], units["momentum_z"]) == (
+        "deg",
+        "",
+        "m",
+        "kg m2/s",
+    )
+    assert not set(OF_BODY) & set(
+        HistoryTable(Simulation(flown(replace(BODY, mass=None, transverse_inertia=None, tumble=None)))).columns
+    )
+    table = read_history(tmp_path / "run")
+    summary = read_summary(tmp_path / "run")
+    assert 0.0 < summary["momentum_error"] < 1e-12
+    last = run.frames[-1]
+    assert last.attitude == pytest.approx([table[f"attitude_{name}"][-1] for name in "wxyz"])
+    assert turn_at(table, 1.0) == pytest.approx(last.turn)
+    first = Simulation(scene)
+    first.reach(0.503)
+    first.save(tmp_path / "state.npz")
+    again = Simulation.restore(tmp_path / "state.npz")
+    for sim in (first, again):
+        sim.reach(1.0)
+    assert (again.hub_attitude == first.hub_attitude).all()
+    assert (again.positions == first.positions).all()
+    figure = plot_momentum(table)
+    assert [axes.get_ylabel() for axes in figure.axes][-1] == "Nutation angle [deg]"
+
+
+def test_a_stage_goes_on_with_the_whole_motion() -> None:
+    stages = (Stage("first", 0.5), Stage("second", 0.5))
+    staged, whole = Simulation(flown(BODY, stages)), Simulation(flown(BODY))
+    for sim in (staged, whole):
+        sim.reach(1.0)
+    assert staged.positions == pytest.approx(whole.positions, abs=1e-6)
+    assert staged.hub_attitude == pytest.approx(whole.hub_attitude, abs=1e-6)
+    assert staged.hub_displacement == pytest.approx(whole.hub_displacement, abs=1e-6)
+
+
+def test_a_hub_may_be_let_go_from_its_axis() -> None:
+    free = {"laws.spin.inertia": 9.0, "laws.spin.mass": 30.0, "laws.spin.transverse_inertia": 6.0}
+    sim = Simulation(flown(Spin(0.2), (Stage("driven", 0.5), Stage("free", 0.5, set=free))))
+    sim.reach(0.5)
+    attitude = sim.hub_attitude
+    assert attitude == pytest.approx([math.cos(0.5 * sim.hub_angle), 0.0, 0.0, math.sin(0.5 * sim.hub_angle)])
+    sim.reach(1.0)
+    assert 0.0 < sim.nutation_angle < 0.2
+
+
+def test_pictures_from_outside_show_the_tilt(tmp_path: Path) -> None:
+    run = membrane_rs.run(flown(BODY), out=tmp_path / "run")
+    folder = tmp_path / "run" / "snapshots"
+    names = sorted(path.name for path in folder.glob("*.png"))
+    fixed, turning = ([name for name in names if name.startswith(view + "-")] for view in ("fixed", "turning"))
+    assert len(fixed) == len(turning) > 1
+    last = [(folder / some[-1]).read_bytes() for some in (fixed, turning)]
+    assert last[0] != last[1]
+    assert run.frames[-1].attitude is not None
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({"mass": 1.0}, "Spin.mass = 1.0: belongs to a hub .* give its inertia and transverse_inertia too"),
+        ({"inertia": 1.0, "mass": 1.0}, "Spin.mass = 1.0: .* give its transverse_inertia too"),
+        ({"inertia": 1.0, "transverse_inertia": 1.0}, "Spin.transverse_inertia = 1.0: .* give its mass too"),
+        ({"inertia": 1.0, "tumble": 0.1}, "Spin.tumble = 0.1: .* give its mass and transverse_inertia too"),
+        ({"inertia": 2.1, "mass": 1.0, "transverse_inertia": 1.0}, "at least half of the inertia, 1.05"),
+        ({"inertia": 1.0, "mass": -1.0, "transverse_inertia": 1.0}, "mass"),
+        ({"inertia": 1.0, "mass": 1.0, "transverse_inertia": 1.0, "torque": 1.0}, "torque"),
+    ],
+)
+def test_half_a_body_is_refused(values: dict[str, Any], expected: str) -> None:
+    with pytest.raises((InputError, TypeError), match=expected):
+        Spin(0.2, **values)
+
+
+def test_what_acts_relative_to_the_frame_is_refused() -> None:
+    from membrane_rs import MassDamping
+
+    scene = flown(BODY)
+    with pytest.raises(InputError, match="the law mass_damping does not go with a free hub"):
+        Simulation(replace(scene, laws=[*scene.laws, MassDamping(1.0)]))
+
+
+def test_the_nutation_of_the_scene_is_that_of_its_equation() -> None:
+    """The slowest mode of the tilt, by its phase over forty seconds."""
+    scene = scenes.load("nutating-hub").with_values({"laws.spin.tumble": 1e-4})
+    across, along, arm, link, mass = 61.0, 91.0, 0.8, 6.0, 2.0
+    ratio, kappa = (arm + link) / link, mass * (arm + link) ** 2 * arm / (2.0 * link)
+    tilt = np.polymul(np.polymul([-across, along, kappa], [1.0]), [1.0, -2.0, 1.0 - ratio])
+    modes = np.sort(np.roots(np.polyadd(tilt, [kappa * (ratio - 1.0)])).real)
+    sim, found = Simulation(scene), []
+    for time in np.arange(0.0, 200.0, 0.1):
+        sim.reach(float(time))
+        x, y, _ = sim.hub_rotation[:, 2]
+        found.append(x + 1j * y)
+    signal, times = np.array(found), np.arange(len(found)) * 0.1
+    window = np.sin(np.pi * times / times[-1]) ** 2
+    for mode in modes[np.abs(modes) > 0.05]:
+        near = mode + np.linspace(-0.02, 0.02, 81)
+        heights = np.abs(np.exp(-1j * np.outer(near, times)) @ (window * (signal - signal.mean())))
+        assert near[heights.argmax()] == pytest.approx(mode, abs=5e-3)
+
+
+def test_torque_of_a_motor_turns_a_body() -> None:
+    spin = Spin(0.0, inertia=9.0, mass=30.0, transverse_inertia=6.0, torque=Schedule((0.0,), (0.9,)))
+    sim = Simulation(
+        replace(flown(spin), parts=[Tether((1.0, 0.0, 0.0), (2.0, 0.0, 0.0), 1, 500.0, 0.0, tip_mass=1e-9)]), dt=1e-6
+    )
+    sim.reach(1e-3)
+    assert sim.hub_rate == pytest.approx(0.9 / 9.0 * 1e-3, rel=1e-6)
+    assert sim.hub_motor().power == pytest.approx(0.9 * sim.hub_rate)
