@@ -170,7 +170,7 @@ def test_it_goes_on_from_a_saved_state_with_the_same_bits(method: str, tmp_path:
             assert np.array_equal(again.positions, whole.positions)
             assert (again.hub_rate, again.hub_angle) == (whole.hub_rate, whole.hub_angle)
             assert again.ledger() == whole.ledger()
-            assert again.angular_momentum() == whole.angular_momentum()
+            assert again.angular_momentum().total == whole.angular_momentum().total
 
 
 @pytest.mark.parametrize("method", METHODS_OF_FREE)
@@ -231,7 +231,7 @@ def test_a_copy_and_a_pickle_go_on() -> None:
     other = deepcopy(sim)
     for one in (sim, other):
         one.reach(0.05)
-    assert (other.hub_rate, other.angular_momentum()) == (sim.hub_rate, sim.angular_momentum())
+    assert (other.hub_rate, other.angular_momentum().total) == (sim.hub_rate, sim.angular_momentum().total)
 
 
 def test_a_very_heavy_hub_turns_as_a_driven_one() -> None:

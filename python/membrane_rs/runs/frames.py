@@ -36,7 +36,7 @@ class RunFrame(FrameData):
     hub_angle : float
         Turned by the hub since time 0 [rad]; positions and velocities are relative to the frame that turns with it.
     attitude : (4,) float or None
-        Unit quaternion (w, x, y, z) of a hub in six degrees of freedom; None: the hub turns about z.
+        Unit quaternion (w, x, y, z) of a hub in six degrees of freedom [-]; None: the hub turns about z.
     stage : int
         Index of the stage; at a boundary of the one that begins, 0 for a scene without stages.
     positions : (N, 3) float

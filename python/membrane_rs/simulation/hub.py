@@ -129,12 +129,12 @@ class HubReadings:
 
     @property
     def hub_attitude(self) -> Floats:
-        """(4,) unit quaternion (w, x, y, z) of the hub: it turns vectors along its axes into those fixed in space."""
+        """(4,) unit quaternion (w, x, y, z) of the hub [-]: it turns vectors along its axes into those in space."""
         return np.array(self._core.hub().attitude)
 
     @property
     def hub_rotation(self) -> Floats:
-        """(3, 3) rotation matrix of the hub: `sim.positions @ sim.hub_rotation.T + sim.hub_displacement` lie in space.
+        """(3, 3) rotation matrix R of the hub [-]: `sim.positions @ R.T + sim.hub_displacement` [m] lie in space.
 
         Of a hub whose centre of mass is displaced by the nodes that it holds, they are those but for a constant.
         """

@@ -18,7 +18,7 @@ def methods_of(scene: Scene, tell: Tell) -> list[str]:
     InputError
         The scene goes with none: what the last one says.
     """
-    found = []
+    found: list[str] = []
     for name in (names := list(integrators())):
         try:
             Simulation(scene, name)
