@@ -134,7 +134,7 @@ class HubReadings:
 
     @property
     def hub_rotation(self) -> Floats:
-        """(3, 3) rotation matrix R of the hub [-]: `sim.positions @ R.T + sim.hub_displacement` [m] lie in space.
+        """(3, 3) rotation matrix of the hub [-]: `positions @ hub_rotation.T + hub_displacement` lie in space.
 
         Of a hub whose centre of mass is displaced by the nodes that it holds, they are those but for a constant.
         """

@@ -29,7 +29,7 @@ impl Formula<5, 0> for Moment {
 
     #[inline(always)]
     fn summand<V: SimdF64>(&self, [mass, x, y, ax, ay]: [V; 5], _: [V; 0]) -> V {
-        let [cx, cy] = self.centre.map(V::all);
+        let (cx, cy) = (V::all(self.centre[0]), V::all(self.centre[1]));
         mass * ((x - cx) * ay - (y - cy) * ax)
     }
 }

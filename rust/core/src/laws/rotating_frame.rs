@@ -125,7 +125,10 @@ impl LawParameters for SpinParameters {
         self.check_hub()?;
         let assembly = context.assembly;
         let torque = self.torque.clone();
-        Ok(Box::new(RotatingFrame { masses: assembly.masses.clone(), torque, instructions: assembly.instructions }))
+        let nodes = assembly.masses.iter().zip(&assembly.inverse_masses);
+        let free_masses = nodes.map(|(mass, inverse)| if *inverse > 0.0 { *mass } else { 0.0 }).collect();
+        let (masses, instructions) = (assembly.masses.clone(), assembly.instructions);
+        Ok(Box::new(RotatingFrame { masses, free_masses, torque, instructions }))
     }
 
     fn example() -> Self {
@@ -143,6 +146,8 @@ impl LawParameters for SpinParameters {
 /// The law.
 struct RotatingFrame {
     masses: Vec<f64>,
+    /// Those without the held nodes, which are parts of a free hub.
+    free_masses: Vec<f64>,
     /// Of the motor of a free hub.
     torque: Option<Schedule>,
     instructions: InstructionSet,
@@ -233,9 +238,9 @@ impl Law for RotatingFrame {
             let of_node = |node: usize| {
                 let (x, v) = (at.positions.row(node).transpose(), at.velocities.row(node).transpose());
                 let carried = rates.cross(&x) + velocity;
-                self.masses[node] * carried.dot(&(v + 0.5 * carried))
+                self.free_masses[node] * carried.dot(&(v + 0.5 * carried))
             };
-            return energy + (0..self.masses.len()).map(of_node).sum::<f64>();
+            return energy + (0..self.free_masses.len()).map(of_node).sum::<f64>();
         }
         let rate = at.frame.rate;
         let [x, y, _] = columns(at.positions);

@@ -54,7 +54,7 @@ pub struct HubFrame {
     pub velocity: Vector3<f64>,
     /// Rates of change of both, where a reading has found them; else 0 \[rad/s2, m/s2\].
     pub accelerations: [Vector3<f64>; 2],
-    /// Kinetic energy of the hub, less that at the start \[J\].
+    /// Kinetic energy of the hub without the nodes held on it, less that at the start \[J\].
     pub energy: f64,
 }
 
@@ -101,10 +101,7 @@ impl Hub {
 
     /// Makes nodes a part of the hub, by mass \[kg\] and position \[m\], in place of those before.
     pub fn weigh(&mut self, held: impl Iterator<Item = (f64, Vector3<f64>)> + Clone) {
-        let (mass, own) = match self.freedom {
-            Freedom::Axis { inertia } => (0.0, Vector3::new(0.0, 0.0, inertia)),
-            Freedom::Body { mass, inertia } => (mass, inertia.into()),
-        };
+        let (mass, own) = self.own();
         let about = |x: Vector3<f64>| Matrix3::identity() * x.norm_squared() - x * x.transpose();
         let sums = held.clone().fold((mass, Vector3::zeros()), |(all, moment), (m, x)| (all + m, moment + x * m));
         let tensor = held.fold(Matrix3::from_diagonal(&own), |sum, (m, x)| sum + about(x) * m);
@@ -123,6 +120,14 @@ impl Hub {
         self.axes = Matrix3::from_columns(&order.map(|k| decomposed.eigenvectors.column(k).into_owned()));
         self.moments = Vector3::from(order.map(|k| decomposed.eigenvalues[k]));
         self.inverse = self.axes * Matrix3::from_diagonal(&self.moments.map(f64::recip)) * self.axes.transpose();
+    }
+
+    /// Mass \[kg\] and moments of inertia about the axes \[kg m2\] without the nodes held on it; 0 where it is held.
+    fn own(&self) -> (f64, Vector3<f64>) {
+        match self.freedom {
+            Freedom::Axis { inertia } => (0.0, Vector3::new(0.0, 0.0, inertia)),
+            Freedom::Body { mass, inertia } => (mass, inertia.into()),
+        }
     }
 
     /// Masses at `n` places r on the hub whose kinetic energy in any motion of it is at most its own \[kg\]: about an
@@ -220,13 +225,14 @@ impl Hub {
 
     /// The frame at present.
     pub fn frame(&self) -> HubFrame {
-        let none = Vector3::zeros();
-        let turning = 0.5 * (self.inertia * self.motion.change).dot(&(2.0 * self.start + self.motion.change));
+        let (mass, inertia) = self.own();
+        let origin = self.velocity_of_origin();
+        let turning = 0.5 * inertia.component_mul(&self.motion.change).dot(&(2.0 * self.start + self.motion.change));
         HubFrame {
             rates: self.rates(),
-            velocity: self.velocity_of_origin(),
-            accelerations: [none; 2],
-            energy: turning + 0.5 * self.mass * self.motion.velocity.norm_squared(),
+            velocity: origin,
+            accelerations: [Vector3::zeros(); 2],
+            energy: turning + 0.5 * mass * origin.norm_squared(),
         }
     }
 

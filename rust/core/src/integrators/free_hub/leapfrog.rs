@@ -75,17 +75,22 @@ impl Formula<0, 9> for Drift {
     fn row<V: SimdF64>(&self, _: [V; 0], [x, y, z, u, v, w, ax, ay, az]: [V; 9]) -> [V; 9] {
         let (half, dt) = (V::all(self.half), V::all(self.dt));
         let (old, a, carried) = ([x, y, z], [ax, ay, az], self.before.of([x, y, z]));
-        let speed = [0, 1, 2].map(|k| [u, v, w][k] + carried[k] + half * a[k]);
-        let moved = [0, 1, 2].map(|k| old[k] + dt * (speed[k] - V::all(self.velocity[k])));
-        let turned = self.back.of([0, 1, 2].map(|k| moved[k] - V::all(self.centre[k])));
-        let new = [0, 1, 2].map(|k| moved[k] + turned[k]);
-        let back = |vector: [V; 3]| {
-            let turned = self.back.of(vector);
-            [0, 1, 2].map(|k| vector[k] + turned[k])
-        };
-        let (speed, a, carried) = (back(speed), back(a), self.predicted.of(new));
-        let v = [0, 1, 2].map(|k| speed[k] + half * a[k] - carried[k]);
-        [new[0], new[1], new[2], v[0], v[1], v[2], a[0], a[1], a[2]]
+        let (mut speed, mut new, mut arm) = ([u, v, w], old, old);
+        for k in 0..3 {
+            speed[k] += carried[k] + half * a[k];
+            new[k] += dt * (speed[k] - V::all(self.velocity[k]));
+            arm[k] = new[k] - V::all(self.centre[k]);
+        }
+        let (by_turn, speed_by_turn, a_by_turn) = (self.back.of(arm), self.back.of(speed), self.back.of(a));
+        for k in 0..3 {
+            new[k] += by_turn[k];
+        }
+        let (carried, mut relative, mut turned) = (self.predicted.of(new), speed, a);
+        for k in 0..3 {
+            turned[k] += a_by_turn[k];
+            relative[k] += speed_by_turn[k] + half * turned[k] - carried[k];
+        }
+        [new[0], new[1], new[2], relative[0], relative[1], relative[2], turned[0], turned[1], turned[2]]
     }
 }
 
@@ -96,9 +101,9 @@ struct Carry {
 
 impl Formula<3, 3> for Carry {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, position: [V; 3], velocity: [V; 3]) -> [V; 3] {
-        let change = self.change.of(position);
-        [0, 1, 2].map(|k| velocity[k] + change[k])
+    fn row<V: SimdF64>(&self, position: [V; 3], [u, v, w]: [V; 3]) -> [V; 3] {
+        let [by_x, by_y, by_z] = self.change.of(position);
+        [u + by_x, v + by_y, w + by_z]
     }
 }
 

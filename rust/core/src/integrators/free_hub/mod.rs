@@ -24,9 +24,15 @@ impl Affine {
         Self { matrix: rates.cross_matrix(), offset: *velocity }
     }
 
+    /// The value, in a loop: a closure given to `map` is not inlined in the kernels of an instruction set, and each of
+    /// its operations becomes a call.
     #[inline(always)]
     fn of<V: SimdF64>(&self, [x, y, z]: [V; 3]) -> [V; 3] {
         let (m, w) = (&self.matrix, &self.offset);
-        [0, 1, 2].map(|k| V::all(m[(k, 0)]) * x + V::all(m[(k, 1)]) * y + V::all(m[(k, 2)]) * z + V::all(w[k]))
+        let mut value = [V::zero(); 3];
+        for k in 0..3 {
+            value[k] = V::all(m[(k, 0)]) * x + V::all(m[(k, 1)]) * y + V::all(m[(k, 2)]) * z + V::all(w[k]);
+        }
+        value
     }
 }

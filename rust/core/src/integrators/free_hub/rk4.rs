@@ -50,9 +50,12 @@ struct Relative {
 
 impl Formula<6, 3> for Relative {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [x, y, z, u, v, w]: [V; 6], a: [V; 3]) -> [V; 3] {
+    fn row<V: SimdF64>(&self, [x, y, z, u, v, w]: [V; 6], mut a: [V; 3]) -> [V; 3] {
         let (of_place, of_speed) = (self.of_place.of([x, y, z]), self.of_speed.of([u, v, w]));
-        [0, 1, 2].map(|k| a[k] - of_place[k] - of_speed[k])
+        for k in 0..3 {
+            a[k] = a[k] - of_place[k] - of_speed[k];
+        }
+        a
     }
 }
 
