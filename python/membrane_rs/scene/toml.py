@@ -153,7 +153,8 @@ def write_scene(content: SceneContent, *, with_later: bool = True) -> str:
     for law in content.laws:
         lines += ["", f"[laws.{law.kind}]", *_table(law, with_later=with_later)]
     for part in content.parts:
-        lines += ["", "[[parts]]", f"kind = {toml_value(part.kind)}", *_table(part, with_later=with_later)]
+        unnamed = ("name",) if part.name is None else ()
+        lines += ["", "[[parts]]", f"kind = {toml_value(part.kind)}", *_table(part, unnamed, with_later=with_later)]
     for body in content.bodies:
         lines += ["", "[[bodies]]", f"kind = {toml_value(body.kind)}", *_table(body)]
     for stage in content.stages:
