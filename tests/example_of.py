@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, get_args, get_origin
 
 from membrane_rs import Schedule
 
 LENGTH, COUNT = 0.1, 4
+BESIDE_OTHERS = ("torque",)
+"""Fields that a class refuses without another one."""
 
 
 def example_of(cls: type[Any], **changes: Any) -> Any:
     """An instance: fields without a default get a value of their type, each number and point another one.
 
-    Fields for a schedule get one too: a class may need one of several.
+    Fields for a schedule get one too, but for those that stand beside another field: a class may need one of several.
     """
     return cls(**(needed(cls) | changes))
 
@@ -24,12 +26,17 @@ def needed(cls: type[Any]) -> dict[str, Any]:
     return {
         name: _value(info.annotation, k)
         for k, (name, info) in enumerate(known.items())
-        if info.is_required() or _is_schedule(info.annotation)
+        if info.is_required() or (_is_schedule(info.annotation) and name not in BESIDE_OTHERS)
     }
 
 
 def _is_schedule(kind: Any) -> bool:
     return Schedule in get_args(kind)
+
+
+def _bare(kind: Any) -> Any:
+    """A type without what is annotated to it."""
+    return get_args(kind)[0] if get_origin(kind) is Annotated else kind
 
 
 def _value(kind: Any, k: int) -> Any:
@@ -41,6 +48,8 @@ def _value(kind: Any, k: int) -> Any:
         return "some_name"
     if _is_schedule(kind):
         return Schedule((0.0, 1.0), (0.0, LENGTH))
+    if (vector := next((one for one in map(_bare, get_args(kind)) if get_origin(one) is tuple), None)) is not None:
+        kind = vector
     if get_origin(kind) is tuple:
         return tuple(LENGTH * (k + i) for i, _ in enumerate(get_args(kind)))
     if any(get_origin(one) is Sequence for one in get_args(kind)):

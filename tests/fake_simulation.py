@@ -79,6 +79,10 @@ class FakeSimulation:
     law_names = ()
 
     @property
+    def hub_turn(self) -> float:
+        return self.hub_angle
+
+    @property
     def potential_names(self) -> tuple[str, ...]:
         return tuple(self.ledger()["stored_by_law"])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,29 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import Gravity, MassDamping, RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether
+from membrane_rs import (
+    Gravity,
+    InputError,
+    MassDamping,
+    RunSettings,
+    Scene,
+    Schedule,
+    Simulation,
+    Spin,
+    Stage,
+    Tether,
+    scenes,
+)
+from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.plotting import plot_momentum, save_run_figures
 from membrane_rs.report import write_report
 from membrane_rs.results import read_history, read_summary
 from membrane_rs.results.history_table import HistoryTable, column_units
 from membrane_rs.results.momentum import momentum_error
 from membrane_rs.scene.laws import LAWS
-from membrane_rs.study import sweep
+from membrane_rs.scene.scales import moment_of_inertia, node_masses
+from membrane_rs.study import sweep, work_precision
+from membrane_rs.study.stability import explicit_integrators, stability_map
 
 FREE = Spin(2.0, inertia=0.01)
 COLUMNS = ["motor_work", "hub_rate", "hub_momentum", "sail_momentum", "motor_torque", "motor_power"]
@@ -136,3 +152,49 @@ def test_a_sweep_varies_the_inertia() -> None:
     assert all(row["outcome"] == "finished" for row in found.rows)
     assert all(isinstance(row["momentum_error"], float) for row in found.rows)
     assert all("final_hub_rate" in row for row in found.rows)
+
+
+def test_studies_leave_out_the_methods_that_move_no_hub() -> None:
+    """With a note, by default; one that is asked for is refused with the reason."""
+    scene, said = whirled(FREE), list[str]()
+    assert explicit_integrators(scene, said.append) == ["rk4", "leapfrog"]
+    assert [words.split(":")[0:2] for words in said] == [
+        ["left out", f" {name}"] for name in ("dopri5", "generalized_alpha")
+    ]
+    assert "free hub" in said[0]
+    said.clear()
+    found = work_precision(scene, until=0.005, steps=2, instants=2, repeats=1, progress=said.append)
+    assert {point.integrator for point in found.points} == {"rk4", "leapfrog"}
+    assert sum(words.startswith("left out: ") for words in said) == 2
+    with pytest.raises(InputError, match="dopri5"):
+        work_precision(scene, ["dopri5"], until=0.005, steps=2, instants=2, repeats=1)
+    assert set(explicit_integrators(whirled(Spin(2.0)))) == {"rk4", "leapfrog", "dopri5"}
+
+
+def test_a_stability_map_varies_the_inertia() -> None:
+    cells = stability_map(
+        whirled(FREE), "laws.spin.inertia", [1e-3, 1e-2], methods=["leapfrog"], shares=[0.5], until=0.02
+    )
+    assert [cell.outcome for cell in cells] == ["fine", "fine"]
+
+
+def test_the_energy_of_the_spin_is_less_by_what_slows_a_free_hub() -> None:
+    """L^2/2 (1/(I + J_start) - 1/(I + J_flat)), beside Omega^2/2 (J_flat - J_start) of a driven one."""
+    scene = scenes.load("okuizumi-model-1")
+    spin = scene.law(Spin)
+    assert spin is not None
+    laws = [law for law in scene.laws if law is not spin]
+    settings = replace(scene.run, integrator="leapfrog")
+
+    def freed(one: Spin) -> float:
+        (found,) = stowed_energy(replace(scene, laws=[*laws, one], run=settings))
+        return float(re.findall(r"to the flat shape ([0-9.e-]+) J", found.message)[0])
+
+    inertia = 2e-4
+    start = moment_of_inertia(scene)
+    shape = scene.assemble().reference
+    flat = float(node_masses(scene) @ (shape[:, 0] ** 2 + shape[:, 1] ** 2))
+    expected = 0.5 * (spin.hub_frequency * math.tau) ** 2 * (flat - start)
+    assert freed(spin) == pytest.approx(expected, rel=1e-3)
+    slower = (inertia + start) / (inertia + flat)
+    assert freed(Spin(spin.frequency, inertia=inertia)) == pytest.approx(expected * slower, rel=1e-3)

@@ -117,7 +117,7 @@ tip_mass = 1.0
     again = Scene.from_toml(tmp_path / "again" / "scene.toml")
     assert (again.laws, again.to_toml()) == (scene.laws, scene.to_toml())
     assert "inertia = 0.5  # kg m2" in scene.to_toml()
-    assert "inertia" not in Scene(None, None, [Spin()], [cord()]).to_toml()
+    assert "# inertia: not set  # kg m2\n# torque: not set  # N m" in Scene(None, None, [Spin()], [cord()]).to_toml()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from membrane_rs.scenes import names
 from numpy.testing import assert_array_equal
 
 TETHER = "spinning-tether"
-UNITS = {"", "s", "deg", "rad", "J", "N", "N m", "Pa"}
+UNITS = {"", "s", "deg", "rad", "rad/s", "m", "J", "N", "N m", "Pa", "W", "kg m2/s"}
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_every_column_has_a_known_unit(name: str) -> None:
     units = column_units(columns, {})
     assert set(units.values()) <= UNITS
     without = {column for column, unit in units.items() if not unit}
-    assert without <= {"deployment_rate", "energy_error", "stage"}
+    assert without <= {"deployment_rate", "energy_error", "stage", *(f"attitude_{name}" for name in "wxyz")}
 
 
 def test_frames_are_read_one_at_a_time(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

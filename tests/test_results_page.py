@@ -6,6 +6,7 @@ import re
 
 import membrane_rs
 from documented import ROOT
+from membrane_rs import scenes
 from membrane_rs.results import frame_fields
 from membrane_rs.results.history_table import column_units
 from staged_scenes import free, oscillator
@@ -28,7 +29,10 @@ def test_columns_have_the_units_of_the_history() -> None:
 def test_all_columns_of_runs_are_listed() -> None:
     sail = membrane_rs.run("okuizumi-model-1-triangles", until=1e-5, frames=2, samples=2)
     staged = membrane_rs.run(oscillator(free("one", 0.01), free("two", 0.01)))
-    named = [*sail.history, *staged.history]
+    whirled = membrane_rs.run(
+        scenes.load("spinning-tether").with_values({"laws.spin.inertia": 0.01}), until=1e-3, samples=2
+    )
+    named = [*sail.history, *staged.history, *whirled.history]
     of_laws = {re.sub(r"^(energy|work)_(?!of_changes|error).*", r"\1_<law>", name) for name in named}
     assert of_laws == {cells[0].strip("`") for cells in rows("Columns of the history")}
 

@@ -56,6 +56,7 @@ def tether_period() -> Row:
 
     crossings = rises(*sampled(sim, scene.run.until, 1001, azimuth))
     period = (crossings[-1] - crossings[0]) / (len(crossings) - 1)
+    assert cord.end is not None
     hub, length = math.hypot(*cord.start), math.dist(cord.start, cord.end)
     amplitude = math.asin((cord.end[1] - cord.start[1]) / length)
     soft = 4 * (2 * math.pi * spin.hub_frequency) ** 2 * cord.tip_mass * length / cord.axial_stiffness

@@ -11,6 +11,8 @@ from membrane_rs._arrays import Floats
 from membrane_rs.errors import MembraneError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import hub_of
+from membrane_rs.scene.scales import moment_of_inertia
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -19,7 +21,8 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
 
     Held is the potential energy of all laws at the start, but for those of the hub's turning and of fields such as
     gravity. Freed is Omega^2/2 (J_flat - J_start) [J], with J the moment of inertia about the axis and Omega
-    the rate of the hub, the largest of a schedule. What is held is put into the motion beside what is freed.
+    the rate of the hub, the largest of a schedule. A free hub of inertia I slows down: its spin has that energy less,
+    times (I + J_start)/(I + J_flat). What is held is put into the motion beside what is freed.
     """
     omega = 2.0 * math.pi * sum(law.hub_frequency or 0.0 for law in scene.laws)
     if scene.mesh is None or omega == 0.0 or (scene.mesh.positions == scene.mesh.reference).all():
@@ -33,7 +36,8 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
     assembly, masses = scene.assemble(), start.masses
     film = masses - assembly.extra_masses
     shapes = assembly.reference, assembly.positions
-    freed, by_film = (0.5 * omega**2 * _opening(mass, *shapes) for mass in (masses, film))
+    slowing = _slowing(scene, masses)
+    freed, by_film = (0.5 * omega**2 * slowing * _opening(mass, *shapes) for mass in (masses, film))
     share = f", {100.0 * held / freed:.3g} % of that" if freed > 0.0 else ""
     yield Finding(
         "info",
@@ -42,6 +46,17 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
         f"energy held by the stowed shape {held:.4g} J; set free by the spin from the start to the flat shape "
         f"{freed:.4g} J{share} ({by_film:.4g} J by the film alone)",
         "",
+    )
+
+
+def _slowing(scene: Scene, masses: Floats) -> float:
+    """The rate of a free hub with the flat shape over that at the start; 1 of a driven hub."""
+    hub = hub_of(scene)
+    if hub is None or hub.inertia is None:
+        return 1.0
+    start = moment_of_inertia(scene)
+    return (hub.inertia + start) / (
+        hub.inertia + start + _opening(masses, scene.assemble().reference, scene.assemble().positions)
     )
 
 

@@ -70,7 +70,7 @@ def stability(
     folder = _folder(out, f"{chosen.name}-stability")
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
-    names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrators")
+    names = explicit_integrators(chosen, tell) if integrator is None else words(integrator, "--integrators")
     cells = stability_map(
         chosen,
         parameter,

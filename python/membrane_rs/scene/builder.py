@@ -17,7 +17,7 @@ from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import ContactSet, Cords, Creases, Links, Motion
-from membrane_rs.scene.cords import cord_along, cord_positions
+from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,24 @@ class Builder:
         where, remedy = f"{where}.segments = {segments}", "take fewer segments"
         check_nodes(self.node_count + new_nodes, where, remedy, SceneError, "cord nodes with those of the mesh")
 
+    def add_wound_cord(self, cord: Cord, where: str, start: Floats, *, clockwise: bool) -> Ints:
+        """Append a cord that lies round the z axis from a point (3,) [m] on, as `add_cord` does with others. In the
+        reference it is straight and leads outward.
+
+        Raises
+        ------
+        SceneError
+            Segments too long for the circle; a mesh with node sets of these names.
+        """
+        flat = start * (1.0 + cord.length / np.hypot(start[0], start[1]))
+        flat[2] = start[2]
+        try:
+            positions = cord_round_axis(start, cord.length, cord.segments, clockwise=clockwise)
+        except InputError as error:
+            raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
+        nodes = np.arange(self.node_count, self.node_count + cord.segments + 1)
+        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1), positions)
+
     def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int, path: Floats | None = None) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.
 
@@ -127,14 +145,18 @@ class Builder:
                 positions = cord_along(np.vstack([start, between, stowed]), cord.length, cord.segments)
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
+        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1)[:count], positions[:count])
+
+    def _append(self, cord: Cord, nodes: Ints, reference: Floats, positions: Floats) -> Ints:
+        """Append a cord of these nodes, with positions of those that are new. Raises SceneError for taken names."""
         name = f"tether-{len(self._cords)}"
         for key, value in {name: nodes, f"{name}-start": nodes[:1], f"{name}-end": nodes[-1:]}.items():
             if key in self.node_sets:
                 raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a tether; rename the set")
             self.node_sets[key] = value
-        self._reference.append(np.linspace(start, flat, cord.segments + 1)[:count])
-        self._positions.append(positions[:count])
-        self.node_count += count
+        self._reference.append(reference)
+        self._positions.append(positions)
+        self.node_count += len(positions)
         self._cords.append((cord, nodes))
         return nodes
 

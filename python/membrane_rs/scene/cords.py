@@ -67,6 +67,44 @@ def cord_along(path: Floats, length: float, segments: int) -> Floats:
     return np.stack([*plan, path[0, 2] + flat[:, 2]], axis=1)
 
 
+def cord_round_axis(start: Floats, length: float, segments: int, *, clockwise: bool) -> Floats:
+    """Nodes of a cord that lies without strain on the circle about the z axis through `start`: chords of equal length.
+
+    Parameters
+    ----------
+    start : (3,) float
+        Its first node [m], off the axis.
+    length : float
+        Of the cord without load, the sum of its chords [m].
+    segments : int
+        1 or above.
+    clockwise : bool
+        The sense in which it lies from `start` on, seen from +z.
+
+    Returns
+    -------
+    (segments + 1, 3) float
+        The first row is `start` [m].
+
+    Raises
+    ------
+    InputError
+        Chords longer than the radius, which do not follow the circle.
+    """
+    radius, chord = float(np.hypot(start[0], start[1])), length / segments
+    if chord > radius * (1.0 + 1e-9):
+        fewest = int(np.ceil(length / radius * (1.0 - 1e-9)))
+        raise InputError(
+            f"each is {chord:.6g} m long, and the radius of the circle {radius:.6g} m: give the cord {fewest} segments "
+            "or more to lie round the axis"
+        )
+    turn = 2.0 * np.arcsin(0.5 * chord / radius) * (-1.0 if clockwise else 1.0)
+    azimuths = np.arctan2(start[1], start[0]) + turn * np.arange(segments + 1)
+    positions = np.column_stack([radius * np.cos(azimuths), radius * np.sin(azimuths), np.full(segments + 1, start[2])])
+    positions[0] = start
+    return positions
+
+
 def _headings(target: float, segments: int) -> Floats:
     """Angles of the segments to the chord, evenly turning, whose cosines add up to `target` [rad]."""
     offsets = np.arange(segments) - 0.5 * (segments - 1)

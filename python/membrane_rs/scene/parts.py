@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Annotated, ClassVar
+from dataclasses import field, replace
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from pydantic import model_validator
+from pydantic_core import ArgsKwargs
 
 from membrane_rs._validation import Count, Flag, Nodes, NonNegative, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError, SceneError
@@ -205,12 +207,15 @@ class Tether(Corded):
 
     It adds the node sets "tether-<k>" (all nodes in order), "tether-<k>-start" and "tether-<k>-end",
     where k counts the cords of a scene from 0. If the two points are nearer than the cord is long, it
-    hangs below in an arc without strain.
+    hangs below in an arc without strain. A wound cord lies without strain on the circle about the z axis through its
+    start, in chords of equal length, as that of a yo-yo; its end follows.
 
     Parameters
     ----------
-    start, end : tuple of float
-        The two ends (x, y, z) [m]; they must differ.
+    start : tuple of float
+        The first end (x, y, z) [m].
+    end : tuple of float or None
+        The other one [m], which must differ from it. None, in files left out: that of a wound cord.
     segments : int
         Springs in the cord, 1 or above; one mass more.
     axial_stiffness : float
@@ -218,29 +223,35 @@ class Tether(Corded):
     linear_density : float
         Mass per length [kg/m]; 0 only for a cord of one segment with a tip mass.
     length : float or None
-        Without load [m]. None: the distance between the two points.
+        Without load [m]. None: the distance between the two points; a wound cord needs it.
     tip_mass : float
         Added to the last node [kg], 0 or above.
     fixed : bool
         True: the first node is fixed.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
+    wound : str, optional
+        "clockwise" or "counterclockwise": the sense, seen from +z, in which the cord lies round the axis from its start
+        on. None: it is not wound. By keyword alone.
 
     Raises
     ------
     InputError, InputTypeError
-        A value outside its range, or of a wrong type.
+        A value outside its range, or of a wrong type; two ends that are one, a wound cord with an end or without a
+        length or a radius, another one without an end.
 
     Examples
     --------
     >>> from membrane_rs import Tether
     >>> Tether((0.1, 0.0, 0.0), (0.3, 0.0, 0.0), 8, axial_stiffness=17.0, linear_density=1e-4, tip_mass=0.01).segments
     8
+    >>> Tether((0.1, 0.0, 0.0), None, 40, 17.0, 1e-4, length=0.5, wound="clockwise").end is None
+    True
     """
 
     kind: ClassVar[str] = "tether"
     start: Annotated[Vector, Unit("m")]
-    end: Annotated[Vector, Unit("m")]
+    end: Annotated[Vector | None, Unit("m")]
     segments: Count
     axial_stiffness: Annotated[Positive, Unit("N")]
     linear_density: Annotated[NonNegative, Unit("kg/m")]
@@ -248,18 +259,50 @@ class Tether(Corded):
     tip_mass: Annotated[NonNegative, Unit("kg")] = 0.0
     fixed: Flag = True
     strain_limit: Positive = 0.1
+    wound: Literal["clockwise", "counterclockwise"] | None = field(default=None, kw_only=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_end(cls, given: Any) -> Any:
+        """A wound cord may leave its end out."""
+        if isinstance(given, ArgsKwargs) and len(given.args) < 2 and (given.kwargs or {}).get("wound") is not None:
+            return ArgsKwargs(given.args, {"end": None, **(given.kwargs or {})})
+        return given
 
     def __post_init__(self) -> None:
-        """Check the ends against each other."""
-        if math.dist(self.start, self.end) < SHORTEST:
+        """Check the ends against each other, and against the sense in which it is wound."""
+        if self.wound is not None:
+            self._check_wound()
+        elif self.end is None:
+            what = "is missing; give the point at which it ends, or wound and a length"
+            raise InputError(f"Tether.end = None: {what} (m)")
+        elif math.dist(self.start, self.end) < SHORTEST:
             raise InputError(f"Tether.end = {self.end}: must differ from start, by {SHORTEST:g} or more (m)")
 
+    def _check_wound(self) -> None:
+        if self.end is not None:
+            what = "is not used with wound, by which it follows from the length; leave it out"
+            raise InputError(f"Tether.end = {self.end}: {what}, None in Python (m)")
+        if self.length is None:
+            raise InputError(f"Tether.length = None: is missing; a cord wound {self.wound} needs its length (m)")
+        if math.hypot(*self.start[:2]) < SHORTEST:
+            what = "lies on the z axis, round which the cord is wound; give a point off it"
+            raise InputError(f"Tether.start = {self.start}: {what} (m)")
+
     def add_nodes(self, builder: Builder, where: str) -> None:
-        """Add the cord, its support and its tip mass. Raises SceneError: too many nodes, or slack with one segment."""
+        """Add the cord, its support and its tip mass.
+
+        Raises
+        ------
+        SceneError
+            Too many nodes, a slack cord of one segment, a wound one whose segments are too long for its circle.
+        """
         builder.check_room(where, self.segments, self.segments + 1)
-        start, end = np.array(self.start), np.array(self.end)
-        length = self.length or float(np.linalg.norm(end - start))
-        nodes = builder.add_cord(cord_of(self, length), where, start, end)
+        start, cord = np.array(self.start), cord_of(self, self._length)
+        if self.end is None:
+            nodes = builder.add_wound_cord(cord, where, start, clockwise=self.wound == "clockwise")
+        else:
+            nodes = builder.add_cord(cord, where, start, np.array(self.end))
         if self.fixed:
             builder.fix(nodes[:1])
         builder.add_mass(nodes[-1:], self.tip_mass)
@@ -267,9 +310,17 @@ class Tether(Corded):
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A wave runs along a cord as it does along some material; a mass at its end is lighter than `HEAVIEST_TIP`."""
         yield from implausible_waves(self, where)
-        length = self.length or math.dist(self.start, self.end)
-        least = LIGHT_TIP * self.linear_density * length if self.tip_mass > 0.0 else 0.0
+        least = LIGHT_TIP * self.linear_density * self._length if self.tip_mass > 0.0 else 0.0
         yield from _tip(f"{where}.tip_mass", self.tip_mass, scene, least)
+
+    @property
+    def _length(self) -> float:
+        """Without load [m]."""
+        return self.length or math.dist(self.start, self.end or self.start)
+
+    def coarser(self, factor: int) -> tuple[str, Part] | None:
+        """Cords of fewer segments; None of a wound one, which would lie otherwise and end elsewhere."""
+        return super().coarser(factor) if self.wound is None else None
 
 
 @validated

@@ -82,6 +82,10 @@ OF_CLASSES: Mapping[type, Rule] = {
         "if": {"properties": {"stowage": {"const": "wound"}}, "required": ["stowage"]},
         "then": {"properties": {"layout": {"const": "ruled"}, "fillet_radius": False}},
     },
+    PARTS["tether"]: {
+        "required": ["kind", "start", "segments", "axial_stiffness", "linear_density"],
+        "oneOf": [{"required": ["end"], **_alone("wound")}, {"required": ["wound", "length"], **_alone("end")}],
+    },
     **{body: {"not": {"properties": _FELT_BY_NONE, "required": [*_FELT_BY_NONE]}} for body in BODIES.values()},
 }  # fmt: skip
 """What is added to the table of a class."""

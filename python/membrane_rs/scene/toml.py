@@ -138,8 +138,8 @@ def _meant(text: str, fault: str) -> str:
 def write_scene(content: SceneContent, *, with_later: bool = True) -> str:
     """A scene as TOML, every value resolved and its unit beside it; None is written as a comment.
 
-    Without `with_later` fields of the material that came later, by keyword alone, are left out where they are not set:
-    the text of a scene that does not use them stays the same, as its digest needs.
+    Without `with_later` fields of material, laws and parts that came later, by keyword alone, are left out where they
+    are not set: the text of a scene that does not use them stays the same, as its digest needs.
     """
     lines = [f"name = {toml_value(content.name)}"]
     if content.mesh is not None:
@@ -151,9 +151,10 @@ def write_scene(content: SceneContent, *, with_later: bool = True) -> str:
     if content.material is not None:
         lines += ["", "[material]", *_table(content.material, with_later=with_later)]
     for law in content.laws:
-        lines += ["", f"[laws.{law.kind}]", *_table(law)]
+        lines += ["", f"[laws.{law.kind}]", *_table(law, with_later=with_later)]
     for part in content.parts:
-        lines += ["", "[[parts]]", f"kind = {toml_value(part.kind)}", *_table(part)]
+        unnamed = ("name",) if part.name is None else ()
+        lines += ["", "[[parts]]", f"kind = {toml_value(part.kind)}", *_table(part, unnamed, with_later=with_later)]
     for body in content.bodies:
         lines += ["", "[[bodies]]", f"kind = {toml_value(body.kind)}", *_table(body)]
     for stage in content.stages:

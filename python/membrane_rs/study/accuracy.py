@@ -30,6 +30,7 @@ from membrane_rs.simulation import integrators
 from membrane_rs.study.common.density import denser
 from membrane_rs.study.common.differences import CURVES, POINTWISE
 from membrane_rs.study.common.executor import Tell, run_parallel, teller, workers_of
+from membrane_rs.study.common.methods import methods_of
 from membrane_rs.study.common.perturbation import MODEL_SHIFT, SHIFT, check_shift, shift_of
 from membrane_rs.study.common.run import (
     MOST_MEMBERS,
@@ -89,7 +90,7 @@ def work_precision(
     scene : Scene
         The scene. Its motion should be smooth up to the end, or `curves` be set.
     methods : sequence of str, optional
-        Integrators. Default: all.
+        Integrators. Default: all that the scene goes with.
     until : float, optional
         Time at the end [s]. Default: the scene's.
     steps : int
@@ -159,7 +160,6 @@ def work_precision(
     densities = _factors("densities", densities, "multiples of the scene's density, --density")
     softenings = _factors("softenings", softenings, "by which the film is softer in stretch, --softening")
     shift = _shift(shift, members, softenings)
-    explicit = _explicit(names, softenings)
     if densities and not curves:
         raise InputError(
             f"densities = {show(densities)}: meshes have different nodes, so only curves can be compared; add --curves"
@@ -169,6 +169,8 @@ def work_precision(
     count = (100 if curves else 10) if instants is None else instants
     cases = _cases(scene, until, count, densities, softenings)
     (_, film), case = next(iter(cases.items()))
+    names = names or methods_of(case.scene, tell)
+    explicit = _explicit(names, softenings)
     if members:
         check_shift(shift, case.scene)
     true = max(density for density, _ in cases), film
@@ -293,12 +295,13 @@ def _factors(name: str, given: object, what: str) -> tuple[float, ...]:
 
 
 def _methods(wanted: Sequence[str] | None) -> list[str]:
+    """Those that are wanted; none for all. Raises InputTypeError and InputError."""
     known = list(integrators())
-    wanted = None if wanted is None else texts_of("methods", wanted, "a list of names of methods, such as ['rk4']")
-    for name in wanted or ():
+    wanted = [] if wanted is None else texts_of("methods", wanted, "a list of names of methods, such as ['rk4']")
+    for name in wanted:
         if name not in known:
             raise InputError(f"integrators: there is no {name!r}; {nearest(name, known)}")
-    return list(dict.fromkeys(wanted or known))
+    return list(dict.fromkeys(wanted))
 
 
 def _shift(shift: float | None, members: int, softenings: Sequence[float]) -> float:

@@ -21,8 +21,8 @@ from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import integrators
-from membrane_rs.study.common.executor import run_parallel
+from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.study.common.methods import methods_of
 from membrane_rs.study.common.stages import refuse_stages
 
 OUTCOMES = ("fine", "inaccurate", "energy injected", "blown up", "refused")
@@ -72,9 +72,10 @@ class _WorstError:
         pass
 
 
-def explicit_integrators(scene: Scene) -> list[str]:
-    """The methods with a stability limit in this scene."""
-    return [name for name in integrators() if math.isfinite(Simulation(scene, name).stable_dt())]
+def explicit_integrators(scene: Scene, progress: Tell | None = None) -> list[str]:
+    """The methods with a stability limit in this scene; `progress` says which the scene does not go with."""
+    names = methods_of(scene, teller(progress))
+    return [name for name in names if math.isfinite(Simulation(scene, name).stable_dt())]
 
 
 def stability_map(
