@@ -10,6 +10,7 @@ from membrane_rs._files import path_of
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import SceneError
 from membrane_rs.scene import Scene
+from membrane_rs.scene.hub import has_free_hub
 
 __all__ = ["describe", "for_any_method", "load", "names", "scene_of", "text"]
 
@@ -33,9 +34,10 @@ def names() -> list[str]:
 
 
 def for_any_method() -> list[str]:
-    """The names of those that each method of time integration can run: without stages, and without a step of their own.
+    """The names of those that each method of time integration can run: without stages, without a step of their own, and
+    without a free hub.
 
-    A step that a scene gives is one for its own method.
+    A step that a scene gives is one for its own method, and a free hub is moved by leapfrog and rk4 alone.
 
     Returns
     -------
@@ -48,7 +50,8 @@ def for_any_method() -> list[str]:
     >>> "okuizumi-model-1" in scenes.for_any_method(), "okuizumi-model-1-fast" in scenes.for_any_method()
     (True, False)
     """
-    return [name for name in names() if not (scene := load(name)).stages and scene.run.dt is None]
+    loaded = {name: load(name) for name in names()}
+    return [name for name, scene in loaded.items() if not (scene.stages or scene.run.dt or has_free_hub(scene))]
 
 
 def describe(name: str) -> str:
