@@ -18,6 +18,7 @@ from marked import DOCS, MarkedPart
 from membrane_rs import RunSettings, Scene, Simulation, Spin, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
+from membrane_rs.scene.hub import has_free_body
 
 PAGE = DOCS / "free_hub.md"
 NAMES = ("yo-yo", "nutation", "momentum", "order", "cost")
@@ -149,7 +150,7 @@ def momentum() -> str:
             before = sim.angular_momentum().in_space
             sim.reach(until)
             after = sim.angular_momentum().in_space
-            parts = slice(None) if sim.scene.law("spin").mass else slice(2, 3)
+            parts = slice(None) if has_free_body(sim.scene) else slice(2, 3)
             change = np.linalg.norm((after - before)[parts]) / np.linalg.norm(before[parts])
             steps = round(until / sim.dt)
             error = abs(sim.ledger()["error"])
