@@ -19,7 +19,7 @@ from membrane_rs.scenes import names
 from numpy.testing import assert_array_equal
 
 TETHER = "spinning-tether"
-UNITS = {"", "s", "deg", "rad", "J", "N", "N m", "Pa"}
+UNITS = {"", "s", "deg", "rad", "rad/s", "m", "J", "W", "N", "N m", "kg m2/s", "Pa"}
 
 
 @pytest.fixture(scope="module")

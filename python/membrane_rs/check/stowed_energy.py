@@ -11,6 +11,7 @@ from membrane_rs._arrays import Floats
 from membrane_rs.errors import MembraneError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Spin
 from membrane_rs.simulation.stepper import Stepper
 
 
@@ -19,7 +20,9 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
 
     Held is the potential energy of all laws at the start, but for those of the hub's turning and of fields such as
     gravity. Freed is Omega^2/2 (J_flat - J_start) [J], with J the moment of inertia about the axis and Omega
-    the rate of the hub, the largest of a schedule. What is held is put into the motion beside what is freed.
+    the rate of the hub, the largest of a schedule. A free hub of inertia I is slowed to
+    Omega_flat = Omega (I + J_start)/(I + J_flat), and Omega Omega_flat stands for Omega^2. What is held is put into the
+    motion beside what is freed.
     """
     omega = 2.0 * math.pi * sum(law.hub_frequency or 0.0 for law in scene.laws)
     if scene.mesh is None or omega == 0.0 or (scene.mesh.positions == scene.mesh.reference).all():
@@ -33,7 +36,8 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
     assembly, masses = scene.assemble(), start.masses
     film = masses - assembly.extra_masses
     shapes = assembly.reference, assembly.positions
-    freed, by_film = (0.5 * omega**2 * _opening(mass, *shapes) for mass in (masses, film))
+    square = omega**2 * _slowing(scene, *(_moment(masses, shape) for shape in shapes))
+    freed, by_film = (0.5 * square * _opening(mass, *shapes) for mass in (masses, film))
     share = f", {100.0 * held / freed:.3g} % of that" if freed > 0.0 else ""
     yield Finding(
         "info",
@@ -45,6 +49,19 @@ def stowed_energy(scene: Scene) -> Iterator[Finding]:
     )
 
 
+def _moment(masses: Floats, shape: Floats) -> float:
+    """Moment of inertia about the z axis [kg m2]."""
+    return float((masses * np.square(shape[:, :2]).sum(axis=1)).sum())
+
+
 def _opening(masses: Floats, flat: Floats, start: Floats) -> float:
     """By how much the moment of inertia about the z axis grows [kg m2]."""
-    return float((masses * (np.square(flat[:, :2]) - np.square(start[:, :2])).sum(axis=1)).sum())
+    return _moment(masses, flat) - _moment(masses, start)
+
+
+def _slowing(scene: Scene, flat: float, start: float) -> float:
+    """Rate of the hub with the flat sail over that at the start, by both moments of inertia [kg m2]; 1 if driven."""
+    spin = scene.law("spin")
+    if not isinstance(spin, Spin) or spin.inertia is None:
+        return 1.0
+    return (spin.inertia + start) / (spin.inertia + flat)
