@@ -1,0 +1,70 @@
+"""The second stage of IKAROS on other meshes and with other values: how far their curves lie from those of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from ikaros_runs import PHASE, RATE, ikaros, of_mesh
+from membrane_rs import Scene
+from membrane_rs._arrays import Floats
+from membrane_rs._markdown import table
+
+MESHES = ((10, 6), (20, 12), (40, 24), (80, 48))
+"""Rows and columns, each twice as fine as the one before."""
+COLUMNS = (("rpm", "spin [rpm]", ".3f"), (RATE, "rate", ".4f"), (PHASE, "phase [deg]", ".2f"))
+OWN, OTHER = "as it is", "another start"
+LIGHT = 13.0 / 15.0
+"""Mass of the film if the 15 kg of the sail hold its four tips, over that of the scene."""
+
+
+def meshes() -> dict[str, Scene]:
+    """The scene on each mesh, coarse to fine."""
+    return {f"{rows} rows, {columns} columns": of_mesh(ikaros(), rows, columns) for rows, columns in MESHES}
+
+
+def variants() -> dict[str, Scene]:
+    """The scene with other values, by what is other."""
+    scene = ikaros()
+    changed = {
+        "film softened 5": {"material.softening": 5.0},
+        "film softened 30": {"material.softening": 30.0},
+        "ten times the modulus of the tethers": {"parts.tethers.axial_stiffness": 2e4},
+        "no dashpots": {"laws.spring_damping.ratio": 0.0},
+        "dashpots of ratio 0.1": {"laws.spring_damping.ratio": 0.1},
+        "creases 1000 times as stiff": {"laws.creases.stiffness": 1e4},
+        "13 kg of film": {"material.density": LIGHT * scene.value("material.density")},
+    }
+    plain = replace(scene, run=replace(scene.run, dt=None))
+    return {label: plain.with_values(values) for label, values in changed.items()}
+
+
+def distance(one: Mapping[str, Floats], other: Mapping[str, Floats], column: str) -> float:
+    """Root of the mean square of the difference of two curves."""
+    return float(np.sqrt(np.mean((one[column] - other[column]) ** 2)))
+
+
+def variant_table(runs: Mapping[str, Mapping[str, Floats]], reference: str) -> str:
+    """Features of each run, and the distances of its curves from those of the reference."""
+    body = [(label, *_features(run), *_distances(run, runs[reference])) for label, run in runs.items()]
+    heads = (
+        "run", "nodes", "step [us]", "processor time a second [s]", "least spin [rpm]", "mean, last 20 s [rpm]",
+        "trough of the phase [deg]", "at [s]", "largest strain [%]", *(f"{name}: distance" for _, name, _ in COLUMNS),
+    )  # fmt: skip
+    return table(heads, body, words=(0,))
+
+
+def _features(run: Mapping[str, Floats]) -> Sequence[str]:
+    time, trough = run["time"], int(run[PHASE].argmin())
+    return (
+        f"{run['nodes'][0]:,.0f}", f"{1e6 * run['step'][0]:.1f}", f"{run['cpu'].sum() / run['end'][-1]:.2f}",
+        f"{run['rpm'].min():.2f}", f"{run['rpm'][time >= time[-1] - 20.0].mean():.2f}", f"{run[PHASE][trough]:.1f}",
+        f"{time[trough]:.1f}", f"{100.0 * run['strain'].max():.2f}",
+    )  # fmt: skip
+
+
+def _distances(run: Mapping[str, Floats], reference: Mapping[str, Floats]) -> Sequence[str]:
+    if run is reference:
+        return ("-",) * len(COLUMNS)
+    return [f"{distance(run, reference, column):{form}}" for column, _, form in COLUMNS]
