@@ -15,7 +15,7 @@ unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 # What the module is built from: neither tests nor benches.
 RUST := Cargo.toml Cargo.lock $(shell find rust/core/src rust/core/Cargo.toml rust/python -type f)
 
-.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy deployment docs dist clean
+.PHONY: demo test test-rust check lint lint-rust lint-python golden bench kill peers readme accuracy deployment ikaros docs dist clean
 
 # A sail from the roll to the flat square, and both sails of the paper from the cross, on all cores: pictures, VTU frames,
 # curves and a table, in out/.
@@ -81,6 +81,11 @@ accuracy: $(VENV)/tools
 # kept in out/deployment; PART="plane reel": some of plane, reel, release, energy, crossings, cost, shapes.
 deployment: $(VENV)/tools
 	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
+
+# The deployment of IKAROS: tables and pictures of docs/ikaros.md, in half an hour on two cores. Runs are kept in
+# out/ikaros; PART="spin match": some of spin, needed, match, meshes, values, reeling, balance, cost.
+ikaros: $(VENV)/tools
+	$(BIN)/python tools/docs/ikaros.py --write $(if $(PART),--only $(PART))
 
 # Remakes README.md's pictures, and the tables of docs/accuracy.md.
 readme: demo

@@ -1,4 +1,4 @@
-"""The spin of IKAROS by the balance of angular momentum, against what was reported, and which sail and hub would match."""
+"""The spin of IKAROS by the balance of angular momentum, against what was reported; which sail and hub would match."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ARM = 5.3
 BEFORE, CROSS, FLAT = 25.0, 7.4, 2.5
 """Reported spin before the first stage, after it, and after the second [rpm]."""
 SETTLED, REELED = 0, 2
-"""Stages of the whole deployment: at the end of the first the tips are out, at that of the third the sail is a cross."""
+"""Stages of the whole deployment: at the end of the first the tips are out, at that of the third there is a cross."""
 SWING = 20.0
 """Time at the end of a run over which the spin of the flat sail is averaged [s]: about a swing."""
 
@@ -63,6 +63,12 @@ def states_of(scene: Scene, run: Mapping[str, Floats]) -> list[State]:
 def predicted(run: Mapping[str, Floats], inertia: float, state: State) -> float:
     """Spin by the balance of angular momentum from the start of a run [rpm]."""
     return float(run["rpm"][0]) * (inertia + float(run["moment"][0])) / (inertia + state.moment)
+
+
+def predicted_curve(run: Mapping[str, Floats], inertia: float) -> Floats:
+    """The same at each sample, of the sail as it is there."""
+    curve: Floats = run["rpm"][0] * (inertia + run["moment"][0]) / (inertia + run["moment"])
+    return curve
 
 
 def spin_table(scene: Scene, runs: Mapping[float, Mapping[str, Floats]]) -> str:

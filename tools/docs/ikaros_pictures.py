@@ -36,7 +36,7 @@ def draw_spin(
     panels[0].hlines([CROSS], middle.min(), middle.max(), color="k", linewidth=2.5, zorder=5)
     for axes in panels:
         axes.hlines([FLAT], run["end"][-2], run["end"][-1], color="k", linewidth=2.5, zorder=5)
-    mark_stages(panels[:1], [0.0, *run["end"][:-1]], names)
+    mark_stages(panels[:1], list(enumerate([0.0, *run["end"][:-1].tolist()])), names)
     _finish(panels, ("Spin [rpm]", "Spin [rpm]"))
     panels[0].legend(frameon=False)
     save_figure(figure, picture)

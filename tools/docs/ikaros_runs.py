@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from membrane_rs import Scene, Simulation, scenes
+from membrane_rs import Cylinder, Scene, Schedule, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.folding import SquareSail
@@ -19,6 +19,10 @@ INTERVAL = 0.1
 """Between two samples [s]."""
 SHIFT = 1e-6
 """Standard deviation by which nodes are displaced in another start [m]."""
+CLEARANCE, FREE = 0.03, 0.7
+"""Of the bars from the roll, and length of an arm beyond its bar at the start [m]."""
+REEL = 1
+"""Index of the stage in which the sail is reeled out."""
 RATE, PHASE = "deployment_rate", "phase_difference_deg"
 TERMS = ("kinetic", "stored", "work", "error")
 NAMES = ("time", "rpm", "moment", "film", "momentum", "reach", "spread", RATE, PHASE, "strain", *TERMS)
@@ -39,12 +43,6 @@ def of_inertia(scene: Scene, inertia: float) -> Scene:
     return scene.with_values({"laws.spin.inertia": inertia})
 
 
-def of_mesh(scene: Scene, rows: int, columns: int) -> Scene:
-    """The second stage on another mesh, by the default step."""
-    mesh = replace(sail_of(scene), rows=rows, columns=columns).mesh()
-    return replace(scene, mesh=mesh, run=replace(scene.run, dt=None))
-
-
 def sail_of(scene: Scene) -> SquareSail:
     """The folding pattern of a scene."""
     sail = None if scene.mesh is None else scene.mesh.source
@@ -57,6 +55,39 @@ def hub_inertia(scene: Scene) -> float:
     inertia = scene.value("laws.spin.inertia")
     assert isinstance(inertia, float)
     return inertia
+
+
+def roll_of(scene: Scene) -> tuple[float, float, float]:
+    """Azimuth of the bars at the start, the angle by which they turn [rad], and their distance from the axis [m]: with
+    the scene's clearance from the roll and free length of the arms, until the arms lie on their diagonals.
+    """
+    sail, bars = sail_of(scene), bars_of(scene)
+    outer = sail.wound_outer_radius
+    assert outer is not None
+    reach, turned = outer + bars.radius + CLEARANCE, sail.corner_turn - FREE / outer
+    return 0.25 * math.pi + turned, -(turned + math.asin(bars.radius / reach)), reach
+
+
+def bars_of(scene: Scene) -> Cylinder:
+    """The guide bars."""
+    found = next(body for body in scene.bodies if body.name == "bars")
+    assert isinstance(found, Cylinder)
+    return found
+
+
+def finer(scene: Scene) -> Scene:
+    """The whole deployment with twice as many rows and columns, and bars where its roll has them."""
+    assert scene.mesh is not None
+    scene = replace(scene, mesh=sail_of(scene).refined(2.0).mesh())
+    azimuth, turn, reach = roll_of(scene)
+    centre = (reach * math.cos(azimuth), reach * math.sin(azimuth), 0.0)
+    bodies = [replace(body, centre=centre) if body.name == "bars" else body for body in scene.bodies]
+    stages = list(scene.stages)
+    schedule = stages[REEL].set["bodies.bars.turn"]
+    assert isinstance(schedule, Schedule)
+    turned = replace(schedule, values=(0.0, turn))
+    stages[REEL] = replace(stages[REEL], set={**stages[REEL].set, "bodies.bars.turn": turned})
+    return replace(scene, bodies=bodies, stages=stages)
 
 
 def film_masses(scene: Scene) -> Floats:
@@ -103,17 +134,18 @@ class Watch:
         self.rows.append((
             sim.time, RPM * omega, sail, moment(x, self.film), (self.inertia + sail) * omega + relative,
             float(reach.mean()), float(np.ptp(reach)), self.corners.deployment_rate(x),
-            self.corners.phase_difference(x), float(sim.spring_strains().max()), *(float(ledger[term]) for term in TERMS),
+            self.corners.phase_difference(x), float(sim.spring_strains().max()),
+            *(float(ledger[term]) for term in TERMS),
         ))  # fmt: skip
 
 
 def watched(scene: Scene, seed: int = 0) -> dict[str, Floats]:
     """Samples of a run, by name; with a seed each free node is displaced at random by `SHIFT` at the start.
 
-    Of each sample: "time" [s], "rpm" of the hub, "moment" of the sail about the axis and that of its film alone ("film")
-    [kg m2], angular "momentum" of sail and hub [kg m2/s], "reach" of the corners from the axis [m] and its "spread" over
-    the four, deployment rate and phase, the largest "strain" of a spring, and the terms of the energy balance. Of each
-    stage: its "end" [s], "step" [s], "steps", and processor time, "cpu" [s]; and the number of "nodes".
+    Of each sample: "time" [s], "rpm" of the hub, "moment" of the sail about the axis and that of its "film" alone
+    [kg m2], angular "momentum" of sail and hub [kg m2/s], "reach" of the corners from the axis [m] and its "spread"
+    over the four, deployment rate and phase, the largest "strain" of a spring, and the terms of the energy balance. Of
+    each stage: its "end" [s], "step" [s], "steps", and processor time, "cpu" [s]; and the number of "nodes".
     """
     watch = Watch(scene, seed)
     sim, costs, steps, counts, start = watch.sim, [], [], [], 0.0

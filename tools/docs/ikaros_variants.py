@@ -1,4 +1,4 @@
-"""The second stage of IKAROS on other meshes and with other values: how far their curves lie from those of the scene."""
+"""The second stage of IKAROS on other meshes and with other values: the distance of their curves from its own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from ikaros_runs import PHASE, RATE, ikaros, of_mesh
+from ikaros_runs import PHASE, RATE, ikaros, sail_of
 from membrane_rs import Scene
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
@@ -19,9 +19,15 @@ LIGHT = 13.0 / 15.0
 """Mass of the film if the 15 kg of the sail hold its four tips, over that of the scene."""
 
 
-def meshes() -> dict[str, Scene]:
-    """The scene on each mesh, coarse to fine."""
-    return {f"{rows} rows, {columns} columns": of_mesh(ikaros(), rows, columns) for rows, columns in MESHES}
+def mesh_name(rows: int, columns: int) -> str:
+    """What a table calls a mesh."""
+    return f"{rows} rows, {columns} columns"
+
+
+def of_mesh(scene: Scene, rows: int, columns: int) -> Scene:
+    """The second stage on another mesh, by the default step."""
+    mesh = replace(sail_of(scene), rows=rows, columns=columns).mesh()
+    return replace(scene, mesh=mesh, run=replace(scene.run, dt=None))
 
 
 def variants() -> dict[str, Scene]:
