@@ -95,7 +95,7 @@ def needed_table(states: Sequence[State], start: State, inertia: float) -> str:
             f"{momentum / (inertia + state.moment):.2f}",
         )
         for state in states
-        if not math.isnan(state.reported) and state is not start
+        if state.reported < BEFORE
     ]  # fmt: skip
     return table(("sail", "reported [rpm]", "I + J needed [kg m2]", "I + J here", "spin here [rpm]"), body, words=(0,))
 
