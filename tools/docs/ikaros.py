@@ -78,7 +78,7 @@ def spin_part(runs: Runs, picture: Path) -> str:
 def needed_part(runs: Runs, _: Path) -> str:
     """What the reported spins need, with the first of them taken in the roll and with the tips out."""
     states = states_of(whole(), runs.wholes()[OWN_INERTIA])
-    return "\n\n".join(
+    return "\n".join(
         f"{start.label.capitalize()} at the first spin:\n\n{needed_table(states, start, OWN_INERTIA)}"
         for start in states[:2]
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from ikaros_runs import first_beyond, flat_moments, stage_ends
@@ -95,7 +95,7 @@ def needed_table(states: Sequence[State], start: State, inertia: float) -> str:
             f"{momentum / (inertia + state.moment):.2f}",
         )
         for state in states
-        if not math.isnan(state.reported) and state is not start
+        if state.reported < BEFORE
     ]  # fmt: skip
     return table(("sail", "reported [rpm]", "I + J needed [kg m2]", "I + J here", "spin here [rpm]"), body, words=(0,))
 
@@ -106,22 +106,37 @@ def matching(start: State, middle: State, flat: State) -> tuple[float, float]:
     """
     rows, right = [], []
     for state in (middle, flat):
-        share = state.reported / BEFORE
+        share = state.reported / start.reported
         rows.append((1.0 - share, start.film - share * state.film))
         right.append(share * state.rest - start.rest)
     inertia, factor = np.linalg.solve(rows, right)
     return float(factor), float(inertia)
 
 
+def matching_hub(before: State, after: State) -> float:
+    """The inertia of the hub with which one reported spin follows from another, with the sail as it is [kg m2]."""
+    gained = after.reported * after.moment - before.reported * before.moment
+    return gained / (before.reported - after.reported)
+
+
 def match_table(states: Sequence[State], film: float) -> str:
-    """The mass of the film, of `film` [kg] here, and the inertia of the hub that match both reported spins."""
-    starts, middles, flat = states[:2], states[2:5], states[5]
+    """The inertia of the hub that matches two of the reported spins, and all three with another mass of the film, which
+    is `film` [kg] here.
+    """
+    starts, middles, flat = [replace(state, reported=BEFORE) for state in states[:2]], states[2:5], states[5]
     body = []
     for start in starts:
         for middle in middles:
             factor, inertia = matching(start, middle, flat)
             is_possible = factor > 0.0 and inertia > 0.0
-            found = (f"{factor * film:.1f}", f"{inertia:.0f}") if is_possible else ("none", "none")
-            body.append((start.label, middle.label, *found))
-    heads = (f"{BEFORE:g} rpm are those of", f"{CROSS:g} rpm are those of", "film and devices [kg]", "hub [kg m2]")
+            both = (f"{factor * film:.1f}", f"{inertia:.0f}") if is_possible else ("none", "none")
+            pairs = ((start, middle), (middle, flat), (start, flat))
+            hubs = [f"{hub:.0f}" if (hub := matching_hub(*pair)) > 0.0 else "none" for pair in pairs]
+            body.append((start.label, middle.label, *hubs, *both))
+    spins = (f"{BEFORE:g} and {CROSS:g}", f"{CROSS:g} and {FLAT:g}", f"{BEFORE:g} and {FLAT:g}")
+    heads = (
+        f"{BEFORE:g} rpm are those of", f"{CROSS:g} rpm are those of",
+        *(f"hub for {pair} rpm [kg m2]" for pair in spins),
+        "film and devices for all three [kg]", "with a hub of [kg m2]",
+    )  # fmt: skip
     return table(heads, body, words=(0, 1))

@@ -52,7 +52,7 @@ def draw_second_stage(runs: Mapping[str, Mapping[str, Floats]], picture: Path) -
             axes.plot(run["time"], run[column], color=f"C{k}", linewidth=1.2, label=label)
     panels[0].axhline(FLAT, color="k", linewidth=1.0, linestyle=":", label="reported, flat")
     _finish(panels, ("Spin [rpm]", "Deployment rate", "Phase difference [deg]"))
-    panels[0].legend(frameon=False)
+    figure.legend(*panels[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
     save_figure(figure, picture)
 
 
