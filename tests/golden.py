@@ -7,8 +7,8 @@ Every built-in scene without stages, by every method, or by its own where it giv
 vector instructions (of those that this machine lacks, the next narrower), some hundred steps from its start; 20 ms of
 the deployment of model 1 with all that a run looks at; bars that press into the wound sail as they turn; and a strip of
 which one end is moved.
-Initial positions are rounded, for numpy's trigonometric functions differ in the last bit from processor to processor;
-what the core does with them does not.
+Initial positions are rounded, those of the mesh and of wound cords, for numpy's trigonometric functions differ in the
+last bit from processor to processor; what the core does with them does not.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from membrane_rs import (
     Spin,
     SpringDamping,
     Springs,
+    Tether,
     _core,
     integrators,
     scenes,
@@ -145,6 +146,8 @@ def _nearer(point: tuple[float, float, float]) -> tuple[float, float, float]:
 
 def _stepped(scene: Scene, method: str, width: str) -> dict[str, str]:
     sim = simulation(scene, method, width)
+    if any(isinstance(part, Tether) and part.wound is not None for part in scene.parts):
+        sim.positions = np.round(sim.positions / GRAIN) * GRAIN
     sim.step(STEPS.get(method, MOST))
     return hashes(sim)
 

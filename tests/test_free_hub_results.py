@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from membrane_rs import (
     Gravity,
-    InputError,
     MassDamping,
     RunSettings,
     Scene,
@@ -32,8 +31,8 @@ from membrane_rs.results.history_table import HistoryTable, column_units
 from membrane_rs.results.momentum import momentum_error
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.scales import moment_of_inertia, node_masses
-from membrane_rs.study import sweep, work_precision
-from membrane_rs.study.stability import explicit_integrators, stability_map
+from membrane_rs.study import sweep
+from membrane_rs.study.stability import stability_map
 
 FREE = Spin(2.0, inertia=0.01)
 COLUMNS = ["motor_work", "hub_rate", "hub_momentum", "sail_momentum", "motor_torque", "motor_power"]
@@ -152,23 +151,6 @@ def test_a_sweep_varies_the_inertia() -> None:
     assert all(row["outcome"] == "finished" for row in found.rows)
     assert all(isinstance(row["momentum_error"], float) for row in found.rows)
     assert all("final_hub_rate" in row for row in found.rows)
-
-
-def test_studies_leave_out_the_methods_that_move_no_hub() -> None:
-    """With a note, by default; one that is asked for is refused with the reason."""
-    scene, said = whirled(FREE), list[str]()
-    assert explicit_integrators(scene, said.append) == ["rk4", "leapfrog"]
-    assert [words.split(":")[0:2] for words in said] == [
-        ["left out", f" {name}"] for name in ("dopri5", "generalized_alpha")
-    ]
-    assert "free hub" in said[0]
-    said.clear()
-    found = work_precision(scene, until=0.005, steps=2, instants=2, repeats=1, progress=said.append)
-    assert {point.integrator for point in found.points} == {"rk4", "leapfrog"}
-    assert sum(words.startswith("left out: ") for words in said) == 2
-    with pytest.raises(InputError, match="dopri5"):
-        work_precision(scene, ["dopri5"], until=0.005, steps=2, instants=2, repeats=1)
-    assert set(explicit_integrators(whirled(Spin(2.0)))) == {"rk4", "leapfrog", "dopri5"}
 
 
 def test_a_stability_map_varies_the_inertia() -> None:

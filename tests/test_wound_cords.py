@@ -20,6 +20,7 @@ from membrane_rs import (
     SpoolContact,
     Tether,
 )
+from membrane_rs.check.spool import spool
 from small_scenes import refused
 from test_schema import faults
 
@@ -96,6 +97,13 @@ def test_a_file_holds_it(tmp_path: Path) -> None:
     assert faults(text.replace("\nlength = ", "\n# ")) != []
     assert faults(text.replace('wound = "clockwise"', "")) != []
     assert "# wound: not set" in scene_of(Tether((R, 0.0, 0.0), (1.0, 0.0, 0.0), **CORD)).to_toml()  # type: ignore[arg-type]
+
+
+def test_it_describes_the_spool_that_it_lies_on() -> None:
+    assert list(spool(Scene(None, None, [SpoolContact(R)], [wound()]))) == []
+    (finding,) = spool(Scene(None, None, [SpoolContact(0.8 * R)], [wound()]))
+    assert "parts[0] starts its cords 0.025 m from the axis" in finding.message
+    assert Tether((R, 0.0, 0.0), (1.0, 0.0, 0.0), 8, 17.0, 1e-4).spool is None
 
 
 def test_it_is_not_made_coarser() -> None:

@@ -30,7 +30,7 @@ SHOWN = (1.0, 2.0, 4.0, 6.0)
 ACROSS, ALONG, ARM, LINK = 61.0, 91.0, 0.8, 6.0
 """Of the nutating body: moments of inertia [kg m2], places of the cords and their length [m]."""
 TIMES = np.arange(0.0, 400.0, 0.1)
-"""Of the readings of its axis [s]: modes are told apart to 1/400 of a turn a second."""
+"""Of the readings of its axis [s]: modes are separated to 1/400 of a turn a second."""
 MODEL = "okuizumi-model-1"
 INERTIA = 1e-4
 """Of a free hub of the paper's sail, about its own when stowed [kg m2]."""

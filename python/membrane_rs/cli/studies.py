@@ -34,6 +34,7 @@ from membrane_rs.cli.options import (
 
 if TYPE_CHECKING:
     from membrane_rs.study import Ablation, WorkPrecision
+    from membrane_rs.study.stability import Cell
 
 Methods = Annotated[
     str | None,
@@ -70,7 +71,7 @@ def stability(
     folder = _folder(out, f"{chosen.name}-stability")
     need("matplotlib", use="the picture of the study")
     report_audit(chosen)
-    names = explicit_integrators(chosen, tell) if integrator is None else words(integrator, "--integrators")
+    names = explicit_integrators(chosen) if integrator is None else words(integrator, "--integrators")
     cells = stability_map(
         chosen,
         parameter,
@@ -79,10 +80,7 @@ def stability(
         shares=numbers(steps, "--steps"),
         until=until,
         jobs=jobs,
-        progress=lambda cell: (tell if json else typer.echo)(
-            f"{cell.integrator:<12} {parameter} = {cell.value:<10g} dt = {cell.dt:.4g} s  "
-            f"({cell.dt / cell.limit:.2f} of the limit)  {cell.outcome}, t = {cell.time:.4g} s"
-        ),
+        progress=lambda cell: (tell if json else typer.echo)(_in_words(cell, parameter)),
     )
     for path in write_map(cells, parameter, folder, chosen.name):
         (tell if json else typer.echo)(f"Wrote {path}")
@@ -90,6 +88,15 @@ def stability(
         print_json(
             {"scene": chosen.name, "folder": str(folder), "parameter": parameter, "cells": list(map(vars, cells))}
         )
+
+
+def _in_words(cell: Cell, parameter: str) -> str:
+    """A cell of a stability map in a line."""
+    place = f"{cell.integrator:<12} {parameter} = {cell.value:<10g}"
+    if not cell.dt > 0.0:
+        return f"{place} {cell.outcome}: {cell.message}"
+    step = f"dt = {cell.dt:.4g} s  ({cell.dt / cell.limit:.2f} of the limit)"
+    return f"{place} {step}  {cell.outcome}, t = {cell.time:.4g} s"
 
 
 @command(STUDIES, example="work-precision spinning-tether --until 0.001 --steps 2 --repeats 1")

@@ -318,6 +318,11 @@ class Tether(Corded):
         """Without load [m]."""
         return self.length or math.dist(self.start, self.end or self.start)
 
+    @property
+    def spool(self) -> Spool | None:
+        """The spool on whose rim a wound cord lies."""
+        return None if self.wound is None else Spool(math.hypot(*self.start[:2]))
+
     def coarser(self, factor: int) -> tuple[str, Part] | None:
         """Cords of fewer segments; None of a wound one, which would lie otherwise and end elsewhere."""
         return super().coarser(factor) if self.wound is None else None

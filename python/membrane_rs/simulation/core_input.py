@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -45,13 +46,32 @@ class Settings:
     energy_tolerance: float = ENERGY_TOLERANCE
 
 
+FREE_HUB = "does not go with a free hub"
+"""Words of the core by which its refusal of what a free hub excludes is known."""
+_KEYS = {
+    r"^the method (\w+)": r"run.integrator = '\1':",
+    r"^substeps = (\d+)": r"run.substeps = \1:",
+    r"^the law moved": "parts of kind 'moved':",
+    r"^the law (\w+)": r"laws.\1:",
+    r"leave its inertia out": "leave laws.spin.inertia out",
+}
+"""Words of that refusal, and the keys of a scene in their place."""
+
+
 @contextmanager
-def overflow_named(scene: Scene) -> Iterator[None]:
-    """Name the cause where the core finds a stiffness that is no number: coordinates were checked, so it overflowed."""
+def refusals_named(scene: Scene) -> Iterator[None]:
+    """Name by keys of the scene what the core refuses: what does not go with a free hub, and the cause of a stiffness
+    that is no number: coordinates were checked, so it overflowed.
+    """
     try:
         yield
     except InputError as error:
-        if not str(error).startswith("the stiffness of node"):
+        text = str(error)
+        if FREE_HUB in text:
+            for words, key in _KEYS.items():
+                text = re.sub(words, key, text)
+            raise InputError(text) from None
+        if not text.startswith("the stiffness of node"):
             raise
         where, value = max(_numbers_of(scene), key=lambda item: abs(item[1]), default=("the scene", math.inf))
         raise InputError(

@@ -28,7 +28,7 @@ from membrane_rs.simulation.continuation import (
     unknown_entries,
 )
 from membrane_rs.simulation.copies import Copies
-from membrane_rs.simulation.core_input import Settings, laws_of, model_of, overflow_named, settings_of
+from membrane_rs.simulation.core_input import Settings, laws_of, model_of, refusals_named, settings_of
 from membrane_rs.simulation.readings import Readings
 
 SHORTEST_STEP = 1e-100
@@ -84,7 +84,7 @@ class Motion(KnownAttributes, Copies, Readings):
         method = scene.run.integrator if integrator is None else str(integrator)
         check_text(method, "integrator")
         assembly, step = scene.assemble(), _step_of(scene.run.dt if dt is None else dt)
-        with overflow_named(scene):
+        with refusals_named(scene):
             core = _core.Simulation(
                 model_of(scene.as_simulated, assembly),
                 laws_of(scene.as_simulated),
@@ -270,7 +270,7 @@ class Motion(KnownAttributes, Copies, Readings):
     def _stability(self) -> _core.StepLimit:
         """The limit, kept for as long as nothing moves, since it costs many steps."""
         if self._limit is None or self._limit[0] != self._now():
-            with overflow_named(self.scene):
+            with refusals_named(self.scene):
                 self._limit = self._now(), self._core.limit()
         return self._limit[1]
 

@@ -90,7 +90,7 @@ def work_precision(
     scene : Scene
         The scene. Its motion should be smooth up to the end, or `curves` be set.
     methods : sequence of str, optional
-        Integrators. Default: all that the scene goes with.
+        Integrators. Default: all. Those that cannot move a free hub are left out of a scene with one.
     until : float, optional
         Time at the end [s]. Default: the scene's.
     steps : int
@@ -134,7 +134,8 @@ def work_precision(
     ------
     InputError
         An unknown method, a number outside its range, a shift not below the shortest edge, a density that the mesh
-        cannot represent, a softening of no film or by implicit methods alone, a scene without motion.
+        cannot represent, a softening of no film or by implicit methods alone, a scene without motion, no method that
+        can run the scene.
     InputTypeError
         No scene, or no number.
     UnstableError
@@ -149,7 +150,8 @@ def work_precision(
     >>> len(found.points), found.reference_errors["position"] < 1e-6
     (4, True)
     """
-    names = _methods(methods)
+    check_kind(scene, Scene, "scene", "a Scene")
+    names, left_out = methods_of(scene, _methods(methods))
     members = (4 if curves else 0) if members is None else members
     repeats = (1 if curves else 3) if repeats is None else repeats
     steps = count_of("steps", steps, 1, MOST_LEVELS, "each is half the last, and so costs as much as all before it")
@@ -160,6 +162,7 @@ def work_precision(
     densities = _factors("densities", densities, "multiples of the scene's density, --density")
     softenings = _factors("softenings", softenings, "by which the film is softer in stretch, --softening")
     shift = _shift(shift, members, softenings)
+    explicit = _explicit(names, softenings)
     if densities and not curves:
         raise InputError(
             f"densities = {show(densities)}: meshes have different nodes, so only curves can be compared; add --curves"
@@ -169,8 +172,6 @@ def work_precision(
     count = (100 if curves else 10) if instants is None else instants
     cases = _cases(scene, until, count, densities, softenings)
     (_, film), case = next(iter(cases.items()))
-    names = names or methods_of(case.scene, tell)
-    explicit = _explicit(names, softenings)
     if members:
         check_shift(shift, case.scene)
     true = max(density for density, _ in cases), film
@@ -232,6 +233,7 @@ def work_precision(
         shift=shift,
         reference_softening=film,
         stopped_starts=stopped_starts(starts[1:], shift),
+        left_out=left_out,
     )
 
 
@@ -267,7 +269,6 @@ def _cases(
     """What is run, by density of the mesh and softening of the film: first the scene itself, with the film as it is
     where others are compared.
     """
-    check_kind(scene, Scene, "scene", "a Scene")
     scene = with_softening(scene, None) if softenings else scene
     case, film = study_case(scene, until, instants), softening_of(scene)
     found = {(1.0, film): case}
@@ -295,13 +296,12 @@ def _factors(name: str, given: object, what: str) -> tuple[float, ...]:
 
 
 def _methods(wanted: Sequence[str] | None) -> list[str]:
-    """Those that are wanted; none for all. Raises InputTypeError and InputError."""
     known = list(integrators())
-    wanted = [] if wanted is None else texts_of("methods", wanted, "a list of names of methods, such as ['rk4']")
-    for name in wanted:
+    wanted = None if wanted is None else texts_of("methods", wanted, "a list of names of methods, such as ['rk4']")
+    for name in wanted or ():
         if name not in known:
             raise InputError(f"integrators: there is no {name!r}; {nearest(name, known)}")
-    return list(dict.fromkeys(wanted))
+    return list(dict.fromkeys(wanted or known))
 
 
 def _shift(shift: float | None, members: int, softenings: Sequence[float]) -> float:

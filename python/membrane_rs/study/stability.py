@@ -21,7 +21,8 @@ from membrane_rs.errors import InputError, UnstableError
 from membrane_rs.plotting.stability_map import draw_map
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.study.common.executor import Tell, run_parallel, teller
+from membrane_rs.simulation import integrators
+from membrane_rs.study.common.executor import run_parallel
 from membrane_rs.study.common.methods import methods_of
 from membrane_rs.study.common.stages import refuse_stages
 
@@ -72,10 +73,14 @@ class _WorstError:
         pass
 
 
-def explicit_integrators(scene: Scene, progress: Tell | None = None) -> list[str]:
-    """The methods with a stability limit in this scene; `progress` says which the scene does not go with."""
-    names = methods_of(scene, teller(progress))
-    return [name for name in names if math.isfinite(Simulation(scene, name).stable_dt())]
+def explicit_integrators(scene: Scene) -> list[str]:
+    """The methods with a stability limit in this scene, those that cannot run it among them."""
+    _, left_out = methods_of(scene, integrators())
+    return [
+        name
+        for name, facts in integrators().items()
+        if math.isfinite(facts.imaginary_limit if name in left_out else Simulation(scene, name).stable_dt())
+    ]
 
 
 def stability_map(
@@ -100,7 +105,7 @@ def stability_map(
     values : sequence of float
         Its values.
     methods : sequence of str
-        Names of the methods.
+        Names of the methods. One that cannot run the scene has a refused cell for each value, without a step.
     shares : sequence of float
         Steps, in multiples of the limit predicted for `scene` under each method.
     until : float, optional
@@ -115,7 +120,8 @@ def stability_map(
     Raises
     ------
     InputError
-        No values, methods or steps, a parameter or value that the scene does not accept, a method without a limit.
+        No values, methods or steps, a parameter or value that the scene does not accept, a method without a limit, none
+        that can run the scene.
     """
     refuse_stages(scene)
     for name, given in (("values", values), ("methods", methods), ("steps", shares)):
@@ -126,6 +132,7 @@ def stability_map(
     end = scene.run.until if until is None else until
     settings = replace(scene.run, until=end, dt=None, watch=WATCH, energy_loss=1e9, snapshots=(), samples=SAMPLES)
     base = replace(scene, run=settings)
+    methods, left_out = methods_of(base, methods)
     wanted: list[tuple[Scene, str, float, float]] = []
     for integrator in methods:
         limit = Simulation(base, integrator).stable_dt()
@@ -134,8 +141,14 @@ def stability_map(
         for value in values:
             changed = base.with_values({parameter: value})
             wanted += [(changed, integrator, value, min(share * limit, end)) for share in shares]
-    stop = Event()
-    return run_parallel(
+    stop, nan = Event(), math.nan
+    refused = [
+        Cell(name, value, nan, nan, "refused", 0.0, nan, why) for name, why in left_out.items() for value in values
+    ]
+    if progress is not None:
+        for cell in refused:
+            progress(cell)
+    return refused + run_parallel(
         [lambda one=one: _run(one, accurate, stop) for one in wanted],  # type: ignore[misc]
         [f"{integrator}, {parameter} = {value}" for _, integrator, value, _ in wanted],
         stop,
@@ -182,7 +195,7 @@ def write_map(cells: Sequence[Cell], parameter: str, folder: Path, title: str = 
         table.writerow([c.integrator, *numbers, c.outcome, f"{c.time:.6g}", f"{c.energy_error:.4g}", message])
     paths = [folder / "stability.csv"]
     write_text(paths[0], text.getvalue())
-    for name in dict.fromkeys(cell.integrator for cell in cells):
+    for name in dict.fromkeys(cell.integrator for cell in cells if math.isfinite(cell.dt)):
         paths.append(folder / f"stability-{name}.png")
         rows = [cell for cell in cells if cell.integrator == name]
         columns = [(c.value, c.dt, c.limit, c.outcome, c.time) for c in rows]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -60,6 +60,8 @@ class WorkPrecision:
         Softening of the film of the reference [-]; None: as it is.
     stopped_starts : str
         A warning of perturbed starts that the monitor stopped, with the first reason; empty where it stopped none.
+    left_out : dict of str to str
+        Methods that cannot run the scene, and why.
 
     Examples
     --------
@@ -90,6 +92,7 @@ class WorkPrecision:
     shift: float = SHIFT
     reference_softening: float | None = None
     stopped_starts: str = ""
+    left_out: dict[str, str] = field(default_factory=dict)
 
     def points_of(self, line: str) -> list[Point]:
         """The points of one line.
@@ -127,6 +130,7 @@ class WorkPrecision:
             for line, orders in self.orders.items():
                 found = [self._described(line, orders[name]), *self._levelled(line, name)]
                 lines.append(f"  {line}: {', '.join(found)}")
+        lines += [f"Left out: {name}. {reason}" for name, reason in self.left_out.items()]
         lines += [f"Warning: {self.stopped_starts}"] if self.stopped_starts else []
         first = next(iter(self.labels))
         for cost, best in self.best.items():
@@ -214,6 +218,8 @@ class WorkPrecision:
                 row = [p.integrator, p.density, p.softening, p.dt, p.share, p.tolerance, p.steps, p.rejected]
                 row += [p.evaluations, p.seconds]
                 writer.writerow([*row, *p.errors.values(), p.failed_at, p.failure])
+            between = [None] * (len(names) - 1 + len(self.labels) + 1)
+            writer.writerows([name, *between, reason] for name, reason in self.left_out.items())
         write_summary(folder / "chart.json", self.as_dict())
         plot_work_precision(self._rows(), folder / "chart.png", f"{self.scene}, first {1e3 * self.until:g} ms")
 

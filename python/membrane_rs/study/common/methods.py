@@ -1,31 +1,32 @@
-"""The methods by which a scene can be run."""
+"""The methods of time integration that can run a scene."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from membrane_rs.errors import InputError
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
-from membrane_rs.simulation import integrators
-from membrane_rs.study.common.executor import Tell
+from membrane_rs.scene.hub import has_free_hub
+
+SHORT = 1e-9
+"""Share of the run that is given as a step, so that no limit is computed."""
 
 
-def methods_of(scene: Scene, tell: Tell) -> list[str]:
-    """All methods but those that the scene does not go with, as some do not with a free hub: `tell` says which, and
-    why.
+def methods_of(scene: Scene, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:
+    """Of some methods those that can run a scene, and of the others why not: some do not move a free hub.
 
-    Raises
-    ------
-    InputError
-        The scene goes with none: what the last one says.
+    Raises InputError where none of them can.
     """
-    found: list[str] = []
-    for name in (names := list(integrators())):
+    found, left_out = list(names), {}
+    if not has_free_hub(scene):
+        return found, {}
+    for name in found:
         try:
-            Simulation(scene, name)
+            Simulation(scene, name, SHORT * scene.run.until)
         except InputError as error:
-            if name == names[-1] and not found:
-                raise
-            tell(f"left out: {name}: {error}")
-        else:
-            found.append(name)
-    return found
+            left_out[name] = str(error)
+    fitting = [name for name in found if name not in left_out]
+    if found and not fitting:
+        raise InputError(left_out[found[0]])
+    return fitting, left_out
