@@ -32,7 +32,8 @@ def test_all_columns_of_runs_are_listed() -> None:
     whirled = membrane_rs.run(
         scenes.load("spinning-tether").with_values({"laws.spin.inertia": 0.01}), until=1e-3, samples=2
     )
-    named = [*sail.history, *staged.history, *whirled.history]
+    flown = membrane_rs.run("nutating-hub", until=0.01, samples=2)
+    named = [*sail.history, *staged.history, *whirled.history, *flown.history]
     of_laws = {re.sub(r"^(energy|work)_(?!of_changes|error).*", r"\1_<law>", name) for name in named}
     assert of_laws == {cells[0].strip("`") for cells in rows("Columns of the history")}
 
