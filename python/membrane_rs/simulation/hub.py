@@ -9,6 +9,7 @@ import numpy as np
 from membrane_rs import _core
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.attitude import Turn, rotation_of
+from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
 from membrane_rs.scene.hub import hub_of
 
@@ -130,7 +131,7 @@ class HubReadings:
     @property
     def hub_attitude(self) -> Floats:
         """(4,) unit quaternion (w, x, y, z) of the hub [-]: it turns vectors along its axes into those in space."""
-        return np.array(self._core.hub().attitude)
+        return frozen(np.array(self._core.hub().attitude))
 
     @property
     def hub_rotation(self) -> Floats:
@@ -138,7 +139,7 @@ class HubReadings:
 
         Of a hub whose centre of mass is displaced by the nodes that it holds, they are those but for a constant.
         """
-        return rotation_of(self.hub_attitude)
+        return frozen(rotation_of(self.hub_attitude))
 
     @property
     def hub_turn(self) -> Turn:
@@ -148,7 +149,7 @@ class HubReadings:
     @property
     def hub_displacement(self) -> Floats:
         """(3,) displacement in space of the centre of mass of hub and nodes held on it [m]; 0 of a hub on its axis."""
-        return np.array(self._core.hub().centre)
+        return frozen(np.array(self._core.hub().centre))
 
     @property
     def nutation_angle(self) -> float:
