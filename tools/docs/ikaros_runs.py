@@ -25,7 +25,7 @@ REEL = 1
 """Index of the stage in which the sail is reeled out."""
 RATE, PHASE = "deployment_rate", "phase_difference_deg"
 TERMS = ("kinetic", "stored", "work", "error")
-NAMES = ("time", "rpm", "moment", "film", "momentum", "reach", "spread", RATE, PHASE, "strain", *TERMS)
+NAMES = ("time", "rpm", "moment", "film", "momentum", "reach", "spread", RATE, PHASE, "strain", "tilt", *TERMS)
 
 
 def ikaros() -> Scene:
@@ -135,17 +135,18 @@ class Watch:
             sim.time, RPM * omega, sail, moment(x, self.film), (self.inertia + sail) * omega + relative,
             float(reach.mean()), float(np.ptp(reach)), self.corners.deployment_rate(x),
             self.corners.phase_difference(x), float(sim.spring_strains().max()),
-            *(float(ledger[term]) for term in TERMS),
+            math.degrees(sim.nutation_angle), *(float(ledger[term]) for term in TERMS),
         ))  # fmt: skip
 
 
 def watched(scene: Scene, seed: int = 0) -> dict[str, Floats]:
     """Samples of a run, by name; with a seed each free node is displaced at random by `SHIFT` at the start.
 
-    Of each sample: "time" [s], "rpm" of the hub, "moment" of the sail about the axis and that of its "film" alone
-    [kg m2], angular "momentum" of sail and hub [kg m2/s], "reach" of the corners from the axis [m] and its "spread"
-    over the four, deployment rate and phase, the largest "strain" of a spring, and the terms of the energy balance. Of
-    each stage: its "end" [s], "step" [s], "steps", and processor time, "cpu" [s]; and the number of "nodes".
+    Of each sample: "time" [s], "rpm" of the hub, "moment" of the sail about the axis and that of its "film" alone [kg
+    m2], angular "momentum" of sail and hub [kg m2/s], "reach" of the corners from the axis [m] and its "spread" over
+    the four, deployment rate and phase, the largest "strain" of a spring, the "tilt" of the axis against the angular
+    momentum [deg], and the terms of the energy balance. Of each stage: its "end" [s], "step" [s], "steps", and
+    processor time, "cpu" [s]; and the number of "nodes".
     """
     watch = Watch(scene, seed)
     sim, costs, steps, counts, start = watch.sim, [], [], [], 0.0

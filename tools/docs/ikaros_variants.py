@@ -15,6 +15,8 @@ MESHES = ((10, 6), (20, 12), (40, 24))
 """Rows and columns, each twice as fine as the one before."""
 COLUMNS = (("rpm", "spin [rpm]", ".3f"), (RATE, "rate", ".4f"), (PHASE, "phase [deg]", ".2f"))
 OWN, OTHER = "as it is", "another start"
+BODY, HEIGHT = 290.0, 0.9454
+"""Dry mass of the body [kg], and its height as one account gives it [m]."""
 LIGHT = 13.0 / 15.0
 """Mass of the film if the 15 kg of the sail hold its four tips, over that of the scene."""
 
@@ -33,6 +35,8 @@ def of_mesh(scene: Scene, rows: int, columns: int) -> Scene:
 def variants() -> dict[str, Scene]:
     """The scene with other values, by what is other."""
     scene = ikaros()
+    radius = scene.value("parts.tethers.anchor_radius")
+    transverse = BODY * (3.0 * radius**2 + HEIGHT**2) / 12.0
     changed = {
         "film softened 5": {"material.softening": 5.0},
         "film softened 30": {"material.softening": 30.0},
@@ -40,6 +44,7 @@ def variants() -> dict[str, Scene]:
         "dashpots of ratio 0.005": {"laws.spring_damping.ratio": 0.005},
         "dashpots of ratio 0.1": {"laws.spring_damping.ratio": 0.1},
         "creases 1000 times as stiff": {"laws.creases.stiffness": 1e4},
+        "hub in six degrees of freedom": {"laws.spin.mass": BODY, "laws.spin.transverse_inertia": transverse},
         "13 kg of film": {"material.density": LIGHT * scene.value("material.density")},
     }
     plain = replace(scene, run=replace(scene.run, dt=None))
@@ -56,7 +61,8 @@ def variant_table(runs: Mapping[str, Mapping[str, Floats]], reference: str) -> s
     body = [(label, *_features(run), *_distances(run, runs[reference])) for label, run in runs.items()]
     heads = (
         "run", "nodes", "step [us]", "processor time a second [s]", "least spin [rpm]", "mean, last 20 s [rpm]",
-        "trough of the phase [deg]", "at [s]", "largest strain [%]", *(f"{name}: distance" for _, name, _ in COLUMNS),
+        "trough of the phase [deg]", "at [s]", "largest strain [%]", "largest tilt [deg]",
+        *(f"{name}: distance" for _, name, _ in COLUMNS),
     )  # fmt: skip
     return table(heads, body, words=(0,))
 
@@ -67,6 +73,7 @@ def _features(run: Mapping[str, Floats]) -> Sequence[str]:
         f"{run['nodes'][0]:,.0f}", f"{1e6 * run['step'][0]:.1f}", f"{run['cpu'].sum() / run['end'][-1]:.2f}",
         f"{run['rpm'].min():.2f}", f"{run['rpm'][time >= time[-1] - 20.0].mean():.2f}", f"{run[PHASE][trough]:.1f}",
         f"{time[trough]:.1f}", f"{100.0 * run['strain'].max():.2f}",
+        f"{run['tilt'].max():.3f}" if "tilt" in run and run["tilt"].any() else "-",
     )  # fmt: skip
 
 
