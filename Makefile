@@ -83,7 +83,8 @@ deployment: $(VENV)/tools
 	$(BIN)/python tools/docs/deployment.py --write $(if $(PART),--only $(PART))
 
 # The deployment of IKAROS: tables and pictures of docs/ikaros.md, in half an hour on two cores. Runs are kept in
-# out/ikaros; PART="spin match": some of spin, needed, match, meshes, values, reeling, balance, cost.
+# out/ikaros; PART="spin match": some of spin, needed, match, meshes, values, roll, reeling, balance,
+# cost, shapes.
 ikaros: $(VENV)/tools
 	$(BIN)/python tools/docs/ikaros.py --write $(if $(PART),--only $(PART))
 

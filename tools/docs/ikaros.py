@@ -14,10 +14,11 @@ from functools import partial
 from pathlib import Path
 from threading import Event
 
-from ikaros_balance import balance_table, cost_table, reeling_table
+from ikaros_balance import balance_table, cost_table, reeling_table, roll_table
 from ikaros_momentum import match_table, needed_table, spin_table, states_of
 from ikaros_pictures import draw_second_stage, draw_spin
-from ikaros_runs import film_masses, finer, ikaros, of_inertia, watched, whole
+from ikaros_runs import film_masses, finer, ikaros, in_time, of_inertia, watched, whole
+from ikaros_shapes import write_shapes
 from ikaros_variants import MESHES, OTHER, OWN, mesh_name, of_mesh, variant_table, variants
 from kept import kept, slug
 from marked import DOCS, MarkedPart
@@ -25,11 +26,15 @@ from membrane_rs import Scene
 from membrane_rs._arrays import Floats
 from membrane_rs.study.common.executor import run_parallel
 
-NAMES = ("spin", "needed", "match", "meshes", "values", "reeling", "balance", "cost")
+NAMES = ("spin", "needed", "match", "meshes", "values", "roll", "reeling", "balance", "cost")
 PARTS = {name: MarkedPart(DOCS / "ikaros.md", f"ikaros-{name}") for name in NAMES}
 INERTIAS = (72.0, 90.0, 108.0)
 """Of the hub: the scenes' own and 20 % to either side [kg m2]."""
 OWN_INERTIA = INERTIAS[1]
+DURATIONS = (30.0, 60.0, 240.0)
+"""Of the reeling out, besides that of the scene [s]."""
+FINER, SHAPES = "twice as fine", "shapes"
+"""A run; and what `--only` calls contact sheets and film, which are pictures alone."""
 Run = Mapping[str, Floats]
 
 
@@ -53,10 +58,13 @@ class Runs:
         found = self.of({f"{one:g} kg m2": (of_inertia(whole(), one), 0) for one in INERTIAS})
         return dict(zip(INERTIAS, found.values(), strict=True))
 
-    def reelings(self) -> dict[str, Run]:
-        """The whole deployment on its own mesh and on a finer one."""
-        fine = self.of({"twice as fine": (finer(whole()), 0)})
-        return {"as it is": self.wholes()[OWN_INERTIA], **fine}
+    def reelings(self) -> dict[str, tuple[Scene, Run]]:
+        """The whole deployment as it is, from another start, on a finer mesh and in other times, with their scenes."""
+        scene = whole()
+        others = {OTHER: (scene, 1), FINER: (finer(scene), 0)}
+        others |= {f"in {duration:g} s": (in_time(scene, duration), 0) for duration in DURATIONS}
+        made = {OWN: self.wholes()[OWN_INERTIA], **self.of(others)}
+        return {label: (others.get(label, (scene, 0))[0], run) for label, run in made.items()}
 
     def meshes(self) -> dict[str, Run]:
         """The second stage on each mesh."""
@@ -71,7 +79,7 @@ class Runs:
 def spin_part(runs: Runs, picture: Path) -> str:
     """The table of spin and its picture."""
     found = runs.wholes()
-    draw_spin(found, states_of(whole(), found[OWN_INERTIA]), [stage.name for stage in whole().stages], picture)
+    draw_spin(found, states_of(whole(), found[OWN_INERTIA]), stage_names(), picture)
     return spin_table(whole(), found)
 
 
@@ -103,21 +111,30 @@ def values_part(runs: Runs, picture: Path) -> str:
     return variant_table(found, OWN)
 
 
+def roll_part(runs: Runs, _: Path) -> str:
+    """What holds the roll together."""
+    return roll_table(whole(), runs.wholes()[OWN_INERTIA])
+
+
 def reeling_part(runs: Runs, _: Path) -> str:
-    """The reeling out on both meshes."""
-    return reeling_table(whole(), runs.reelings())
+    """The reeling out on both meshes and in other times."""
+    return reeling_table(runs.reelings())
 
 
 def balance_part(runs: Runs, _: Path) -> str:
-    """Momentum and energy of each run."""
-    wholes = {f"`ikaros-whole`, {one:g} kg m2": run for one, run in runs.wholes().items()}
-    return balance_table({**wholes, "`ikaros`": runs.values()[OWN]})
+    """Momentum and energy of each stage of both scenes."""
+    return balance_table({"`ikaros-whole`": runs.wholes()[OWN_INERTIA], "`ikaros`": runs.values()[OWN]}, stage_names())
 
 
 def cost_part(runs: Runs, _: Path) -> str:
     """Steps and processor time."""
-    wholes = {f"`ikaros-whole`, {name}": run for name, run in runs.reelings().items()}
-    return cost_table(whole(), {**wholes, "`ikaros`": runs.values()[OWN]})
+    wholes = {f"`ikaros-whole`, {name}": runs.reelings()[name][1] for name in (OWN, FINER)}
+    return cost_table({**wholes, "`ikaros`": runs.values()[OWN]}, stage_names())
+
+
+def stage_names() -> list[str]:
+    """Those of the whole deployment."""
+    return [stage.name for stage in whole().stages]
 
 
 MAKERS: dict[str, Callable[[Runs, Path], str]] = {
@@ -126,6 +143,7 @@ MAKERS: dict[str, Callable[[Runs, Path], str]] = {
     "match": match_part,
     "meshes": meshes_part,
     "values": values_part,
+    "roll": roll_part,
     "reeling": reeling_part,
     "balance": balance_part,
     "cost": cost_part,
@@ -135,7 +153,8 @@ MAKERS: dict[str, Callable[[Runs, Path], str]] = {
 def main() -> None:
     """Make the tables and pictures, or some of them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--only", nargs="+", choices=MAKERS, default=list(MAKERS), help="the tables to make")
+    every = [*MAKERS, SHAPES]
+    parser.add_argument("--only", nargs="+", choices=every, default=every, help="the tables and pictures to make")
     parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/ikaros"), help="folder of the results")
     parser.add_argument("--write", action="store_true", help="write into docs/")
@@ -144,8 +163,11 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     runs = Runs(options.out, options.jobs)
     for name in options.only:
-        picture = options.out / f"ikaros-{name}.png"
-        PARTS[name].publish(MAKERS[name](runs, picture), picture, write=options.write)
+        if name in MAKERS:
+            picture = options.out / f"ikaros-{name}.png"
+            PARTS[name].publish(MAKERS[name](runs, picture), picture, write=options.write)
+        elif options.write:
+            write_shapes(options.out)
     print(f"{time.perf_counter() - began:.0f} s")
 
 

@@ -90,6 +90,16 @@ def finer(scene: Scene) -> Scene:
     return replace(scene, bodies=bodies, stages=stages)
 
 
+def in_time(scene: Scene, duration: float) -> Scene:
+    """The whole deployment, reeled out in another time [s]."""
+    stages = list(scene.stages)
+    schedule = stages[REEL].set["bodies.bars.turn"]
+    assert isinstance(schedule, Schedule)
+    turned = replace(schedule, times=(0.0, duration))
+    stages[REEL] = replace(stages[REEL], duration=duration, set={**stages[REEL].set, "bodies.bars.turn": turned})
+    return replace(scene, stages=stages)
+
+
 def film_masses(scene: Scene) -> Floats:
     """Masses of the nodes of the mesh by the film alone [kg]."""
     assert scene.mesh is not None

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from ikaros_runs import PHASE, RATE, ikaros, sail_of
-from membrane_rs import Scene
+from membrane_rs import Scene, Tethers
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 
 MESHES = ((10, 6), (20, 12), (40, 24))
 """Rows and columns, each twice as fine as the one before."""
 COLUMNS = (("rpm", "spin [rpm]", ".3f"), (RATE, "rate", ".4f"), (PHASE, "phase [deg]", ".2f"))
-OWN, OTHER = "as it is", "another start"
+OWN, OTHER, HALF = "as it is", "another start", "half the step"
 BODY, HEIGHT = 290.0, 0.9454
 """Dry mass of the body [kg], and its height as one account gives it [m]."""
 LIGHT = 13.0 / 15.0
@@ -40,6 +41,8 @@ def variants() -> dict[str, Scene]:
     changed = {
         "film softened 5": {"material.softening": 5.0},
         "film softened 30": {"material.softening": 30.0},
+        "tips of 0.6 kg": {"parts.0.mass": 0.6},
+        "tethers longer by half": {"parts.tethers.length": 1.5 * tether_length(scene)},
         "ten times the modulus of the tethers": {"parts.tethers.axial_stiffness": 2e4},
         "dashpots of ratio 0.005": {"laws.spring_damping.ratio": 0.005},
         "dashpots of ratio 0.1": {"laws.spring_damping.ratio": 0.1},
@@ -48,7 +51,15 @@ def variants() -> dict[str, Scene]:
         "13 kg of film": {"material.density": LIGHT * scene.value("material.density")},
     }
     plain = replace(scene, run=replace(scene.run, dt=None))
-    return {label: plain.with_values(values) for label, values in changed.items()}
+    assert scene.run.dt is not None
+    halved = {HALF: scene.with_values({"run.dt": 0.5 * scene.run.dt})}
+    return halved | {label: plain.with_values(values) for label, values in changed.items()}
+
+
+def tether_length(scene: Scene) -> float:
+    """That of the scene's tethers, from the rim of the hub to the inner corners of the flat sail [m]."""
+    tethers = next(part for part in scene.parts if isinstance(part, Tethers))
+    return float(sail_of(scene).inner_width) / math.sqrt(2.0) - float(tethers.anchor_radius)
 
 
 def distance(one: Mapping[str, Floats], other: Mapping[str, Floats], column: str) -> float:
