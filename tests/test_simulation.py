@@ -244,13 +244,11 @@ def test_the_default_step_is_below_the_limit_and_fits_round_times() -> None:
         scene = scenes.load(name)
         if scene.run.dt is not None:
             continue
-        sim = Simulation(scene)
+        sim, high = Simulation(scene), Simulation(scene, "rk4")
         assert sim.dt <= 0.4 * sim.stable_dt() * (1 + 1e-9)
         # Of cords under load the error of leapfrog may bound its step before stability does.
-        of_high_order = Simulation(scene, "rk4")
-        assert of_high_order.dt > 0.2 * of_high_order.stable_dt()
-        whole = 0.1 if sim.dt < 1e-3 else 1.0
-        assert whole / sim.dt == pytest.approx(round(whole / sim.dt), abs=1e-6)
+        assert high.dt > 0.2 * high.stable_dt()
+        assert (count := (0.1 if sim.dt < 1e-3 else 1.0) / sim.dt) == pytest.approx(round(count), abs=1e-6)
         assert sim.limiting_part.split()[0] in sim.energies() or sim.limiting_part.split()[0] in LAWS
 
 
