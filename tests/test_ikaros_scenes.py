@@ -61,18 +61,6 @@ def test_the_hub_gives_its_momentum_to_the_sail() -> None:
         assert sim.hub_rate != rate
 
 
-def test_two_unknowns_match_two_spins() -> None:
-    """Of known film and hub, the spins by their balance give film and hub back."""
-    film, inertia = 1.3, 61.0
-    moments = [(7.0, 2.0), (120.0, 60.0), (500.0, 200.0)]
-    total = [inertia + film * own + rest for own, rest in moments]
-    states = [
-        momentum.State("", slice(0, 1), *pair, momentum.BEFORE * total[0] / one)
-        for pair, one in zip(moments, total, strict=True)
-    ]
-    assert momentum.matching(*states) == pytest.approx((film, inertia))
-
-
 def test_flat_moments_are_those_of_a_square_with_a_hole_and_of_its_tips() -> None:
     film, rest = runs.flat_moments(scenes.load("ikaros"))
     assert film == pytest.approx(15.0 * (14.0**2 + 3.8**2) / 6.0, rel=0.01)
