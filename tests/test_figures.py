@@ -144,6 +144,13 @@ def test_units_of_recorded_measures_are_shown() -> None:
     assert labels(figure) == ["Spread [mm]"]
 
 
+def test_columns_of_several_units_share_a_panel() -> None:
+    """Without a label of its axis: the legend names them."""
+    figure = plot_history(table(), [("hub_torque", "kinetic_energy")])
+    assert labels(figure) == [""]
+    assert len(names(figure)) == 2
+
+
 def test_an_ensemble_is_a_mean_and_a_band() -> None:
     members = [table(scale=scale) for scale in (1.0, 2.0, 3.0)]
     short = {name: values[:25] for name, values in table(scale=6.0).items()}

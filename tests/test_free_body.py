@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from membrane_rs import RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
 from membrane_rs.analysis.attitude import turn_at, turned
+from membrane_rs.check import audit
 from membrane_rs.errors import InputError
 from membrane_rs.plotting import plot_momentum
 from membrane_rs.results import read_history, read_summary
@@ -172,3 +173,35 @@ def test_torque_of_a_motor_turns_a_body() -> None:
     sim.reach(1e-3)
     assert sim.hub_rate == pytest.approx(0.9 / 9.0 * 1e-3, rel=1e-6)
     assert sim.hub_motor().power == pytest.approx(0.9 * sim.hub_rate)
+
+
+def test_a_tumble_is_that_of_the_start_alone() -> None:
+    """In later stages it has no effect, and is refused there; what the first stage sets changes no energy later."""
+    later = Stage("later", 0.1, set={"laws.spin.tumble": 1.0})
+    words = r"stages\[1\]: laws.spin.tumble = 1.0: has no effect: a hub goes on at the rates that it has; leave it out"
+    driven = replace(BODY, inertia=None, mass=None, transverse_inertia=None, tumble=None)
+    of_body = {f"laws.spin.{name}": getattr(BODY, name) for name in ("inertia", "mass", "transverse_inertia")}
+    freed = replace(later, set={**of_body, "laws.spin.tumble": 1.0})
+    for spin, stage in ((BODY, later), (driven, freed)):
+        with pytest.raises(InputError, match=words):
+            Simulation(flown(spin, (Stage("first", 0.1), stage)))
+    first, last = Stage("first", 0.1, set={"laws.spin.tumble": 1.0}), Stage("last", 0.1)
+    scene = flown(replace(BODY, tumble=None), (first, last))
+    assert scene.staged(1).law("spin") == replace(BODY, tumble=1.0)
+    sim = Simulation(scene)
+    sim.run()
+    assert sim.is_over
+    assert sum(map(abs, sim.ledger()["changes"].values())) < 1e-9 * sim.energies()["kinetic"]
+    taken = dict.fromkeys(("laws.spin.mass", "laws.spin.transverse_inertia", "laws.spin.tumble"))
+    about_axis = flown(BODY, (Stage("first", 0.1), Stage("axis", 0.1, set=taken)))
+    assert about_axis.staged(1).law("spin") == Spin(0.2, inertia=9.0)
+
+
+def test_a_tumble_that_is_hardly_meant_is_doubted() -> None:
+    def doubts(tumble: float) -> list[str]:
+        findings = audit(flown(replace(BODY, tumble=tumble)), costly=False).findings
+        return [finding.message for finding in findings if finding.kind == "implausible_value"]
+
+    assert doubts(0.02) == []
+    for sign in (1.0, -1.0):
+        assert "laws.spin.tumble = 1000 Hz: the rim, 2 m from the axis, would move at" in doubts(1e3 * sign)[0]

@@ -145,6 +145,8 @@ def _small(style: Style) -> float:
 
 def _width_of_text(text: str) -> float:
     """In the font of legends [pt]; inside the context of the style."""
+    if not text:
+        return 0.0
     from matplotlib import rcParams
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath

@@ -20,6 +20,10 @@ class Hub(Protocol):
         """Mass of a hub that is free in six degrees of freedom [kg]; None: it turns about its axis."""
 
     @property
+    def tumble(self) -> float | None:
+        """Turns per second of that hub about x at the start [Hz]; None: none."""
+
+    @property
     def schedule(self) -> Schedule | None:
         """Turns per second of a driven hub [Hz], where a schedule gives them."""
 

@@ -165,11 +165,14 @@ class Spin(Law):
         return replaced.get(name, ())
 
     def check_set(self, given: Law, names: Collection[str], *, is_first: bool) -> None:
-        """Refuse a frequency that a free hub does not start at, and a default in place of a schedule."""
+        """Refuse a frequency and a tumble that a free hub does not start at, and a default in place of a schedule."""
         if self.inertia is not None and not is_first and "frequency" in names:
             what = "has no effect: a free hub goes on at the rate that it has; leave it out here"
             remedy = "set it in the scene or in the first stage, or change the rate by a torque"
             raise InputError(f"Spin.frequency = {self.frequency!r}: {what}, {remedy} (Hz)")
+        if self.tumble is not None and not is_first and "tumble" in names:
+            what = "has no effect: a hub goes on at the rates that it has; leave it out here"
+            raise InputError(f"Spin.tumble = {self.tumble!r}: {what}, set it in the scene or in the first stage (Hz)")
         had_schedule = given.hub is not None and given.hub.schedule is not None
         starts = self.inertia is None or is_first
         if had_schedule and starts and "inertia" in names and not {"frequency", "schedule"} & {*names}:
@@ -178,14 +181,16 @@ class Spin(Law):
             raise InputError(f"Spin.inertia = {show(self.inertia)}: {what}; {remedy}")
 
     def carried(self, before: Callable[[], Law | None], time: float) -> Spin:
-        """A free hub goes on at the rate that it has: as far as it is known before a run, that at which it was set
+        """A free hub goes on at the rates that it has: as far as they are known before a run, those at which it was set
         free.
         """
         if self.inertia is None:
             return self
         law = before()
-        rate = 0.0 if law is None or law.hub is None else law.hub.planned_turning(time)
-        return replace(self, frequency=rate)
+        hub = None if law is None else law.hub
+        rate = 0.0 if hub is None else hub.planned_turning(time)
+        tumble = None if hub is None or self.mass is None else hub.tumble
+        return replace(self, frequency=rate, tumble=tumble)
 
     def while_held(self, rate: float) -> Spin:
         """A hub that turns at the rate that a free one has."""
@@ -278,15 +283,17 @@ class Spin(Law):
         if scene.material is not None and scene.mesh is not None:
             tearing = math.sqrt(STRETCHED * scene.material.youngs_modulus / scene.material.density)
             fastest = min(FASTEST, tearing)
-        speed = 2.0 * math.pi * highest * radius
-        if speed > fastest:
-            reason = f"the rim, {radius:.4g} m from the axis, would move at {speed:.4g} m/s; beyond {fastest:.4g} m/s "
-            reason += "it is torn" if fastest < FASTEST else "rotors burst"
-            most = fastest / (2.0 * math.pi * radius)
-            derived: tuple[str, ...] = FILM if fastest < FASTEST else ("mesh", "parts")
-            derived += () if self.torque is None else (f"{where}.inertia",)
-            place = f"{where}.{self._fastest_by(highest)}"
-            yield from implausible(place, highest, "Hz", reason, most=most, units=RATES, derived_from=derived)
+        tumble = () if self.tumble is None else (("tumble", abs(self.tumble)),)
+        for name, rate in ((self._fastest_by(highest), highest), *tumble):
+            speed = 2.0 * math.pi * rate * radius
+            if speed > fastest:
+                reason = f"the rim, {radius:.4g} m from the axis, would move at {speed:.4g} m/s; beyond "
+                reason += f"{fastest:.4g} m/s " + ("it is torn" if fastest < FASTEST else "rotors burst")
+                most = fastest / (2.0 * math.pi * radius)
+                derived: tuple[str, ...] = FILM if fastest < FASTEST else ("mesh", "parts")
+                derived += () if self.torque is None else (f"{where}.inertia",)
+                place = f"{where}.{name}"
+                yield from implausible(place, rate, "Hz", reason, most=most, units=RATES, derived_from=derived)
         yield from self._implausible_inertia(sail, where)
         turns = self._turns(scene.run.until)
         if turns > 0.0:
