@@ -10,7 +10,7 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
+from membrane_rs import Fixed, RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
 from membrane_rs.analysis.attitude import turn_at, turned
 from membrane_rs.check import audit
 from membrane_rs.errors import InputError
@@ -97,6 +97,28 @@ def test_a_stage_goes_on_with_the_whole_motion() -> None:
     assert staged.positions == pytest.approx(whole.positions, abs=1e-6)
     assert staged.hub_attitude == pytest.approx(whole.hub_attitude, abs=1e-6)
     assert staged.hub_displacement == pytest.approx(whole.hub_displacement, abs=1e-6)
+
+
+@pytest.mark.parametrize("anchor", [(0.4, 0.1, 0.0), (0.0, 0.4, 0.1), (0.4, -0.2, 0.1)])
+def test_a_cord_may_be_held_anywhere(anchor: tuple[float, float, float]) -> None:
+    """The mass of its end tilts the principal axes of the hub in any way."""
+    x, y, z = anchor
+    cord = Tether(anchor, (3.0 * x, 3.0 * y, 3.0 * z), 1, 500.0, 0.5, tip_mass=0.1)
+    sim = Simulation(replace(flown(BODY), parts=[cord]))
+    before = sim.angular_momentum().in_space
+    sim.reach(0.5)
+    assert np.linalg.norm(sim.angular_momentum().in_space - before) < 1e-12 * np.linalg.norm(before)
+
+
+def test_a_stage_that_lets_a_node_go_keeps_the_momentum() -> None:
+    cords = [Tether((x, 0.0, 0.0), (3.5 * x, 0.0, 0.0), 2, 500.0, 0.1, tip_mass=0.1) for x in (0.4, -0.4)]
+    stages = (Stage("held", 0.2), Stage("let go", 0.2, without=["hold"]))
+    sim = Simulation(replace(flown(BODY), stages=stages, parts=[*cords, Fixed([2], name="hold")]))
+    before, changes = sim.angular_momentum().in_space, []
+    for instant in (0.2 - 1e-9, 0.2, 0.4):
+        sim.reach(instant)
+        changes.append(np.linalg.norm(sim.angular_momentum().in_space - before))
+    assert max(changes) < 1e-9 * np.linalg.norm(before)
 
 
 def test_a_hub_may_be_let_go_from_its_axis() -> None:

@@ -45,13 +45,8 @@ fn taut(specs: &[LawSpec], integrator: &str, dt: f64) -> Simulation {
 /// Momentum of the nodes and of a hub in six degrees of freedom in space \[kg m/s\].
 fn linear(simulation: &Simulation, mass: f64) -> Vector3<f64> {
     let [_, w, x, y, z, _, _, _, wx, wy, wz, u, v, s] = simulation.hub_state();
-    let (rates, centre) = (Vector3::new(wx, wy, wz), Vector3::new(u, v, s));
-    // The held nodes have moved the centre of mass; the velocity of the origin is that of the hub's own.
+    let (rates, origin) = (Vector3::new(wx, wy, wz), Vector3::new(u, v, s));
     let (masses, positions) = (simulation.masses(), simulation.positions());
-    let held: Vec<usize> = vec![6, masses.len() - 1];
-    let all = held.iter().map(|&node| masses[node]).sum::<f64>() + mass;
-    let place = held.iter().map(|&node| Vector3::from(positions[node]) * masses[node]).sum::<Vector3<f64>>() / all;
-    let origin = centre - rates.cross(&place);
     let of_node = |node: usize| {
         masses[node]
             * (Vector3::from(simulation.velocities()[node]) + rates.cross(&Vector3::from(positions[node])) + origin)

@@ -31,8 +31,9 @@ impl Simulation {
     /// Quaternion (w, x, y, z) from components of the hub to those in space, and the displacement of its centre of mass
     /// \[m\].
     pub fn hub_pose(&self) -> ([f64; 4], [f64; 3]) {
-        let [_, w, x, y, z, cx, cy, cz, ..] = self.hub_state();
-        ([w, x, y, z], [cx, cy, cz])
+        let [_, w, x, y, z, ..] = self.hub_state();
+        let centre = self.mechanics.spin.hub.as_ref().map_or_else(Vector3::zeros, |hub| hub.motion.centre);
+        ([w, x, y, z], centre.into())
     }
 
     /// Angular momenta of the hub and of all nodes \[kg m2/s\], in components along the axes of the hub: about the
