@@ -227,3 +227,15 @@ def test_a_tumble_that_is_hardly_meant_is_doubted() -> None:
     assert doubts(0.02) == []
     for sign in (1.0, -1.0):
         assert "laws.spin.tumble = 1000 Hz: the rim, 2 m from the axis, would move at" in doubts(1e3 * sign)[0]
+
+
+def test_a_tilted_body_does_not_go_on_upright() -> None:
+    tilted = Simulation(flown(BODY))
+    tilted.reach(0.5)
+    for spin in (Spin(0.2), Spin(0.2, inertia=9.0)):
+        with pytest.raises(InputError, match=r"tilt of the hub.* six degrees of freedom"):
+            Simulation(flown(spin), start=tilted)
+    gone: dict[str, Any] = dict.fromkeys(("laws.spin.mass", "laws.spin.transverse_inertia", "laws.spin.tumble"))
+    staged = Simulation(flown(BODY, (Stage("body", 0.1), Stage("upright", 0.1, set=gone))))
+    with pytest.raises(InputError, match="tilt of the hub"):
+        staged.reach(0.2)

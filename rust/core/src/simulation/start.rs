@@ -6,9 +6,12 @@ use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
 use crate::error::{Error, Result};
 use crate::evaluation::ledger::Ledger;
-use crate::model::checks::finite;
+use crate::model::checks::{finite, within};
 use crate::model::hub_motion::{HubMotion, NUMBERS, driven};
 use crate::model::mesh::check_finite;
+
+/// Largest tilt, rate across the axis \[rad/s\] and displacement \[m\] with which a hub goes on upon its axis.
+const UPRIGHT: f64 = 1e-9;
 
 impl Simulation {
     /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest, and
@@ -55,6 +58,11 @@ impl Simulation {
         finite("time at the start [s]", time)?;
         hub.iter().try_for_each(|number| finite("number of the state of the hub at the start", *number))?;
         let hub = HubMotion::from_numbers(hub).unwrap_or_default();
+        if !self.mechanics.spin.hub.as_ref().is_some_and(|hub| hub.is_body()) {
+            let tilt = hub.attitude.i.hypot(hub.attitude.j).max(hub.change.xy().norm()).max(hub.centre.norm());
+            let range = "a hub on an axis is upright there; start it in six degrees of freedom, with a mass";
+            within("tilt of the hub, its rate or its displacement at the start", tilt, tilt < UPRIGHT, range)?;
+        }
         self.set_motion(positions, velocities)?;
         self.output = None;
         // A start at a jump is after it, whatever rounding says.
