@@ -112,7 +112,7 @@ def test_a_cord_may_be_held_anywhere(anchor: tuple[float, float, float]) -> None
 
 def test_a_stage_that_lets_a_node_go_keeps_the_momentum() -> None:
     cords = [Tether((x, 0.0, 0.0), (3.5 * x, 0.0, 0.0), 2, 500.0, 0.1, tip_mass=0.1) for x in (0.4, -0.4)]
-    stages = (Stage("held", 0.2), Stage("let go", 0.2, without=["hold"]))
+    stages = (Stage("held", 0.2), Stage("let go", 0.2, without=("hold",)))
     sim = Simulation(replace(flown(BODY), stages=stages, parts=[*cords, Fixed([2], name="hold")]))
     before, changes = sim.angular_momentum().in_space, []
     for instant in (0.2 - 1e-9, 0.2, 0.4):

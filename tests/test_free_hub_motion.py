@@ -13,6 +13,7 @@ import pytest
 from membrane_rs import (
     AirDrag,
     InputError,
+    MassDamping,
     RunSettings,
     Scene,
     Schedule,
@@ -253,3 +254,24 @@ def test_air_takes_momentum() -> None:
     found = run(replace(scene, run=RunSettings(until=0.02, integrator="rk4")))
     assert found.summary["momentum_error"] is None
     assert "hub_rate" in found.history
+
+
+def test_a_slow_change_of_shape_takes_the_energy_that_momentum_leaves() -> None:
+    """A mass creeps out along a soft cord: w1 = w0 (I + J0)/(I + J1), and L^2/2 (1/(I + J0) - 1/(I + J1)) is lost or
+    stored.
+    """
+    inertia, mass = 2e-3, 0.05
+    cord = Tether((0.1, 0.0, 0.0), (0.2, 0.0, 0.0), 1, 2.0, 0.0, tip_mass=mass, strain_limit=10.0)
+    run = RunSettings(until=20.0, integrator="leapfrog", dt=2e-4)
+    sim = Simulation(Scene(None, None, [Spin(2.0, inertia=inertia), MassDamping(100.0)], [cord], run=run))
+    rate, start = sim.hub_rate, mass * 0.2**2
+    sim.reach(20.0)
+    end = mass * float(np.square(sim.positions[1, :2]).sum())
+    assert end > 1.5 * start
+    assert sim.hub_rate == pytest.approx(rate * (inertia + start) / (inertia + end), rel=2e-6)
+    momentum = rate * (inertia + start)
+    freed = 0.5 * momentum**2 * (1.0 / (inertia + start) - 1.0 / (inertia + end))
+    ledger = sim.ledger()
+    lost, stored = -ledger["work_by_law"]["mass_damping"], ledger["stored_by_law"]["tethers"]
+    assert min(lost, stored) > 0.1 * freed
+    assert lost + stored == pytest.approx(freed, rel=1e-4)
