@@ -3,6 +3,7 @@
 use super::mechanics::Mechanics;
 use crate::arrays::history::History;
 use crate::arrays::state::PhasePoint;
+use crate::laws::{HistoryDependent, Instant};
 use crate::model::hub_motion::HubMotion;
 
 impl Mechanics {
@@ -42,31 +43,27 @@ impl Mechanics {
     /// Passes the initial state of a step to each law with a history.
     #[inline]
     pub(crate) fn begin(&mut self, point: PhasePoint<'_>) {
-        let at = self.instant(point);
-        for &row in &self.history_dependent {
-            if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.begin(at);
-            }
-        }
+        self.pass(point, |law, at| law.begin(at));
     }
 
     /// Passes the end of an accepted step to each law with a history.
     #[inline]
     pub(crate) fn accept(&mut self, point: PhasePoint<'_>) {
-        let at = self.instant(point);
-        for &row in &self.history_dependent {
-            if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.accept(at);
-            }
-        }
+        self.pass(point, |law, at| law.accept(at));
     }
 
     /// Passes the state after a jump of schedules to each law with a history.
     pub(crate) fn restart_paths(&mut self, point: PhasePoint<'_>) {
+        self.pass(point, |law, at| law.restart_paths(at));
+    }
+
+    /// Passes a state to each law with a history.
+    #[inline]
+    fn pass<'a>(&mut self, point: PhasePoint<'a>, to: impl Fn(&mut dyn HistoryDependent, Instant<'a>)) {
         let at = self.instant(point);
         for &row in &self.history_dependent {
             if let Some(law) = self.laws[row].history_dependent_mut() {
-                law.restart_paths(at);
+                to(law, at);
             }
         }
     }

@@ -75,7 +75,7 @@ impl Mechanics {
     }
 
     /// The load, with the torque of the loads from outside on all nodes \[N m\].
-    fn load_with(&self, outside: f64, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
+    pub(super) fn load_with(&self, outside: f64, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
         let Some(hub) = &self.spin.hub else { return Load::default() };
         let (x, a, masses) = (columns(at.positions), columns(accelerations), self.masses.as_slice());
         let centre = hub.centre();
@@ -94,16 +94,12 @@ impl Mechanics {
         }
     }
 
+    /// See `System::hub_power`.
     pub(super) fn add_hub_power(&self, time: f64, powers: &mut [f64]) {
         let (Some(row), Some(hub)) = (self.hub_row, &self.spin.hub) else { return };
         let rate = hub.rates().z;
         powers[row] += rate * hub.motor_torque(self.spin.time_of(time));
         powers.iter_mut().zip(&self.outside_torques).for_each(|(power, torque)| *power += rate * torque);
-    }
-
-    /// The same, after an evaluation that has noted those torques.
-    pub(super) fn load_on_hub(&self, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
-        self.load_with(self.outside_torques.iter().sum(), at, accelerations)
     }
 
     /// Sets the accelerations of the frame of a free hub, for readings.

@@ -355,7 +355,7 @@ impl System for Mechanics {
     }
 
     fn hub_load(&self, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
-        self.load_on_hub(at, accelerations)
+        self.load_with(self.outside_torques.iter().sum(), at, accelerations)
     }
 
     fn hub_power(&self, time: f64, powers: &mut [f64]) {

@@ -14,7 +14,8 @@ use std::ops::Range;
 use serde::Deserialize;
 
 use super::{
-    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass,
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, OF_AXIS_ALONE, Properties,
+    WorkClass,
 };
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
@@ -293,8 +294,8 @@ impl Law for AirDrag {
         (self.air == AirMotion::Still).then_some(self.torque)
     }
 
-    fn resists_frame(&self) -> bool {
-        true
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        is_body.then_some(OF_AXIS_ALONE)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use serde::Deserialize;
 
-use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, Properties, WorkClass};
+use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, OF_AXIS_ALONE, Properties, WorkClass};
 use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
@@ -103,8 +103,12 @@ impl Law for Gravity {
         true
     }
 
-    fn turns_in_frame(&self) -> bool {
-        self.acceleration[..2] != [0.0; 2]
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        if is_body {
+            return Some(OF_AXIS_ALONE);
+        }
+        let is_along_axis = self.acceleration[..2] == [0.0; 2];
+        (!is_along_axis).then_some("a weight along the axis alone has no torque about it")
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {

@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use serde::Deserialize;
 
-use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass};
+use super::{
+    Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, OF_AXIS_ALONE, Properties, WorkClass,
+};
 use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::{NodeVectors, columns, columns_mut, rows};
 use crate::error::Result;
@@ -73,8 +75,8 @@ impl Law for MassDamping {
         Some(self)
     }
 
-    fn resists_frame(&self) -> bool {
-        true
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        is_body.then_some(OF_AXIS_ALONE)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

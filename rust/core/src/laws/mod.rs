@@ -44,6 +44,9 @@ pub(crate) use moved::Prescribed;
 pub use nodal::NodalLaw;
 pub use spring_damping::{DashpotMass, Limited};
 
+/// The remedy for a law that goes with a hub on its axis, and not with one in six degrees of freedom.
+const OF_AXIS_ALONE: &str = "leave it out, or let the hub turn about its axis alone";
+
 /// The role of the work of a law in the energy balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkClass {
@@ -142,14 +145,9 @@ pub trait Law: Send + Sync {
         false
     }
 
-    /// Whether it is a uniform field with a component across the axis, which turns in the frame.
-    fn turns_in_frame(&self) -> bool {
-        false
-    }
-
-    /// Whether it damps motion relative to the turning frame, on nodes that the hub does not touch.
-    fn resists_frame(&self) -> bool {
-        false
+    /// Why it does not go with a free hub, as a remedy; `is_body`: with one in six degrees of freedom.
+    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+        None
     }
 
     /// Whether it is the law of the frame.

@@ -164,6 +164,10 @@ impl Law for Moved {
         Some(self)
     }
 
+    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+        Some("move bodies in place of nodes")
+    }
+
     fn remedy(&self) -> &'static str {
         "check the schedules of the moved nodes: move them less, over a longer time, or with more easing"
     }

@@ -12,7 +12,9 @@
 
 use serde::Deserialize;
 
-use super::{Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
+use super::{
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass,
+};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{JacobianBlocks, at, cross_matrix};
 use crate::arrays::state::NodeVectors;
@@ -134,6 +136,10 @@ impl Law for Pressure {
 
     fn outside_torque(&self) -> Option<f64> {
         Some(self.torque)
+    }
+
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        is_body.then_some(OF_AXIS_ALONE)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

@@ -161,16 +161,6 @@ impl Hub {
         self.centre
     }
 
-    /// Mass \[kg\]; 0 for a hub on its axis.
-    pub fn mass(&self) -> f64 {
-        self.mass
-    }
-
-    /// Tensor of inertia about the centre of mass \[kg m2\], of a hub on its axis that about the axis alone.
-    pub fn inertia(&self) -> Matrix3<f64> {
-        self.inertia
-    }
-
     /// Rates \[rad/s\].
     pub fn rates(&self) -> Vector3<f64> {
         self.start + self.motion.change
@@ -226,12 +216,8 @@ impl Hub {
     /// Angular momentum without the nodes held on it \[kg m2/s\], about a point from which the origin of the frame lies
     /// at `origin`; of a hub on its axis about that. Its own centre of mass is the origin.
     pub fn own_momentum(&self, origin: Vector3<f64>) -> Vector3<f64> {
-        match self.freedom {
-            Freedom::Axis { inertia } => Vector3::new(0.0, 0.0, inertia * self.rates().z),
-            Freedom::Body { mass, inertia } => {
-                self.rates().component_mul(&Vector3::from(inertia)) + mass * origin.cross(&self.velocity_of_origin())
-            }
-        }
+        let (mass, inertia) = self.own();
+        self.rates().component_mul(&inertia) + mass * origin.cross(&self.velocity_of_origin())
     }
 
     /// The torque of the motor at a time \[N m\].

@@ -6,12 +6,12 @@
 //!
 //!     W = integral of Omega tau dt = [Omega L] - integral of Omega' L dt - integral of Omega tau_out dt      \[J\]
 //!
-//! The first term is one of the state. -Omega' L is the power of the law of the frame; the other inertial laws have the
-//! power -Omega tau_out, by which their potential changes as it turns in the frame. The stages of the method integrate
-//! both as works in the ledger, and `Law::turning_power` of the other loads from outside behind them. So the work is of
-//! the order of the method and needs no torque of contact, which is large and quick; and K in inertial space, U, and
-//! the works of all laws in inertial space have the residual of the balance in the turning frame. The motor of a free
-//! hub has the work of its torque, which is that of the law of the frame.
+//! The first term is one of the state. -Omega' L is the power of the law of the frame; the other inertial laws have
+//! the power -Omega tau_out, by which their potential changes as it turns in the frame. The stages of the method
+//! integrate both as works in the ledger, and behind them Omega times `Law::outside_torque` of the other loads from
+//! outside. So the work is of the order of the method and needs no torque of contact, which is large and quick; and
+//! K in inertial space, U, and the works of all laws in inertial space have the residual of the balance in the
+//! turning frame. The motor of a free hub has the work of its torque, which is that of the law of the frame.
 
 use super::Simulation;
 

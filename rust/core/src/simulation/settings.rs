@@ -54,32 +54,18 @@ impl Settings {
     /// `FreeHub`.
     pub(super) fn check_free_hub(&self, spin: &Spin, method: &dyn Integrator, laws: &[Box<dyn Law>]) -> Result<()> {
         let Some(hub) = &spin.hub else { return Ok(()) };
-        let refuse = |what: String, remedy| if what.is_empty() { Ok(()) } else { Err(Error::FreeHub { what, remedy }) };
+        let refuse = |what: String, remedy| Err(Error::FreeHub { what, remedy });
         if self.substeps > 1 {
-            refuse(format!("substeps = {}", self.substeps), "take one substep")?;
+            return refuse(format!("substeps = {}", self.substeps), "take one substep");
         }
         if !method.moves_hub() {
-            refuse(format!("the method {}", method.properties().name), "take leapfrog or rk4")?;
+            return refuse(format!("the method {}", method.properties().name), "take leapfrog or rk4");
         }
         if self.frozen_at.is_some() {
-            refuse("a frozen time".to_owned(), "drive the hub while the scene is relaxed")?;
+            return refuse("a frozen time".to_owned(), "drive the hub while the scene is relaxed");
         }
-        for law in laws {
-            let is_moved = law.moved().is_some();
-            let on_body = hub.is_body() && (law.outside_torque().is_some() || law.resists_frame());
-            if is_moved || on_body || (law.is_inertial() && !law.is_frame() && (hub.is_body() || law.turns_in_frame()))
-            {
-                let remedy = if is_moved {
-                    "move bodies in place of nodes"
-                } else if hub.is_body() {
-                    "leave it out, or let the hub turn about its axis alone"
-                } else {
-                    "a weight along the axis alone has no torque about it"
-                };
-                refuse(format!("the law {}", law.name()), remedy)?;
-            }
-        }
-        Ok(())
+        let mut unfit = laws.iter().filter_map(|law| Some((law.name(), law.remedy_on_free_hub(hub.is_body())?)));
+        unfit.next().map_or(Ok(()), |(name, remedy)| refuse(format!("the law {name}"), remedy))
     }
 }
 

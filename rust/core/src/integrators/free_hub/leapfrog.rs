@@ -21,7 +21,7 @@ use super::Affine;
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State, columns, columns_mut};
 use crate::integrators::kick_drift::{End, add_work, amplification, begin, energy_shift};
-use crate::integrators::{Integrator, Options, Properties, System, leapfrog, saved_works};
+use crate::integrators::{Integrator, Options, Properties, System, leapfrog};
 use crate::model::hub::Load;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
@@ -200,7 +200,7 @@ impl Integrator for FreeLeapfrog {
             return history.numbers.is_empty();
         }
         let works = self.powers.len();
-        if history.vectors.len() != 1 || saved_works(works, history.numbers.len(), 1, 7) != Some(works) {
+        if history.vectors.len() != 1 || history.numbers.len() != works + 7 {
             return false;
         }
         let (powers, of_hub) = history.numbers.split_at(works);
