@@ -128,7 +128,7 @@ class FakeSimulation:
     def hub_load(self) -> HubLoad:
         return HubLoad(np.array([3.0, 4.0, 0.0]), np.array([0.0, 0.0, -0.5]), 0.25)
 
-    def hub_motor(self) -> HubMotor:
+    def hub_motor(self, load: HubLoad | None = None) -> HubMotor:
         return HubMotor(0.5, 0.5 * self.hub_rate)
 
     def angular_momentum(self) -> AngularMomentum:

@@ -24,6 +24,7 @@ from membrane_rs import (
     scenes,
 )
 from membrane_rs.check.stowed_energy import stowed_energy
+from membrane_rs.errors import InputTypeError
 from membrane_rs.plotting import plot_momentum, save_run_figures
 from membrane_rs.report import write_report
 from membrane_rs.results import read_history, read_summary
@@ -180,3 +181,20 @@ def test_the_energy_of_the_spin_is_less_by_what_slows_a_free_hub() -> None:
     assert freed(spin) == pytest.approx(expected, rel=1e-3)
     slower = (inertia + start) / (inertia + flat)
     assert freed(Spin(spin.frequency, inertia=inertia)) == pytest.approx(expected * slower, rel=1e-3)
+
+
+def test_a_sample_evaluates_the_load_on_the_hub_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    sim, calls, evaluated = Simulation(whirled(Spin(2.0))), [], Simulation.hub_load
+
+    def counted(self: Simulation) -> Any:
+        calls.append(self)
+        return evaluated(self)
+
+    monkeypatch.setattr(Simulation, "hub_load", counted)
+    table = HistoryTable(sim)
+    assert table.add(sim)
+    assert calls == [sim]
+    row = dict(zip(table.columns, table.last, strict=True))
+    assert row["motor_torque"] == -row["hub_torque"]
+    with pytest.raises(InputTypeError, match="load = 1: must be what hub_load"):
+        sim.hub_motor(1)  # type: ignore[arg-type]

@@ -52,6 +52,7 @@ from membrane_rs.analysis.deployment import Corners
 from membrane_rs.results.recorded import Measures
 from membrane_rs.scene import Scene
 from membrane_rs.scene.hub import has_free_body, has_free_hub
+from membrane_rs.simulation.hub import HubLoad
 from membrane_rs.simulation.measures import PHASE, stowed_turn
 from membrane_rs.simulation.stepper import Stepper
 
@@ -162,6 +163,7 @@ class HistoryTable:
         if self.last and sim.time <= self.last[0]:
             return False
         positions, ledger = sim.positions, sim.ledger()
+        load = sim.hub_load() if "hub_force" in self._readings else None
         row = [
             sim.time,
             self._corners.deployment_rate(positions),
@@ -173,11 +175,11 @@ class HistoryTable:
             ledger["reference_energy"],
             *(ledger["stored_by_law"].get(name, 0.0) for name in self._energies),
             *(ledger["work_by_law"].get(name, 0.0) for name in self._works),
-            *_readings(sim, self._readings),
+            *_readings(sim, self._readings, load),
         ]
         if self._of_stages:
             row += [sim.stage, math.fsum(ledger["changes"].values())]
-        row += _hub_readings(sim, self._of_hub, ledger[MOTOR])
+        row += _hub_readings(sim, self._of_hub, ledger[MOTOR], load)
         row += self.measures.values(sim)
         # Adding 0 makes 0 of -0, which a reader would take for a sign.
         self.last = [float(value) + 0.0 for value in row]
@@ -231,8 +233,8 @@ def _of_hub(scene: Scene) -> tuple[str, ...]:
     return (MOTOR, *of_free, *OF_MOTOR)
 
 
-def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None) -> list[float]:
-    """The readings of the hub of these names now; `work` is that of its motor [J]."""
+def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None, load: HubLoad | None) -> list[float]:
+    """The readings of the hub of these names now, with the work of its motor [J], and its load where it is at hand."""
     found: dict[str, float] = {MOTOR: math.nan if work is None else work}
     if "hub_rate" in names:
         momentum = sim.angular_momentum()
@@ -241,16 +243,15 @@ def _hub_readings(sim: Stepper, names: Sequence[str], work: float | None) -> lis
             values = (math.degrees(sim.nutation_angle), *sim.hub_attitude, *sim.hub_displacement, *momentum.in_space)
             found |= dict(zip(OF_BODY, values, strict=True))
     if "motor_torque" in names:
-        motor = sim.hub_motor()
+        motor = sim.hub_motor(load)
         found |= {"motor_torque": motor.torque, "motor_power": motor.power}
     return [found[name] for name in names]
 
 
-def _readings(sim: Stepper, names: Sequence[str]) -> list[float]:
-    """The readings of these names now."""
+def _readings(sim: Stepper, names: Sequence[str], load: HubLoad | None) -> list[float]:
+    """The readings of these names now, with the load on the hub where they have it."""
     found = {}
-    if "hub_force" in names:
-        load = sim.hub_load()
+    if load is not None:
         found = {"hub_force": float(np.linalg.norm(load.force)), "hub_torque": float(load.torque[2])}
         found["contact_force"] = load.contact
     if "largest_cord_tension" in names:

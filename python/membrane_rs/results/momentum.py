@@ -31,15 +31,16 @@ def momentum_error(table: Mapping[str, Floats], scene: Scene, starts: Sequence[f
     hub_part, sail_part = (table[name] for name in COLUMNS)
     errors, parts = [], []
     for rows, hub in _free_stages(table, scene, starts):
-        time, total = table["time"][rows], (hub_part + sail_part)[rows]
-        torque = hub.torque or Schedule((0.0,), (0.0,))
-        given = np.array([torque.integral(float(time[0]), float(now)) for now in time])
-        change = np.abs(total - total[0] - given)
-        if hub.mass is not None:
-            if hub.torque is not None:
-                continue
+        if hub.mass is None:
+            time, total = table["time"][rows], (hub_part + sail_part)[rows]
+            torque = hub.torque or Schedule((0.0,), (0.0,))
+            given = np.array([torque.integral(float(time[0]), float(now)) for now in time])
+            change = np.abs(total - total[0] - given)
+        elif hub.torque is None:
             whole = np.stack([table[name][rows] for name in IN_SPACE], axis=1)
             change = np.linalg.norm(whole - whole[0], axis=1)
+        else:
+            continue  # a torque about an axis that moves in space
         errors.append(float(change.max()))
         parts.append(float(max(np.abs(hub_part[rows]).max(), np.abs(sail_part[rows]).max())))
     largest = max(parts, default=0.0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from membrane_rs import _core
 from membrane_rs._arrays import Floats
+from membrane_rs._validation import check_kind
 from membrane_rs.analysis.attitude import Turn, rotation_of
 from membrane_rs.mesh.triangulation import frozen
 from membrane_rs.scene import Scene
@@ -200,17 +201,29 @@ class HubReadings:
         """
         return self.hub_load().torque
 
-    def hub_motor(self) -> HubMotor:
+    def hub_motor(self, load: HubLoad | None = None) -> HubMotor:
         """Torque and power of the motor of the hub now.
+
+        Parameters
+        ----------
+        load : HubLoad, optional
+            That of `hub_load` now, where it is at hand: the motor of a driven hub bears it. None: it is evaluated.
 
         Returns
         -------
         HubMotor
             [N m, W]
+
+        Raises
+        ------
+        InputTypeError
+            No load.
         """
+        if load is not None:
+            check_kind(load, HubLoad, "load", "what hub_load() gives")
         torque = self._core.hub().motor_torque
         if torque is None:
-            torque = -float(self.hub_load().torque[2])
+            torque = -float((load or self.hub_load()).torque[2])
         return HubMotor(torque, torque * self.hub_rate)
 
     def angular_momentum(self) -> AngularMomentum:
@@ -222,5 +235,5 @@ class HubReadings:
             [kg m2/s]
         """
         hub = self._core.hub()
-        in_space = self.hub_rotation @ np.add(hub.momentum, hub.sail_momentum)
+        in_space = rotation_of(np.array(hub.attitude)) @ np.add(hub.momentum, hub.sail_momentum)
         return AngularMomentum(hub.momentum[2], hub.sail_momentum[2], in_space)
