@@ -7,12 +7,9 @@ With `--write` the tables and pictures of docs/deployment.md are replaced.
 
 from __future__ import annotations
 
-import argparse
-import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from threading import Event
 
 from deployment_cost import cost_table, stage_costs
 from deployment_energy import energy_table
@@ -32,17 +29,14 @@ from deployment_reel import (
 )
 from deployment_release import STARTS, distance_table, from_cross, release_of, release_table, released
 from deployment_whole import copy_sheets, crossings_table, draw_crossings, draw_curves, stages_of, whole_run
-from kept import kept, slug
 from marked import DOCS, MarkedPart, copy_small
 from membrane_rs import Scene, UnstableError
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.mesh_study import plot_meshes
-from membrane_rs.study.common.executor import run_parallel
+from page_of_runs import Runs, make_page
 
 NAMES = ("plane", "reel", "release", "energy", "crossings", "cost")
 PARTS = {name: MarkedPart(DOCS / "deployment.md", name) for name in NAMES}
-SHAPES = "shapes"
-"""What `--only` calls contact sheets and curves, which are pictures alone."""
 FRICTIONS = (0.3, 0.6)
 CROSS, HOLD = "the ideal cross", "reeled out, held"
 STIFF = 2.0
@@ -53,19 +47,6 @@ FULL = f"{HOLD}, {STIFF:g} s, its own modulus"
 def by_friction(friction: float) -> str:
     """What a table calls a sail without a hold."""
     return f"reeled out, friction {friction:g}"
-
-
-class Runs:
-    """Runs by their names, each made once and kept in a folder."""
-
-    def __init__(self, folder: Path, workers: int | None) -> None:
-        self.folder, self.workers = folder, workers
-
-    def of(self, jobs: Mapping[str, Callable[[], Mapping[str, Floats]]]) -> dict[str, Mapping[str, Floats]]:
-        """The results of jobs, in parallel."""
-        calls = [partial(kept, self.folder / f"{slug(name)}.npz", job) for name, job in jobs.items()]
-        found = run_parallel(calls, list(jobs), Event(), workers=self.workers, tell=partial(print, flush=True))
-        return dict(zip(jobs, found, strict=True))
 
 
 def sail(scene: Scene) -> dict[str, Floats]:
@@ -193,26 +174,5 @@ MAKERS: dict[str, Callable[[Runs, Path], str]] = {
 }
 
 
-def main() -> None:
-    """Make the tables and pictures, or some of them."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    every = [*MAKERS, SHAPES]
-    parser.add_argument("--only", nargs="+", choices=every, default=every, help="the tables and pictures to make")
-    parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
-    parser.add_argument("--out", type=Path, default=Path("out/deployment"), help="folder of the results")
-    parser.add_argument("--write", action="store_true", help="write into docs/")
-    options = parser.parse_args()
-    began = time.perf_counter()
-    options.out.mkdir(parents=True, exist_ok=True)
-    runs = Runs(options.out, options.jobs)
-    for name in options.only:
-        if name in MAKERS:
-            picture = options.out / f"deployment-{name}.png"
-            PARTS[name].publish(MAKERS[name](runs, picture), picture, write=options.write)
-        elif options.write:
-            write_shapes(runs)
-    print(f"{time.perf_counter() - began:.0f} s")
-
-
 if __name__ == "__main__":
-    main()
+    make_page("deployment", __doc__, runs_in=Runs, parts=PARTS, makers=MAKERS, write_shapes=write_shapes)
