@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ikaros_runs import whole
-from marked import DOCS, copy_small
+from marked import DOCS, copy_small, in_few_colours
 from membrane_rs import Simulation
 from membrane_rs.errors import MissingFileError
 from membrane_rs.plotting.sheets import stage_prefix
@@ -51,7 +51,5 @@ def copy_film(source: Path, target: Path) -> None:
     frames, starts = frames[::EVERY], range(0, len(shown), EVERY)
     durations = [sum(shown[k : k + EVERY]) for k in starts]
     size = (WIDTH, round(WIDTH * frames[0].height / frames[0].width))
-    small = [
-        frame.resize(size, Image.Resampling.LANCZOS).quantize(COLOURS, dither=Image.Dither.NONE) for frame in frames
-    ]
+    small = [in_few_colours(frame.resize(size, Image.Resampling.LANCZOS), COLOURS) for frame in frames]
     small[0].save(target, save_all=True, append_images=small[1:], duration=durations, loop=0, optimize=True)

@@ -20,19 +20,24 @@ WIDTH = 1500
 """Pictures in docs/ are at most this wide [px]."""
 
 
+def in_few_colours(picture: Image.Image, colours: int) -> Image.Image:
+    """A picture with a palette of colours chosen by their distances, not by how often they occur: thin curves keep
+    theirs. Each is then the mean of those it stands for, so that grey areas stay grey.
+    """
+    return picture.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
+
+
 def copy_small(source: Path, name: str, *, share: float = 1.0, colours: int | None = 128) -> None:
     """A picture into docs/, at most `WIDTH` wide and in few colours, so that the repository stays small.
 
-    Colours are chosen by their distances, not by how often they occur: thin curves keep theirs. Each is then the mean
-    of those it stands for, so that grey areas stay grey. None: all colours, where few of them would make steps of a
-    colour bar.
+    None: all colours, where few of them would make steps of a colour bar.
     """
     with Image.open(source) as picture:
         share = min(share, WIDTH / picture.width)
         size = (round(picture.width * share), round(picture.height * share))
         small = picture.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     if colours is not None:
-        small = small.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
+        small = in_few_colours(small, colours)
     small.save(DOCS / name, optimize=True)
 
 
