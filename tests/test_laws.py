@@ -56,7 +56,11 @@ def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulat
     ]
     strong = {law.kind: law for law in chosen}
     others = {other.kind for other in FILMS} - {film.kind}
-    laws = [strong.get(kind) or example_of(law) for kind, law in LAWS.items() if kind not in others]
+    laws = [
+        strong.get(kind) or example_of(law)
+        for kind, law in LAWS.items()
+        if kind not in others and law.methods is None  # impulses are no force
+    ]
     parts: list[Part] = [
         Bridges(stiffness=40.0),
         Tethers(nodes=[0, 2], anchor_radius=0.01, length=0.05, segments=3),

@@ -83,6 +83,8 @@ def test_unknown_key_and_hash(kind: str) -> None:
         ("spool_contact", {"radius": 0}, "greater than 0"),
         ("spool_contact", {"half_height": -1}, "greater than 0"),
         ("spool_contact", {"membrane": 1}, "true or false"),
+        ("self_contact", {"thickness": 0}, r"greater than 0 \(m\)"),
+        ("self_contact", {"restitution": 2}, "at least 0 and at most 1"),
         ("mass_damping", {"rate": -1}, r"at least 0 \(1/s\)"),
         ("tip_masses", {"mass": 0}, r"greater than 0 \(kg\)"),
         ("tethers", {"segments": 0}, "at least 1"),

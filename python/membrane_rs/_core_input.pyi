@@ -62,6 +62,10 @@ class ContactSet(Protocol):
     @property
     def nodes(self) -> NDArray[np.int64]: ...
 
+class Layers(Protocol):
+    @property
+    def triangles(self) -> NDArray[np.int64]: ...
+
 class Model(Protocol):
     """The components of a scene; what each holds is said in `membrane_rs.scene.components`."""
 
@@ -79,6 +83,8 @@ class Model(Protocol):
     def bridges(self) -> Links: ...
     @property
     def contacts(self) -> ContactSet: ...
+    @property
+    def layers(self) -> Layers: ...
 
 class Settings(Protocol):
     """How a run is monitored and stepped; what each value means is said in `membrane_rs.simulation.core_input`."""

@@ -126,6 +126,20 @@ def nodes(value: object) -> object:
     return found
 
 
+def node_sets(value: object) -> object:
+    """The name of a node set, names as a tuple, or indices as a tuple."""
+    value = listed(value)
+    if isinstance(value, str) or (isinstance(value, tuple) and all(map(_is_whole, value))):
+        return nodes(value)
+    if not isinstance(value, tuple) or not all(isinstance(name, str) for name in value):
+        raise wrong_type("the name of a node set, a list of such names or a list of node indices")
+    if "" in value:
+        raise PydanticCustomError("empty", "must hold names of node sets, not an empty text")
+    if len(set(value)) < len(value):
+        raise PydanticCustomError("bad_nodes", "must not name a node set twice")
+    return value
+
+
 def flag(value: object) -> bool:
     """True or False."""
     if not isinstance(value, bool):
@@ -153,7 +167,7 @@ Times = Annotated[Sequence[NonNegative], BeforeValidator(numbers)]
 """Any number of times, none negative, from a tuple, list or array."""
 Numbers = Annotated[Sequence[Finite], BeforeValidator(numbers)]
 """Any number of finite numbers, from a tuple, list or array."""
-_NODES_OF_FILES = {
+_NODES_OF_FILES: dict[str, list[dict[str, object]]] = {
     "anyOf": [
         {"type": "string", "minLength": 1},
         {
@@ -164,3 +178,11 @@ _NODES_OF_FILES = {
 }  # fmt: skip
 Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes), WithJsonSchema(_NODES_OF_FILES)]
 """The name of a node set, or node indices (tuple, list or array), none twice."""
+_NAMES_OF_FILES: dict[str, object] = {
+    "type": "array", "items": {"type": "string", "minLength": 1}, "minItems": 1, "uniqueItems": True
+}  # fmt: skip
+_NODE_SETS_OF_FILES = {"anyOf": [*_NODES_OF_FILES["anyOf"], _NAMES_OF_FILES]}
+NodeSets = Annotated[
+    str | Sequence[str] | Sequence[int], BeforeValidator(node_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
+]
+"""The name of a node set, names of several, or node indices (tuple, list or array), none twice."""

@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from membrane_rs.check.self_contact import crossings_of_layers
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.audit import crossing, growing
 from membrane_rs.mesh.findings import Finding, first_few
@@ -45,19 +46,26 @@ def _audit_of_mesh(scene: Scene) -> tuple[Finding, ...]:
 
 
 def crossings(scene: Scene) -> Iterator[Finding]:
-    """Triangles that pass through each other at the start, in meshes of up to `FEW_TRIANGLES`."""
-    yield from _crossings(scene.mesh, 0, FEW_TRIANGLES)
+    """Triangles that pass through each other at the start, in meshes of up to `FEW_TRIANGLES`. Those that feel each
+    other are left to `crossing_layers`.
+    """
+    yield from _crossings(scene, 0, FEW_TRIANGLES)
 
 
 def crossings_of_large_meshes(scene: Scene) -> Iterator[Finding]:
     """The same in larger meshes."""
-    yield from _crossings(scene.mesh, FEW_TRIANGLES, math.inf)
+    yield from _crossings(scene, FEW_TRIANGLES, math.inf)
 
 
-def _crossings(mesh: Mesh | None, fewer: float, most: float) -> Iterator[Finding]:
+def _crossings(scene: Scene, fewer: float, most: float) -> Iterator[Finding]:
     """Those of a mesh with more triangles than `fewer` and no more than `most`."""
-    if mesh is not None and fewer < len(mesh.triangles) <= most:
-        yield from _once(mesh, "crossings", lambda: crossing(mesh, mesh.positions))
+    mesh = scene.mesh
+    if mesh is None or not fewer < len(mesh.triangles) <= most:
+        return
+    for finding in _once(mesh, "crossings", lambda: crossing(mesh, mesh.positions)):
+        of_layers = crossings_of_layers(scene, 0)
+        if of_layers is None or of_layers.count < finding.count:
+            yield finding
 
 
 def fold_angles(scene: Scene) -> Iterator[Finding]:

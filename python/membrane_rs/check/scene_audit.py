@@ -25,11 +25,12 @@ from membrane_rs.check.mesh_faults import (
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
+from membrane_rs.check.self_contact import crossing_layers, laws_beside_free_hub, touching_layers
 from membrane_rs.check.softening import softening_of_film, softening_without_effect, step_of_softened_film
 from membrane_rs.check.spool import sail_round_spool, spool
 from membrane_rs.check.stages import stages_together
 from membrane_rs.check.step_accuracy import accuracy_of_step
-from membrane_rs.check.stepping import Stepping, settings_without_effect, step_above_limit
+from membrane_rs.check.stepping import Stepping, laws_of_other_methods, settings_without_effect, step_above_limit
 from membrane_rs.check.stowed_energy import stowed_energy
 from membrane_rs.check.supports import supports
 from membrane_rs.errors import AuditWarning
@@ -48,6 +49,9 @@ CHECKS: list[Check] = [
     fold_angles,
     growing_modes,
     crossings,
+    crossing_layers,
+    touching_layers,
+    laws_beside_free_hub,
     film_law,
     supports,
     spool,
@@ -64,6 +68,7 @@ CHECKS: list[Check] = [
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""
 
 STEPPING_CHECKS: list[SteppingCheck] = [
+    laws_of_other_methods,
     step_above_limit,
     settings_without_effect,
     softening_without_effect,
@@ -86,6 +91,8 @@ OF_START: frozenset[Check] = frozenset(
         fold_angles,
         crossings,
         crossings_of_large_meshes,
+        crossing_layers,
+        touching_layers,
         sail_round_spool,
         start_inside,
         inside_bodies,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 from membrane_rs.errors import MembraneError
 from membrane_rs.mesh.findings import Finding
 from membrane_rs.scene import Scene
+from membrane_rs.scene.laws import Law
 from membrane_rs.scene.run_settings import RunSettings
 from membrane_rs.scene.softened import softening_of
 from membrane_rs.simulation.methods import IntegratorFacts, integrators
@@ -36,30 +37,47 @@ class Stepping:
         Gives the largest stable step [s]. Raises MembraneError where the scene cannot be simulated.
     softening : float or None
         Of the film [-].
+    laws : sequence of Law
+        Those of the scene.
     """
 
     run: RunSettings
     own: RunSettings
     stable_dt: Callable[[], float]
     softening: float | None = None
+    laws: Sequence[Law] = ()
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Stepping:
         """As its run settings say."""
-        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt(), softening_of(scene))
+        return cls(scene.run, scene.run, lambda: Motion(scene).stable_dt(), softening_of(scene), scene.laws)
 
     @classmethod
     def of_motion(cls, sim: Motion) -> Stepping:
         """As a simulation steps its scene."""
         own = sim.stage_scene.run
         run = replace(own, integrator=sim.integrator, dt=sim.given_dt)
-        return cls(run, own, sim.stable_dt, softening_of(sim.stage_scene))
+        return cls(run, own, sim.stable_dt, softening_of(sim.stage_scene), sim.stage_scene.laws)
 
 
 def is_explicit(integrator: str) -> bool:
     """Whether a method has a limit of its step; False for a method that is not known."""
     facts: IntegratorFacts | None = integrators().get(integrator)
     return facts is not None and math.isfinite(facts.imaginary_limit)
+
+
+def laws_of_other_methods(stepping: Stepping) -> Iterator[Finding]:
+    """Laws that do not go with the method."""
+    method = stepping.run.integrator
+    for law in stepping.laws:
+        if law.methods is not None and method not in law.methods:
+            yield Finding(
+                "error",
+                "method",
+                1,
+                f"run.integrator = {method!r}: laws.{law.kind} goes with {' or '.join(map(repr, law.methods))} alone",
+                f"set run.integrator to {' or '.join(map(repr, law.methods))}, or leave {law.kind} out",
+            )
 
 
 def step_above_limit(stepping: Stepping) -> Iterator[Finding]:

@@ -290,8 +290,8 @@ def crossing(mesh: Triangulation, positions: Floats) -> Iterator[Finding]:
             f"{found.count} pairs of triangles pass through each other at the start, first triangles {first} and "
             f"{second} (nodes {mesh.triangles[first].tolist()} and {mesh.triangles[second].tolist()}) near "
             f"({x:.4g}, {y:.4g}, {z:.4g}) m",
-            "layers do not feel each other, so that it runs all the same, from a shape that no real film can have: "
-            "move layers apart, or take another layout",
+            "layers that do not feel each other run all the same, from a shape that no real film can have: move layers "
+            "apart, or take another layout",
             first_few(found.pairs[:, 0]),
         )
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, Links, Motion
+from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, Layers, Links, Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +39,8 @@ class Assembly(Component):
         Node pairs joined by a link of no length.
     contacts : ContactSet
         Nodes that the spool keeps outside.
+    layers : Layers
+        Triangles that cannot pass through each other.
     node_sets : mapping of str to (k,) int
         The mesh's node sets and the cords' own.
     motions : sequence of Motion
@@ -63,5 +65,6 @@ class Assembly(Component):
     cords: Cords
     bridges: Links
     contacts: ContactSet
+    layers: Layers
     node_sets: Mapping[str, Ints]
     motions: Sequence[Motion] = ()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.components import ContactSet, Cords, Creases, Links, Motion
+from membrane_rs.scene.components import ContactSet, Cords, Creases, Layers, Links, Motion
 from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
 
 
@@ -69,10 +70,12 @@ class Builder:
         self._motions: list[tuple[Motion, str]] = []
         self._masses: list[tuple[Ints, float]] = []
         self._contacts: list[Ints] = []
+        self._layers: Ints = np.zeros(0, np.int64)
         self._bridge_stiffness = 0.0
 
-    def nodes(self, wanted: str | Sequence[int], where: str, *, of_mesh: bool = False) -> Ints:
-        """Node indices from a set's name or from themselves, of the whole scene so far or of the mesh alone.
+    def nodes(self, wanted: str | Sequence[int], where: str, *, of_mesh: bool = False, field: str = "nodes") -> Ints:
+        """Node indices from a set's name or from themselves, of the whole scene so far or of the mesh alone; `field` of
+        the part or law at `where` names them.
 
         Raises
         ------
@@ -83,13 +86,32 @@ class Builder:
         if isinstance(wanted, str):
             if wanted not in self.node_sets:
                 hint = nearest(wanted, self.node_sets) if self.node_sets else "this scene has none"
-                raise SceneError(f"{where}.nodes = {wanted!r}: no such node set; {hint}")
+                raise SceneError(f"{where}.{field} = {wanted!r}: no such node set; {hint}")
             found = self.node_sets[wanted]
         else:
             found = np.array(wanted, np.int64)
         if found.size and found.max() >= limit:
             allowed = f"from 0 to {limit - 1}" if limit else "none, for there is no mesh"
-            raise SceneError(f"{where}.nodes = {show(wanted)}: node {found.max()} is not there; must be {allowed}")
+            raise SceneError(f"{where}.{field} = {show(wanted)}: node {found.max()} is not there; must be {allowed}")
+        return found
+
+    def triangles(self, wanted: str | Sequence[str] | Sequence[int], where: str, field: str) -> Ints:
+        """Triangles whose nodes all belong to one of some node sets, or to the nodes of these indices; ascending.
+
+        Raises
+        ------
+        SceneError
+            A node set or a node that is not there.
+        """
+        sets = [wanted] if isinstance(wanted, str) else wanted
+        one_by_one = [name for name in sets if isinstance(name, str)]
+        groups: list[Any] = one_by_one or [wanted]
+        found: Ints = np.zeros(0, np.int64)
+        for group in groups:
+            nodes = self.nodes(group, where, of_mesh=True, field=field)
+            if self.mesh is not None:
+                inside = np.isin(self.mesh.triangles, nodes).all(axis=1)
+                found = np.union1d(found, np.flatnonzero(inside))
         return found
 
     @property
@@ -181,6 +203,10 @@ class Builder:
         """Detect contact with the spool at these nodes, those that are fixed left out."""
         self._contacts.append(nodes)
 
+    def add_layers(self, triangles: Ints) -> None:
+        """Let these triangles, ascending, not pass through each other."""
+        self._layers = triangles
+
     def link_bridges(self, stiffness: float, where: str) -> None:
         """Give the links of the mesh their stiffness [N/m]. Raises SceneError where they have one already."""
         if self._bridge_stiffness:
@@ -224,6 +250,7 @@ class Builder:
                 nodes=none if mesh is None else np.array(mesh.bridges, np.int64), stiffness=self._bridge_stiffness
             ),
             contacts=ContactSet(np.setdiff1d(touched, self._fixed)),
+            layers=Layers(self._layers),
             node_sets=self.node_sets,
             motions=tuple(motion for motion, _ in self._motions),
         )

@@ -11,7 +11,7 @@ import numpy as np
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.scene.schedule import Schedule
 
-__all__ = ["ContactSet", "Cords", "Creases", "Links", "Motion"]
+__all__ = ["ContactSet", "Cords", "Creases", "Layers", "Links", "Motion"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,6 +187,30 @@ class ContactSet(Component):
 
 
 @dataclass(frozen=True, eq=False)
+class Layers(Component):
+    """Triangles of the film that cannot pass through each other.
+
+    Attributes
+    ----------
+    triangles : (k,) int
+        Ascending; empty where layers do not feel each other.
+
+    Examples
+    --------
+    >>> from membrane_rs import scenes
+    >>> layers = scenes.load("hanging-strip").assemble().layers
+    >>> len(layers)
+    0
+    """
+
+    triangles: Ints
+
+    def __len__(self) -> int:
+        """How many triangles."""
+        return len(self.triangles)
+
+
+@dataclass(frozen=True, eq=False)
 class Motion(Component):
     """How some nodes move in the turning frame.
 
@@ -229,5 +253,6 @@ class Model:
     cords: Cords
     bridges: Links
     contacts: ContactSet
+    layers: Layers
     motions: Sequence[Motion] = ()
     """Of nodes that move as prescribed; no node follows two."""

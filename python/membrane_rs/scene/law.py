@@ -78,7 +78,12 @@ class Law:
     held_fields: ClassVar[tuple[str, ...]] = ()
     """Fields that hold in later stages too where a stage sets them, and all that is set beside them."""
     acts_while_relaxing: ClassVar[bool] = True
-    """Whether it acts while a scene is damped to rest before its start: False where it vanishes at rest."""
+    """Whether it acts while a scene is damped to rest before its start: False where it vanishes at rest, or does not go
+    with a frozen time."""
+    methods: ClassVar[tuple[str, ...] | None] = None
+    """Methods of integration that it goes with; None: all."""
+    goes_with_free_hub: ClassVar[bool] = True
+    """Whether it goes with a hub that turns freely."""
     length_fields: ClassVar[Mapping[str, str]] = {}
     """Fields that hold a physical length in place of one of the mesh, by what the length is of: "buckling", ..."""
 
@@ -158,6 +163,11 @@ class Law:
         return self
 
     @property
+    def numbering_field(self) -> str | None:
+        """The field by which it names nodes by their numbers, which belong to one mesh; None: it names none so."""
+        return None
+
+    @property
     def hub(self) -> Hub | None:
         """The hub, where the law turns it."""
         return None
@@ -198,7 +208,7 @@ class Law:
         return None
 
     def add_contacts(self, builder: Builder) -> None:
-        """Name the nodes at which contact is detected.
+        """Name the nodes, and the triangles, at which contact is detected.
 
         Parameters
         ----------

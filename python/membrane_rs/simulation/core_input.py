@@ -48,6 +48,8 @@ class Settings:
 
 FREE_HUB = "does not go with a free hub"
 """Words of the core by which its refusal of what a free hub excludes is known."""
+IMPULSES = "which acts by impulses"
+"""Those of its refusal of what a law does not go with that acts by impulses."""
 _KEYS = {
     r"^the method (\w+)": r"run.integrator = '\1':",
     r"^substeps = (\d+)": r"run.substeps = \1:",
@@ -55,19 +57,19 @@ _KEYS = {
     r"^the law (\w+)": r"laws.\1:",
     r"leave its inertia out": "leave laws.spin.inertia out",
 }
-"""Words of that refusal, and the keys of a scene in their place."""
+"""Words of these refusals, and the keys of a scene in their place."""
 
 
 @contextmanager
 def refusals_named(scene: Scene) -> Iterator[None]:
-    """Name by keys of the scene what the core refuses: what does not go with a free hub, and the cause of a stiffness
-    that is no number: coordinates were checked, so it overflowed.
+    """Name by keys of the scene what the core refuses: what does not go with a free hub or with impulses, and the cause
+    of a stiffness that is no number: coordinates were checked, so it overflowed.
     """
     try:
         yield
     except InputError as error:
         text = str(error)
-        if FREE_HUB in text:
+        if FREE_HUB in text or IMPULSES in text:
             for words, key in _KEYS.items():
                 text = re.sub(words, key, text)
             raise InputError(text) from None
@@ -118,6 +120,7 @@ def model_of(scene: Scene, assembly: Assembly) -> Model:
         cords=assembly.cords,
         bridges=assembly.bridges,
         contacts=assembly.contacts,
+        layers=assembly.layers,
         motions=assembly.motions,
     )
 

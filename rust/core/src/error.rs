@@ -16,6 +16,14 @@ pub enum Error {
     )]
     IndexOutOfRange { what: &'static str, row: usize, node: usize, node_count: usize },
 
+    /// A triangle out of range.
+    #[error(
+        "{what} {row} names triangle {triangle}, but there are only {triangle_count} triangles (0 to {}); mend the \
+         index",
+        triangle_count.saturating_sub(1)
+    )]
+    TriangleOutOfRange { what: &'static str, row: usize, triangle: usize, triangle_count: usize },
+
     /// An array with a wrong number of rows.
     #[error("{what} has {found} rows but {expected} are needed; give one row per {per}")]
     LengthMismatch { what: &'static str, found: usize, expected: usize, per: &'static str },
@@ -130,6 +138,19 @@ pub enum Error {
     /// What a free hub does not go with.
     #[error("{what} does not go with a free hub; {remedy}, or drive the hub: leave its inertia out")]
     FreeHub { what: String, remedy: &'static str },
+
+    /// What contact between layers does not go with.
+    #[error(
+        "{what} does not go with {law}, which acts by impulses in the kicks of leapfrog; {remedy}, or leave it out"
+    )]
+    Impulses { what: String, law: &'static str, remedy: &'static str },
+
+    /// A start with layers that cross.
+    #[error(
+        "at the start {what}: what cannot pass through each other cannot start so; mend the shape, leave the triangles \
+         out by `only` or `without` of self_contact or the cords by `cords`, or leave self_contact out"
+    )]
+    StartsCrossed { what: String },
 
     /// A run stopped by the monitor.
     #[error(

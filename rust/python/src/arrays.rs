@@ -55,9 +55,7 @@ pub(crate) fn indices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>
 fn index_of(name: &str, row: usize, index: i64) -> PyResult<u32> {
     // The two largest numbers are marks of the core.
     u32::try_from(index).ok().filter(|&index| index < u32::MAX - 1).ok_or_else(|| {
-        wrong_value(format!(
-            "{name}, row {row}: node {index} is not an index; give a number from 0 to the number of nodes less one"
-        ))
+        wrong_value(format!("{name}, row {row}: {index} is not an index; give a whole number, 0 or above"))
     })
 }
 

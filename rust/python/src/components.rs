@@ -47,9 +47,9 @@ impl<'py> Component<'py> {
 /// The model with the components of an object.
 pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
     let model = Component::new("model", object);
-    let [nodes, surface, creases, bridges, contacts] =
-        ["nodes", "surface", "creases", "bridges", "contacts"].map(|name| model.component(name));
-    let (nodes, surface, creases, bridges, contacts) = (nodes?, surface?, creases?, bridges?, contacts?);
+    let [nodes, surface, creases, bridges, contacts, layers] =
+        ["nodes", "surface", "creases", "bridges", "contacts", "layers"].map(|name| model.component(name));
+    let (nodes, surface, creases, bridges) = (nodes?, surface?, creases?, bridges?);
     let (film, negative_springs) = film_of(&model.component("film")?)?;
     Ok(Model {
         positions: nodes.array("positions", rows)?,
@@ -67,7 +67,8 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         },
         cords: cords_of(&model.component("cords")?)?,
         bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
-        contacts: ContactSet { nodes: contacts.array("nodes", indices)? },
+        contacts: ContactSet { nodes: contacts?.array("nodes", indices)? },
+        layers: layers?.array("triangles", indices)?,
     })
 }
 

@@ -18,6 +18,7 @@ pub(crate) fn raise(error: Error) -> PyErr {
             python::UnstableError::new_err((text, time, step, place, law))
         }
         Error::IndexOutOfRange { .. }
+        | Error::TriangleOutOfRange { .. }
         | Error::DegenerateTriangle { .. }
         | Error::SingularTriangle { .. }
         | Error::NegativeSprings { .. }

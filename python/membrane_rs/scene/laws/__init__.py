@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws.gravity import Gravity
     from membrane_rs.scene.laws.mass_damping import MassDamping
     from membrane_rs.scene.laws.pressure import Pressure
+    from membrane_rs.scene.laws.self_contact import SelfContact
     from membrane_rs.scene.laws.spin import Spin
     from membrane_rs.scene.laws.spool_contact import SpoolContact
     from membrane_rs.scene.laws.spring_damping import SpringDamping
@@ -35,6 +36,7 @@ __all__ = [
     "Law",
     "MassDamping",
     "Pressure",
+    "SelfContact",
     "Spin",
     "SpoolContact",
     "SpringDamping",
@@ -53,6 +55,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.scene.laws.gravity": ("Gravity",),
             "membrane_rs.scene.laws.mass_damping": ("MassDamping",),
             "membrane_rs.scene.laws.pressure": ("Pressure",),
+            "membrane_rs.scene.laws.self_contact": ("SelfContact",),
             "membrane_rs.scene.laws.spin": ("Spin",),
             "membrane_rs.scene.laws.spool_contact": ("SpoolContact",),
             "membrane_rs.scene.laws.spring_damping": ("SpringDamping",),

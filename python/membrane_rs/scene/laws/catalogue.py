@@ -8,6 +8,7 @@ from membrane_rs.scene.laws.creases import Creases
 from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
 from membrane_rs.scene.laws.pressure import Pressure
+from membrane_rs.scene.laws.self_contact import SelfContact
 from membrane_rs.scene.laws.spin import Spin
 from membrane_rs.scene.laws.spool_contact import SpoolContact
 from membrane_rs.scene.laws.spring_damping import SpringDamping
@@ -16,6 +17,18 @@ from membrane_rs.scene.laws.triangles import Triangles
 
 LAWS: dict[str, type[Law]] = {
     law.kind: law
-    for law in (Springs, Triangles, SpringDamping, Creases, AirDrag, Spin, Gravity, Pressure, SpoolContact, MassDamping)
+    for law in (
+        Springs,
+        Triangles,
+        SpringDamping,
+        Creases,
+        AirDrag,
+        Spin,
+        Gravity,
+        Pressure,
+        SpoolContact,
+        SelfContact,
+        MassDamping,
+    )
 }
 """The one list of laws: the name of its table in a scene file, and its class."""

@@ -20,7 +20,7 @@ def denser(scene: Scene, density: float) -> Scene:
     ------
     InputError
         A density that is not above 0 or that the pattern cannot represent; a mesh without pattern, or no mesh; a part
-        that refers to nodes by number, since another mesh numbers them differently.
+        or a law that refers to nodes by number, since another mesh numbers them differently.
     """
     if isinstance(density, bool) or not isinstance(density, int | float) or not 0.0 < density < math.inf:
         raise InputError(f"density = {show(density)}: must be a number greater than 0 and finite")
@@ -37,6 +37,12 @@ def denser(scene: Scene, density: float) -> Scene:
             raise InputError(
                 f"density = {density:g}: parts.{k}.nodes of scene {scene.name!r} names nodes by number, which "
                 "another mesh gives to other nodes; name a node set"
+            )
+    for law in scene.laws:
+        if law.numbering_field is not None:
+            raise InputError(
+                f"density = {density:g}: laws.{law.kind}.{law.numbering_field} of scene {scene.name!r} names nodes by "
+                "number, which another mesh gives to other nodes; name a node set"
             )
     pattern = pattern_of(scene.mesh)
     if pattern is None:

@@ -14,12 +14,13 @@ SHORT = 1e-9
 
 
 def methods_of(scene: Scene, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:
-    """Of some methods those that can run a scene, and of the others why not: some do not move a free hub.
+    """Of some methods those that can run a scene, and of the others why not: some do not move a free hub, and some laws
+    go with few of them.
 
     Raises InputError where none of them can.
     """
     found, left_out = list(names), {}
-    if not has_free_hub(scene):
+    if not has_free_hub(scene) and all(law.methods is None for law in scene.laws):
         return found, {}
     for name in found:
         try:

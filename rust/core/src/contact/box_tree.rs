@@ -10,20 +10,20 @@ pub(super) const LEAF: usize = 8;
 
 /// A box along the axes, by its least and its largest coordinates.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
-    pub(super) low: [f64; 3],
-    pub(super) high: [f64; 3],
+pub(crate) struct Bounds {
+    pub(crate) low: [f64; 3],
+    pub(crate) high: [f64; 3],
 }
 
 impl Bounds {
     const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// The smallest box around points.
-    pub(super) fn of(points: &[[f64; 3]]) -> Self {
+    pub(crate) fn of(points: &[[f64; 3]]) -> Self {
         points.iter().fold(Self::EMPTY, |bounds, &point| bounds.with(&Self { low: point, high: point }))
     }
 
-    fn with(self, other: &Self) -> Self {
+    pub(crate) fn with(self, other: &Self) -> Self {
         let (mut low, mut high) = (self.low, self.high);
         for axis in 0..3 {
             low[axis] = low[axis].min(other.low[axis]);
@@ -32,7 +32,7 @@ impl Bounds {
         Self { low, high }
     }
 
-    pub(super) fn meets(&self, other: &Self) -> bool {
+    pub(crate) fn meets(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 }
@@ -97,7 +97,7 @@ impl Subtree {
 }
 
 /// Boxes, found by overlap. Their coordinates are finite, and twice these do not overflow.
-pub(super) struct BoxTree {
+pub(crate) struct BoxTree {
     order: Vec<u32>,
     leaves: Vec<Leaf>,
     nodes: Vec<Bounds>,
@@ -105,7 +105,7 @@ pub(super) struct BoxTree {
 
 impl BoxTree {
     /// The tree of some boxes.
-    pub(super) fn new(boxes: &[Bounds]) -> Self {
+    pub(crate) fn new(boxes: &[Bounds]) -> Self {
         let mut centres: Vec<Centre> = boxes.iter().zip(0..).map(|(bounds, index)| Centre::of(bounds, index)).collect();
         halve(&mut centres);
         let order: Vec<u32> = centres.iter().map(|centre| centre.index).collect();
@@ -123,13 +123,13 @@ impl BoxTree {
     }
 
     /// The index of the box in each slot; eight slots in turn are a leaf.
-    pub(super) fn order(&self) -> &[u32] {
+    pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
     /// Calls `visit` with a slot, the first slot of a leaf, and a bit for each slot of this leaf whose box meets that
     /// of the former: each pair of boxes once, in any order, and also slots and leaves without a pair.
-    pub(super) fn visit_pairs<B>(&self, visit: &mut impl FnMut(usize, usize, u32) -> ControlFlow<B>) -> ControlFlow<B> {
+    pub(crate) fn visit_pairs<B>(&self, visit: &mut impl FnMut(usize, usize, u32) -> ControlFlow<B>) -> ControlFlow<B> {
         self.root().map_or(ControlFlow::Continue(()), |root| self.visit_within(root, visit))
     }
 

@@ -52,6 +52,11 @@ impl Mechanics {
         self.pass(point, |law, at| law.accept(at));
     }
 
+    /// Passes the end of a run to each law with a history.
+    pub(crate) fn end(&mut self, point: PhasePoint<'_>) {
+        self.pass(point, |law, at| law.end(at));
+    }
+
     /// Passes the state after a jump of schedules to each law with a history.
     pub(crate) fn restart_paths(&mut self, point: PhasePoint<'_>) {
         self.pass(point, |law, at| law.restart_paths(at));

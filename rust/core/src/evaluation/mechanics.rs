@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use super::deferral::{Deferral, place_of, power_of};
 use super::free_pieces::FreePieces;
+use super::impulses;
 use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
-use crate::integrators::{Integrator, NetForces, RateGroup, System};
+use crate::integrators::{Integrator, Kick, NetForces, RateGroup, System};
 use crate::laws::Instant;
 use crate::laws::{Law, Moved};
 use crate::linear::tangent::{Tangent, Weights};
@@ -37,7 +38,7 @@ pub struct Mechanics {
     deferrals: Vec<Option<Deferral>>,
     /// Whether each law is slow, and whether the selected rate group has it.
     is_slow: Vec<bool>,
-    is_selected: Vec<bool>,
+    pub(super) is_selected: Vec<bool>,
     pub(super) rate_group: Option<RateGroup>,
     expects_power_at: bool,
     pub(super) instructions: InstructionSet,
@@ -49,6 +50,10 @@ pub struct Mechanics {
     pub(super) outside: [Vec<usize>; 2],
     /// The torque of each law from outside about the axis in the last evaluation, where the hub is free \[N m\].
     pub(super) outside_torques: Vec<f64>,
+    /// The law that acts by impulses.
+    pub(super) impulsive: Option<usize>,
+    /// The loads that do not depend on velocity.
+    pub(super) steady_loads: Vec<usize>,
     /// The law of the frame, where the hub is free, and the nodes held on it.
     pub(crate) hub_row: Option<usize>,
     pub(super) held: Vec<usize>,
@@ -85,6 +90,8 @@ impl Mechanics {
             held: (0..nodes).filter(|&node| inverse_masses[node] == 0.0).collect(),
             history_dependent,
             moved: laws.iter().position(|law| law.moved().is_some()),
+            steady_loads: impulses::steady_loads(&laws),
+            impulsive: laws.iter().position(|law| law.has_impulses()),
             pieces: FreePieces::new(&laws, &inverse_masses),
             plan: Plan::with(&mut laws, &is_separate),
             deferrals,
@@ -364,6 +371,18 @@ impl System for Mechanics {
 
     fn held(&self) -> &[usize] {
         &self.held
+    }
+
+    fn has_impulses(&self) -> bool {
+        self.impulsive.is_some()
+    }
+
+    fn give_impulses(&mut self, kick: Kick<'_>, work: &mut [f64]) -> bool {
+        self.kick(kick, work)
+    }
+
+    fn load_power_at(&mut self, point: PhasePoint<'_>, powers: &mut [f64]) {
+        self.find_load_power(point, powers);
     }
 
     fn coriolis_rate(&self, time: f64) -> f64 {

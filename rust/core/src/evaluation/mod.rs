@@ -5,6 +5,7 @@ mod deferral;
 pub mod free_pieces;
 mod histories;
 mod hub;
+mod impulses;
 pub mod ledger;
 pub mod mechanics;
 mod moves;

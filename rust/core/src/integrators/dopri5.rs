@@ -296,7 +296,7 @@ impl Integrator for Dopri5 {
         self.is_started
     }
 
-    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+    fn start(&mut self, system: &mut dyn System, time: f64, _dt: f64, state: &mut State, _work: &mut [f64]) {
         system.accelerate(state.at(time), &mut self.accelerations[6], &mut self.powers[6]);
         (self.is_started, self.is_fresh, self.extension) = (true, true, None);
     }

@@ -305,7 +305,7 @@ impl Integrator for GeneralizedAlpha {
         self.is_started
     }
 
-    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+    fn start(&mut self, system: &mut dyn System, time: f64, _dt: f64, state: &mut State, _work: &mut [f64]) {
         system.accelerate(state.at(time), &mut self.acceleration, &mut self.powers);
         (self.lag, self.is_started) = (0.0, true);
     }

@@ -24,11 +24,13 @@
 //! is conserved (the modified energy). The energy oscillates about it by (omega dt)^2/4 of the potential energy,
 //! without drift. The work of laws is integrated by the trapezoidal rule. The power of a force evaluated with p is its
 //! product with v_n: its sum is the change of the modified energy by the kicks, step by step.
+//! Impulses, of laws that have them, change v_n before the drift, at the end of the step before.
+//!
 //! Storage: one vector per node beside the state. p replaces v_n until v_n+1 = p + d is known;
 //! r is dt/2 (a(t_n+1, x_n+1, p) - a_n).
 
 use super::kick_drift::{Drift, End, RowDrift, add_work, amplification, begin, energy_shift};
-use super::{Integrator, Options, Properties, System, saved_works};
+use super::{Integrator, Kick, Options, Properties, System, saved_works};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State};
 use crate::simd::dispatch::InstructionSet;
@@ -64,6 +66,22 @@ pub(super) fn make(options: &Options) -> Box<dyn Integrator> {
     })
 }
 
+impl Leapfrog {
+    /// Gives the impulses for the drift of the next step; powers are then those on the velocities after them.
+    fn give_impulses(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
+        if !system.has_impulses() {
+            return;
+        }
+        let Self { acceleration, powers, exact_powers, .. } = self;
+        let rate = system.coriolis_rate(time);
+        let kick = Kick { time, dt, rate, state: &mut *state, accelerations: acceleration, slow: None };
+        if system.give_impulses(kick, work) {
+            system.power_at(state.at(time), exact_powers, powers);
+            system.load_power_at(state.at(time), powers);
+        }
+    }
+}
+
 impl Integrator for Leapfrog {
     fn properties(&self) -> Properties {
         PROPERTIES
@@ -77,9 +95,14 @@ impl Integrator for Leapfrog {
         self.is_started
     }
 
-    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+    fn start(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         begin(system, state.at(time), &mut self.acceleration, &mut self.powers);
         self.is_started = true;
+        self.give_impulses(system, time, dt, state, work);
+    }
+
+    fn takes_impulses(&self) -> bool {
+        true
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
@@ -90,6 +113,7 @@ impl Integrator for Leapfrog {
         let drift = RowDrift { drift: Drift::alone(dt), slow: None };
         end.correct(system, state, Some(&drift), None, Some(exact_powers));
         add_work(work, half, powers);
+        self.give_impulses(system, time + dt, dt, state, work);
     }
 
     fn energy_shift(&self, masses: &[f64], dt: f64) -> f64 {

@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::simd::dispatch::InstructionSet;
 
 pub use controller::Controller;
-pub use system::{NetForces, RateGroup, System};
+pub use system::{Kick, NetForces, RateGroup, System};
 
 /// Default spectral radius: unresolved vibrations decay within some dozens of steps.
 pub const SPECTRAL_RADIUS: f64 = 0.8;
@@ -102,8 +102,8 @@ pub trait Integrator: Send + Sync {
     fn is_started(&self) -> bool {
         true
     }
-    /// Evaluates the data of the first step.
-    fn start(&mut self, _system: &mut dyn System, _time: f64, _state: &State) {}
+    /// Evaluates the data of the first step, of length `dt`. Impulses for its drift change `state`, and add to `work`.
+    fn start(&mut self, _system: &mut dyn System, _time: f64, _dt: f64, _state: &mut State, _work: &mut [f64]) {}
     /// Advances `state` from `time` by `dt`, and adds the integral of the power of each law to `work` \[J\].
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]);
     /// The modified energy that the method conserves, minus the energy \[J\]; 0 where none is known.
@@ -121,6 +121,10 @@ pub trait Integrator: Send + Sync {
     /// The method whose limit bounds the step for slow laws, of a method with rate groups.
     fn for_slow_laws(&self) -> Option<Box<dyn Integrator>> {
         None
+    }
+    /// Whether laws may change velocities between its kicks.
+    fn takes_impulses(&self) -> bool {
+        false
     }
     /// Whether it moves a free hub with the nodes.
     fn moves_hub(&self) -> bool {

@@ -29,7 +29,7 @@
 //! Storage: two vectors per node beside the state.
 
 use super::kick_drift::{Drift, End, RowDrift, add_work, amplification, begin, energy_shift};
-use super::{Integrator, NetForces, Options, Properties, RateGroup, System, leapfrog, saved_works};
+use super::{Integrator, Kick, NetForces, Options, Properties, RateGroup, System, leapfrog, saved_works};
 use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows, rows_mut};
@@ -112,6 +112,31 @@ impl Multirate {
     }
 }
 
+impl Multirate {
+    /// Gives the impulses for the drift of the next substep, with a kick of slow accelerations before it.
+    fn give_impulses(
+        &mut self,
+        system: &mut dyn System,
+        time: f64,
+        [dt, before]: [f64; 2],
+        state: &mut State,
+        work: &mut [f64],
+    ) {
+        let rate = system.coriolis_rate(time);
+        let Self { fast, slow, fast_powers, step_powers, .. } = self;
+        let slow = Some((&*slow, before));
+        if system.give_impulses(Kick { time, dt, rate, state: &mut *state, accelerations: fast, slow }, work) {
+            system.select_rate_group(RateGroup::Fast);
+            system.load_power_at(state.at(time), fast_powers);
+            if before > 0.0 {
+                system.select_rate_group(RateGroup::Slow);
+                system.load_power_at(state.at(time), step_powers);
+                system.select_rate_group(RateGroup::Fast);
+            }
+        }
+    }
+}
+
 /// f - m (s' - s) replaces f, s' = F/m replaces s, and zero replaces F.
 struct Shift {
     count: f64,
@@ -146,7 +171,11 @@ impl Integrator for Multirate {
         self.is_started
     }
 
-    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+    fn takes_impulses(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let at = state.at(time);
         let groups = [
             (RateGroup::Slow, &mut self.slow, &mut self.step_powers),
@@ -157,11 +186,12 @@ impl Integrator for Multirate {
             begin(system, at, accelerations, powers);
         }
         (self.is_started, self.is_first) = (true, true);
+        self.give_impulses(system, time, [dt / f64::from(self.count), 0.5 * dt], state, work);
     }
 
     fn step(&mut self, system: &mut dyn System, time: f64, dt: f64, state: &mut State, work: &mut [f64]) {
         let (substep, kick) = (dt / f64::from(self.count), 0.5 * dt);
-        let is_first = std::mem::take(&mut self.is_first);
+        let (is_first, has_impulses) = (std::mem::take(&mut self.is_first), system.has_impulses());
         system.select_rate_group(RateGroup::Fast);
         add_work(work, kick, &self.step_powers);
         for k in 1..=self.count {
@@ -184,15 +214,29 @@ impl Integrator for Multirate {
                 RowDrift { drift: alone, slow: None }
             };
             let end = End { time: now, half: 0.5 * substep, accelerations, powers, instructions };
-            end.correct(system, state, first.as_ref(), (!is_first && !is_last).then_some(&next), None);
+            let is_apart = is_first || has_impulses;
+            end.correct(system, state, first.as_ref(), (!is_apart && !is_last).then_some(&next), None);
             if is_first && !is_last {
                 system.power_at(state.at(now), exact_powers, fast_powers);
-                row_blocks(0..fast.nrows()).for_each(|range| next.run(instructions, range, fast, state));
             }
             add_work(work, 0.5 * substep, &self.fast_powers);
+            if has_impulses && !is_last {
+                self.give_impulses(system, now, [substep, 0.0], state, work);
+            }
+            if is_apart && !is_last {
+                let next = if is_next_last {
+                    RowDrift { drift: Drift { after: kick, ..alone }, slow: Some(&self.slow) }
+                } else {
+                    RowDrift { drift: alone, slow: None }
+                };
+                row_blocks(0..self.fast.nrows()).for_each(|range| next.run(instructions, range, &self.fast, state));
+            }
         }
         self.evaluate_step_powers(system, state.at(time + dt));
         add_work(work, kick, &self.step_powers);
+        if has_impulses {
+            self.give_impulses(system, time + dt, [substep, kick], state, work);
+        }
         if is_first {
             add_work(work, 0.5 * substep - kick, &self.corrections);
         }

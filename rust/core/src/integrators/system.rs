@@ -25,6 +25,22 @@ pub struct NetForces<'a> {
     pub factors: &'a [f64],
 }
 
+/// The end of a step or substep, before the drift of the next one.
+pub struct Kick<'a> {
+    /// Time \[s\].
+    pub time: f64,
+    /// Length of the next drift \[s\].
+    pub dt: f64,
+    /// w of the accelerations of Coriolis, w (v_y, -v_x, 0) \[1/s\].
+    pub rate: f64,
+    /// Positions, and velocities v_n that impulses change.
+    pub state: &'a mut State,
+    /// Accelerations, of the fast laws where laws have rate groups; impulses change what Coriolis adds to them.
+    pub accelerations: &'a mut NodeVectors,
+    /// Accelerations of slow laws, and the duration of their kick before the drift \[s\].
+    pub slow: Option<(&'a NodeVectors, f64)>,
+}
+
 /// The system x'' = a(t, x, v).
 pub trait System {
     /// Selects the laws of the following evaluations, for methods with rate groups; without a selection, all laws.
@@ -78,6 +94,17 @@ pub trait System {
     fn held(&self) -> &[usize] {
         &[]
     }
+    /// Whether laws change velocities between two kicks.
+    fn has_impulses(&self) -> bool {
+        false
+    }
+    /// Changes the velocities by the impulses that the next drift needs, and adds their work. Whether there were any.
+    fn give_impulses(&mut self, _kick: Kick<'_>, _work: &mut [f64]) -> bool {
+        false
+    }
+    /// Replaces the power of the selected loads that do not depend on velocity, after impulses, by that on the
+    /// velocities of `at`, at the same positions.
+    fn load_power_at(&mut self, _at: PhasePoint<'_>, _powers: &mut [f64]) {}
     /// The rate w = 2 Omega \[1/s\] of the accelerations of Coriolis, w (v_y, -v_x, 0).
     fn coriolis_rate(&self, time: f64) -> f64;
     /// Whether `row_power_at` adds anything for the selected laws.

@@ -17,6 +17,9 @@ pub trait HistoryDependent {
     /// and the new history is that of all later evaluations.
     fn accept(&mut self, at: Instant<'_>);
 
+    /// Called at the end of a run, with its last state, for what is checked now and then.
+    fn end(&mut self, _at: Instant<'_>) {}
+
     /// Whether the last step went beyond a bound of the law, which a later state may not show; `Inspection` tells it.
     fn is_at_fault(&self) -> bool {
         false

@@ -128,6 +128,8 @@ laws! {
     "body" Body(body::BodyParameters),
     /// Damping of approach and friction at the contacts with a body.
     "body_friction" BodyFriction(body_friction::BodyFrictionParameters),
+    /// Contact between layers, and of cords with them.
+    "self_contact" SelfContact(self_contact::SelfContactParameters),
     /// Damping of all motion relative to the turning frame.
     "mass_damping" MassDamping(mass_damping::MassDampingParameters),
 }

@@ -1,7 +1,7 @@
 //! The laws, one per file, and their list.
 //!
 //! Every law implements `Law`. Optional features are separate: `NodalLaw` (forces node by node), `LinkForce` (forces
-//! along links, which may share a pass), `Linearisation`, `Inspection`, `HistoryDependent`.
+//! along links, which may share a pass), `Impulses`, `Linearisation`, `Inspection`, `HistoryDependent`.
 
 mod air_drag;
 mod body;
@@ -11,6 +11,7 @@ mod buckling;
 mod creases;
 mod gravity;
 mod history_dependent;
+mod impulses;
 mod inspection;
 mod instant;
 mod linearisation;
@@ -20,6 +21,7 @@ mod moved;
 mod nodal;
 mod pressure;
 mod rotating_frame;
+mod self_contact;
 mod spool_contact;
 pub(crate) mod spring_damping;
 pub(crate) mod springs;
@@ -30,11 +32,13 @@ use std::sync::Arc;
 
 use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
+use crate::error::Result;
 use crate::layout::Coded;
 
 pub use air_drag::AirMotion;
 pub use body::{BodyShape, FeltBy};
 pub use history_dependent::HistoryDependent;
+pub use impulses::Impulses;
 pub use inspection::{Excess, FilmStates, Inspection, LinkReadings};
 pub use instant::Instant;
 pub use linearisation::Linearisation;
@@ -42,6 +46,7 @@ pub use list::*;
 pub use moved::Moved;
 pub(crate) use moved::Prescribed;
 pub use nodal::NodalLaw;
+pub use self_contact::{ListCounts, Scheme, SelfContact};
 pub use spring_damping::{DashpotMass, Limited};
 
 /// The remedy for a law that goes with a hub on its axis, and not with one in six degrees of freedom.
@@ -190,6 +195,24 @@ pub trait Law: Send + Sync {
     /// The times at which its schedules jump \[s\], in any order.
     fn jumps(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// The law as one that acts by impulses.
+    fn impulses(&mut self) -> Option<&mut dyn Impulses> {
+        None
+    }
+
+    /// Whether it is one.
+    fn has_impulses(&self) -> bool {
+        false
+    }
+
+    /// Refuses a shape from which it cannot start.
+    ///
+    /// # Errors
+    /// `StartsCrossed`.
+    fn check_start(&self, _positions: &NodeVectors) -> Result<()> {
+        Ok(())
     }
 
     /// The law as that of nodes that move as prescribed.

@@ -110,13 +110,15 @@ pub struct Model {
     pub bridges: Bridges,
     /// Nodes in contact with the spool.
     pub contacts: ContactSet,
+    /// Triangles in contact with each other and with tethers.
+    pub layers: Vec<u32>,
 }
 
 impl Model {
     /// Checks the nodes and each component.
     ///
     /// # Errors
-    /// `LengthMismatch`, `NotFinite`, `IndexOutOfRange`, `OutOfRange`.
+    /// `LengthMismatch`, `NotFinite`, `IndexOutOfRange`, `TriangleOutOfRange`, `OutOfRange`.
     pub fn check(&self) -> Result<()> {
         let n = self.positions.len();
         same_length("velocities", self.velocities.len(), n, "node")?;
@@ -131,9 +133,21 @@ impl Model {
         self.check_motions()?;
         self.creases.check()?;
         self.contacts.check(n)?;
+        self.check_layers()?;
         self.bridges.check(n)?;
         check_indices("cord", &self.cord_nodes(), n)?;
         self.cords.iter().try_for_each(Cord::check)
+    }
+
+    /// Refuses layers of triangles that are not there.
+    fn check_layers(&self) -> Result<()> {
+        let triangle_count = self.triangles.len();
+        for (row, triangle) in self.layers.iter().map(|&triangle| triangle as usize).enumerate() {
+            if triangle >= triangle_count {
+                return Err(Error::TriangleOutOfRange { what: "layer", row, triangle, triangle_count });
+            }
+        }
+        Ok(())
     }
 
     /// Refuses moved nodes that are not there, or that follow two motions.

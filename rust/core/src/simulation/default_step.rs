@@ -16,11 +16,13 @@
 
 use super::tolerance::ULPS;
 use super::{Simulation, implicit};
+use crate::arrays::history::History;
 use crate::arrays::state::NodeVectors;
 use crate::error::{Error, Result};
 use crate::integrators::System;
 use crate::linear::lanczos::apply;
 use crate::linear::tangent::Weights;
+use crate::model::checks::positive;
 use crate::stability::Limit;
 
 /// Least number of default steps in a power of ten of a second: rounding shortens a step by at most one in this.
@@ -50,6 +52,37 @@ const LEAST_BORNE: f64 = 2.0;
 const LEAST_SHIFT: f64 = 1e-5;
 
 impl Simulation {
+    /// Changes the step. The count of steps restarts; the ledger continues. An adaptive run attempts it next.
+    ///
+    /// # Errors
+    /// `OutOfRange`.
+    pub fn set_dt(&mut self, dt: f64) -> Result<()> {
+        positive("dt [s]", dt)?;
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.controller.dt = dt;
+            return Ok(());
+        }
+        let is_between = self.continue_from_output();
+        self.count_anew(self.time());
+        (self.good.origin, self.good.origin_step, self.good.step_count) = (self.good.time, 0, 0);
+        let (is_started, before) = (self.integrator.is_started(), self.energy_shift(self.dt));
+        let is_longer = is_between || dt > self.dt;
+        self.dt = dt;
+        if is_longer && is_started && self.mechanics.has_impulses() {
+            // Impulses were those for a shorter drift.
+            let shift = self.ledger.start_shift;
+            self.integrator.restore_history(History::default());
+            self.good.history = History::default();
+            self.start_if_needed();
+            self.ledger.start_shift = shift;
+        }
+        if is_started {
+            // The modified energy depends on the step.
+            self.ledger.start_shift += self.energy_shift(dt) - before;
+        }
+        Ok(())
+    }
+
     /// The step of a run whose step is not given.
     ///
     /// # Errors

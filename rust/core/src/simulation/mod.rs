@@ -123,6 +123,7 @@ impl Simulation {
         let is_hub_free = spin.hub.is_some();
         let mut integrator = (method.make)(&options_of(&settings, assembly.masses.len(), laws.len() + 1, is_hub_free));
         settings.check_free_hub(&spin, integrator.as_ref(), &laws)?;
+        settings::check_impulses(&settings, integrator.as_ref(), &laws)?;
         let couplings = |visit: &mut dyn FnMut(&[u32])| {
             laws.iter().filter_map(|law| law.linearisation()).for_each(|law| law.visit_couplings(visit));
         };
@@ -140,6 +141,7 @@ impl Simulation {
         mechanics.weigh_hub(&state.positions);
         mechanics.start_moved(state.at(0.0));
         mechanics.set_moved(0.0, &mut state, &mut vec![0.0; count]);
+        mechanics.laws.iter().try_for_each(|law| law.check_start(&state.positions))?;
         let energy_terms = mechanics.energy_terms(0.0, &state);
         let turning = mechanics.turning_energy(state.at(0.0));
         let ledger = Ledger::open(mechanics.scope(), energy_terms.clone(), turning);
@@ -196,27 +198,6 @@ impl Simulation {
     /// The step \[s\]; in an adaptive run the next one to attempt.
     pub fn dt(&self) -> f64 {
         self.adaptive.as_ref().map_or(self.dt, |adaptive| adaptive.controller.dt)
-    }
-
-    /// Changes the step. The count of steps restarts; the ledger continues. An adaptive run attempts it next.
-    ///
-    /// # Errors
-    /// `OutOfRange`.
-    pub fn set_dt(&mut self, dt: f64) -> Result<()> {
-        positive("dt [s]", dt)?;
-        if let Some(adaptive) = &mut self.adaptive {
-            adaptive.controller.dt = dt;
-            return Ok(());
-        }
-        self.continue_from_output();
-        self.count_anew(self.time());
-        (self.good.origin, self.good.origin_step, self.good.step_count) = (self.good.time, 0, 0);
-        if self.integrator.is_started() {
-            // The modified energy depends on the step.
-            self.ledger.start_shift += self.energy_shift(dt) - self.energy_shift(self.dt);
-        }
-        self.dt = dt;
-        Ok(())
     }
 
     fn energy_shift(&self, dt: f64) -> f64 {
@@ -378,7 +359,8 @@ impl Simulation {
         self.mechanics.begin(self.state.at(self.time()));
         if !self.integrator.is_started() {
             let time = self.time();
-            self.integrator.start(&mut self.mechanics, time, &self.state);
+            let (state, work) = (&mut self.state, &mut self.ledger.work);
+            self.integrator.start(&mut self.mechanics, time, self.dt, state, work);
             self.ledger.start_shift = self.energy_shift(self.dt);
         }
     }

@@ -18,6 +18,9 @@ impl Simulation {
     /// `Unstable`; the state is then that of the last good regular check.
     pub fn check(&mut self, is_end: bool) -> Result<()> {
         self.at_last_step(is_end, |simulation| {
+            if is_end {
+                simulation.mechanics.end(simulation.state.at(simulation.time()));
+            }
             let now = simulation.energy_terms();
             if is_end || simulation.fault_of_state(&now).is_some() { simulation.refuse_fault(&now) } else { Ok(()) }
         })

@@ -204,9 +204,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// A state shown between two steps becomes that at the end of a step, from which steps are counted anew.
-    pub(super) fn continue_from_output(&mut self) {
-        let Some(Output { time, held: Some(_) }) = self.output.take() else { return };
+    /// A state shown between two steps becomes that at the end of a step, from which steps are counted anew. Whether
+    /// there was one.
+    pub(super) fn continue_from_output(&mut self) -> bool {
+        let Some(Output { time, held: Some(_) }) = self.output.take() else { return false };
         match (&mut self.adaptive, &mut self.side) {
             (Some(adaptive), _) => adaptive.step_end_time = time,
             (None, Some(side)) => {
@@ -215,6 +216,7 @@ impl Simulation {
             }
             (None, None) => {}
         }
+        true
     }
 
     /// State, work, and histories of the laws at the end of the last step.

@@ -69,6 +69,23 @@ impl Settings {
     }
 }
 
+/// Refuses what laws that act by impulses do not go with.
+///
+/// # Errors
+/// `Impulses`.
+pub(super) fn check_impulses(settings: &Settings, method: &dyn Integrator, laws: &[Box<dyn Law>]) -> Result<()> {
+    let Some(law) = laws.iter().find(|law| law.has_impulses()).map(|law| law.name()) else { return Ok(()) };
+    if !method.takes_impulses() {
+        let what = format!("the method {}", method.properties().name);
+        return Err(Error::Impulses { what, law, remedy: "take leapfrog" });
+    }
+    if settings.frozen_at.is_some() {
+        let what = "a frozen time".to_owned();
+        return Err(Error::Impulses { what, law, remedy: "relax the scene without it" });
+    }
+    Ok(())
+}
+
 /// The constituents of a simulation.
 pub struct Setup {
     /// The assembled model.

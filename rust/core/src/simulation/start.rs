@@ -19,7 +19,7 @@ impl Simulation {
     /// are else on their own side.
     ///
     /// # Errors
-    /// `LengthMismatch`, `NotFinite`.
+    /// `LengthMismatch`, `NotFinite`, `StartsCrossed`.
     pub fn set_motion(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]]) -> Result<()> {
         for (what, rows) in [("positions", positions), ("velocities", velocities)] {
             let expected = self.mechanics.masses.len();
@@ -29,8 +29,9 @@ impl Simulation {
         }
         check_finite("the position", positions)?;
         check_finite("the velocity", velocities)?;
-        self.continue_from_output();
         let positions = self.numbering.internal_vectors(positions);
+        self.mechanics.laws.iter().try_for_each(|law| law.check_start(&positions))?;
+        self.continue_from_output();
         let angles = if positions == self.state.positions { self.crease_angles() } else { None };
         self.state = State { positions, velocities: self.numbering.internal_vectors(velocities) };
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
@@ -46,7 +47,7 @@ impl Simulation {
     /// turns, which positions do not. Without them, each crease is on its own side.
     ///
     /// # Errors
-    /// `OutOfRange`, `LengthMismatch`, `NotFinite`; the simulation is then unchanged.
+    /// `OutOfRange`, `LengthMismatch`, `NotFinite`, `StartsCrossed`; the simulation is then unchanged.
     pub fn start_from(
         &mut self,
         time: f64,

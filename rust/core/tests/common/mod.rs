@@ -87,9 +87,14 @@ pub fn film(elements: FilmElements) -> LawSpec {
     films().find(|law| law.film() == Some(elements)).unwrap()
 }
 
-/// One of every law in the list, with this film.
+/// Whether a law acts by impulses, for which not every method has kicks.
+pub fn acts_by_impulses(law: &LawSpec) -> bool {
+    matches!(law, LawSpec::SelfContact(_))
+}
+
+/// One of every law of force in the list, with this film.
 pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
-    let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none());
+    let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none() && !acts_by_impulses(law));
     [film].into_iter().chain(others).collect()
 }
 

@@ -132,7 +132,7 @@ impl Integrator for FreeLeapfrog {
         self.is_started
     }
 
-    fn start(&mut self, system: &mut dyn System, time: f64, state: &State) {
+    fn start(&mut self, system: &mut dyn System, time: f64, _dt: f64, state: &mut State, _work: &mut [f64]) {
         begin(system, state.at(time), &mut self.acceleration, &mut self.powers);
         self.end(system, time, 0.0, state);
         self.is_started = true;

@@ -1,0 +1,374 @@
+//! Contact between layers of the film, and of cords with it: layers that cannot pass through each other.
+//!
+//! Layers 7.5 um apart that approach at some m/s allow no penalty: a force that stops them within such a distance is
+//! stiffer than the film, and what has once passed through is pushed on. Impulses stop them instead: in the kick of
+//! leapfrog and of its substeps, each pair of a node and a triangle, and of two edges, that would come too near within
+//! the next drift has its velocities changed such that it does not (`solve`). They set no limit of the step, and add
+//! neither force nor stiffness.
+//!
+//!     v_n+1/2 = (v_n + J/m) + dt/2 a_n        x_n+1 = x_n + dt v_n+1/2
+//!     work    W = sum of J . (v_n + J/(2 m))  the change of kinetic energy, exactly
+//!
+//! The velocity of the drift includes what Coriolis adds for J. J is the sum of lam w_q n over the pairs, so that
+//! momentum does not change, nor, but for friction at a distance and rigid zones in a turning frame, angular momentum.
+//! Layers may come as near as d_m, which differs from pair to pair:
+//!
+//!     d_m = eta max over some shapes of min(d, d0),   eta = 1/2
+//!
+//! with the distance d0 of the mid-surfaces of two layers that touch, the film's thickness, and the distances of the
+//! pair in the shape at the start and after 1000, 2000, 4000, ... steps. So layers that are stowed nearer than d0 begin
+//! at rest, and keep a larger distance once they have been apart. Lists (`lists`) find the pairs. All triangles are
+//! checked for crossings, exactly, in regular intervals: a run with a crossing is stopped.
+//!
+//! Bridson, Fedkiw and Anderson (SIGGRAPH 2002) and Harmon et al. (2009) have impulses and distances of layers in
+//! explicit simulations of cloth.
+
+mod crossed;
+mod history;
+mod lists;
+mod look;
+mod parameters;
+mod scheme;
+mod solve;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod zones;
+
+use self::lists::{Lists, Step};
+use self::look::{Lines, Look, Moving, Near, Pairs, Watched};
+use self::solve::{Approach, Coefficients, Drifting, Solver};
+use self::surface::{Pair, Surface};
+use super::{
+    Context, Excess, HistoryDependent, Impulses, Inspection, Instant, Kernels, Law, Linearisation, Properties,
+    WorkClass,
+};
+use crate::arrays::jacobian::JacobianBlocks;
+use crate::arrays::state::{NodeVectors, State, columns, columns_mut};
+use crate::error::{Error, Result};
+use crate::integrators::Kick;
+use crate::layout::Renumbering;
+use crate::model::checks::{non_negative, positive, within};
+use crate::simd::dispatch::InstructionSet;
+use crate::simd::lanes::SimdF64;
+use crate::simd::map::{Formula, on_axes};
+
+pub use self::lists::ListCounts;
+pub use self::parameters::SelfContactParameters;
+pub use self::scheme::Scheme;
+
+/// eta.
+const SHARE: f64 = 0.5;
+/// Beyond d_m, up to which a pair may have an impulse, relative to d0.
+const MARGIN: f64 = 0.25;
+/// The largest approach in a step, relative to d0, of a pair that meets in it.
+const FASTEST: f64 = 4.0;
+/// Steps after which the shape counts for the distances of pairs for the first time; then after twice as many each.
+const FIRST_SHAPE: u64 = 1000;
+/// Most rounds of looking in a step: impulses may bring others near.
+const MOST_ROUNDS: usize = 8;
+
+/// The law.
+pub struct SelfContact {
+    surface: Surface,
+    lists: Lists,
+    solver: Solver,
+    coefficients: Coefficients,
+    /// Beyond d_m, up to which pairs are watched \[m\].
+    margin: f64,
+    numbering: Renumbering,
+    masses: Vec<f64>,
+    inverse_masses: Vec<f64>,
+    instructions: InstructionSet,
+    interval: u64,
+    /// Steps since the start.
+    steps: u64,
+    /// The shapes whose distances pairs keep.
+    shapes: Vec<NodeVectors>,
+    /// Pairs with an impulse in the last step.
+    pressed: Vec<(Pair, f64)>,
+    /// u, and pairs near each other.
+    drift: NodeVectors,
+    watched: Watched,
+    changed: Pairs,
+    rest: Watched,
+    moving: Vec<Moving>,
+    near: Vec<Near>,
+    fault: Option<Excess>,
+}
+
+impl SelfContact {
+    /// The law of a scene, by a scheme.
+    ///
+    /// # Errors
+    /// `OutOfRange`.
+    pub fn new(parameters: &SelfContactParameters, context: &Context<'_>, scheme: Scheme) -> Result<Self> {
+        let assembly = context.assembly;
+        let of_film = assembly.model.film.map_or(0.0, |film| film.thickness);
+        let thickness = parameters.thickness.unwrap_or(of_film);
+        if !assembly.mesh.triangles.is_empty() {
+            positive("thickness of layers that touch [m]", thickness)?;
+        }
+        non_negative("diameter of cords that touch layers [m]", parameters.cord_thickness)?;
+        non_negative("friction of layers", parameters.friction)?;
+        let restitution = parameters.restitution;
+        within("restitution of layers", restitution, (0.0..=1.0).contains(&restitution), "it lies between 0 and 1")?;
+        let interval = parameters.crossing_interval;
+        within("steps between checks for crossings", interval, interval >= 1.0, "it is at least 1")?;
+        let touching = [thickness, 0.5 * (thickness + parameters.cord_thickness)];
+        let surface = Surface::new(assembly, parameters.cords, touching, scheme.has_edges);
+        let nodes = assembly.masses.len();
+        let margin = MARGIN * surface.most_touching();
+        Ok(Self {
+            lists: Lists::new(&surface, SHARE, margin, nodes, assembly.instructions, scheme),
+            solver: Solver::new(nodes),
+            coefficients: Coefficients {
+                friction: parameters.friction,
+                restitution,
+                share_of_depth: scheme.share_of_depth,
+            },
+            numbering: assembly.numbering.clone(),
+            masses: assembly.masses.clone(),
+            inverse_masses: assembly.inverse_masses.clone(),
+            instructions: assembly.instructions,
+            interval: interval as u64,
+            steps: 0,
+            shapes: Vec::new(),
+            pressed: Vec::new(),
+            drift: NodeVectors::zeros(nodes),
+            watched: Watched::default(),
+            changed: Pairs::default(),
+            rest: Watched::default(),
+            moving: Vec::new(),
+            near: Vec::new(),
+            fault: None,
+            margin,
+            surface,
+        })
+    }
+
+    /// How often lists were made, and their lengths.
+    pub fn list_counts(&self) -> ListCounts {
+        self.lists.counts()
+    }
+
+    /// Looks at all pairs that may come near, with u until the end of a drift.
+    fn look(&mut self, positions: &NodeVectors, time: f64, dt: f64) {
+        let Self { surface, lists, drift, shapes, watched, near, moving, instructions, margin, coefficients, .. } =
+            self;
+        let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
+
+        watched.clear();
+        near.clear();
+        if from.pairs.is_empty() {
+            return;
+        }
+        let lines = Lines::of(positions, drift, dt, moving);
+        instructions.dispatch(Look {
+            surface,
+            from,
+            lines,
+            bound: *margin,
+            share_of_depth: coefficients.share_of_depth,
+            watched,
+            near,
+        });
+    }
+
+    /// Looks at those pairs again whose nodes impulses have changed.
+    fn look_again(&mut self, dt: f64) {
+        let Self {
+            surface,
+            solver,
+            drift,
+            watched,
+            changed,
+            rest,
+            near,
+            moving,
+            instructions,
+            margin,
+            coefficients,
+            ..
+        } = self;
+        solver.of_changed(surface, watched, drift, dt, changed);
+
+        rest.clear();
+        near.clear();
+        if changed.pairs.is_empty() {
+            return;
+        }
+        for &(node, _) in &solver.changed {
+            let row = drift.row(node as usize);
+            moving[node as usize].set_velocity([row[0], row[1], row[2]]);
+        }
+        let lines = Lines { nodes: moving, duration: dt };
+        instructions.dispatch(Look {
+            surface,
+            from: changed,
+            lines,
+            bound: *margin,
+            share_of_depth: coefficients.share_of_depth,
+            watched: rest,
+            near,
+        });
+    }
+
+    /// Gives pairs impulses until none would come too near. The largest approach in the step.
+    fn give(&mut self, State { positions, velocities }: &State, time: f64, dt: f64, turn: f64) -> Approach {
+        let mut fastest = Approach::default();
+        self.solver.begin();
+        for looks in 1..=MOST_ROUNDS {
+            self.look(positions, time, dt);
+            for _ in 0..MOST_ROUNDS {
+                let known = self.solver.len();
+                let mut drifting = Drifting { velocities: &mut self.drift, own: velocities, turn, dt };
+                let (of, solver) = (self.coefficients, &mut self.solver);
+                let approach = solver.add(&self.near, &self.pressed, of, positions, &self.inverse_masses, &drifting);
+
+                fastest = fastest.max(approach);
+                if solver.len() == known {
+                    break;
+                }
+                solver.warm(&mut drifting);
+                solver.solve(of, &mut drifting);
+                solver.stop(positions, &self.masses, &self.inverse_masses, &mut drifting);
+
+                self.look_again(dt);
+            }
+            // Changes within the margin bring no other pair too near.
+            if self.solver.largest_change(&self.drift) * dt <= 0.5 * self.margin * looks as f64 {
+                break;
+            }
+        }
+        fastest
+    }
+}
+
+/// u = v + dt/2 a, with the kick of slow accelerations.
+struct Drifted {
+    half: f64,
+    slow: f64,
+}
+
+impl Formula<3, 1> for Drifted {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [v, a, slow]: [V; 3], _: [V; 1]) -> [V; 1] {
+        [v + V::all(self.half) * a + V::all(self.slow) * slow]
+    }
+}
+
+impl Impulses for SelfContact {
+    fn kick(&mut self, kick: Kick<'_>) -> Option<f64> {
+        let Kick { time, dt, rate, state, accelerations, slow } = kick;
+        let half = 0.5 * dt;
+        let (slow, weight) = slow.unwrap_or((&*accelerations, 0.0));
+        let read = [columns(&state.velocities), columns(accelerations), columns(slow)];
+        let formula = Drifted { half, slow: weight };
+        on_axes(self.instructions, &formula, read, [columns_mut(&mut self.drift)]);
+        let turn = rate * half;
+        let Approach { way, nodes } = self.give(state, time, dt, turn);
+        self.solver.pressed(&mut self.pressed);
+        let limit = FASTEST * self.surface.most_touching();
+        if way > limit && self.fault.is_none() {
+            let what = format!(
+                "two layers approach by {way:.3e} m in a step, and may pass through each other beyond {limit:.3e} m"
+            );
+            self.fault = Some(Excess { nodes: nodes.to_vec(), what });
+        }
+        if self.solver.changed.is_empty() {
+            return None;
+        }
+        let mut work = 0.0;
+        let scale = 1.0 / (1.0 + turn * turn);
+        for (node, before) in &self.solver.changed {
+            let node = *node as usize;
+            let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| self.drift[(node, axis)] - before[axis]);
+            // The impulse itself, of which u has (I + h J).
+            let change = [scale * (x - turn * y), scale * (y + turn * x), z];
+            for axis in 0..3 {
+                let v = &mut state.velocities[(node, axis)];
+                work += self.masses[node] * change[axis] * (*v + 0.5 * change[axis]);
+                *v += change[axis];
+            }
+            accelerations[(node, 0)] += rate * change[1];
+            accelerations[(node, 1)] -= rate * change[0];
+        }
+        Some(work)
+    }
+}
+
+impl Law for SelfContact {
+    fn properties(&self) -> Properties {
+        Properties {
+            name: "self_contact",
+            work_class: WorkClass::Dissipative,
+            depends_on_velocity: false,
+            is_internal: true,
+        }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::default()
+    }
+
+    fn reach(&self, _tile: usize) -> usize {
+        0
+    }
+
+    fn impulses(&mut self) -> Option<&mut dyn Impulses> {
+        Some(self)
+    }
+
+    fn has_impulses(&self) -> bool {
+        true
+    }
+
+    fn check_start(&self, positions: &NodeVectors) -> Result<()> {
+        match self.crossed(positions) {
+            Some(crossed) => Err(Error::StartsCrossed { what: self.described(&crossed) }),
+            None => Ok(()),
+        }
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+        Some("leave it out")
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn history_dependent(&self) -> Option<&dyn HistoryDependent> {
+        Some(self)
+    }
+
+    fn history_dependent_mut(&mut self) -> Option<&mut dyn HistoryDependent> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt, so that layers move less in a step, or leave self_contact out"
+    }
+}
+
+/// There are neither stiffness nor damping.
+impl Linearisation for SelfContact {
+    /// All layers and cords are one: pieces of the film that meet exchange momentum.
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        let elements = &self.surface.elements;
+        elements.windows(2).for_each(|pair| visit(&[pair[0].corners, pair[1].corners].concat()));
+    }
+
+    fn add_jacobian(&self, _at: Instant<'_>, _jacobian: &mut dyn JacobianBlocks) {}
+}
+
+impl Inspection for SelfContact {
+    fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
+        self.fault.clone()
+    }
+}
