@@ -72,6 +72,12 @@ PARTS = (
         [("tools/docs/free_hub.py", "--write")],
     ),
     Part(
+        "contact",
+        "docs/contact.md: contact between layers, its cost, and what it changes",
+        [("tools/docs/contact.py", "--write")],
+        fills_cores=True,
+    ),
+    Part(
         "dashpots",
         "docs/dashpots.md: forms of the dashpots compared",
         [("tools/docs/dashpots.py", "--write")],

@@ -1,0 +1,87 @@
+"""Contact between layers, for docs/contact.md: crossings, energy, cost, change of the deployment, two sheets, the roll.
+
+Finished runs are kept in the folder `out` and read again; remove it to repeat them. With `--write` the tables and
+pictures of docs/contact.md are replaced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+from contact_pictures import draw_arm, draw_cost, draw_crossings, draw_curves
+from contact_roll import at_rest, roll_table
+from contact_runs import MODELS, OWN, WITH, arm_of, ensembles, fast, single
+from contact_sheets import SPEEDS, sheets_table, thrown
+from contact_tables import EDGES, change_table, cost_table, crossings_table, distance_table, energy_table, ratios
+from marked import DOCS, MarkedPart, copy_small
+from membrane_rs._arrays import Floats
+from page_of_runs import Runs, make_page
+
+NAMES = ("crossings", "cost", "change", "sheets", "roll")
+PARTS = {name: MarkedPart(DOCS / "contact.md", f"contact-{name}") for name in NAMES}
+ALIGNED = "1 m/s, node over node"
+SCENES = (MODELS[0], fast(MODELS[0]))
+"""Of the runs whose crossings are drawn."""
+
+
+def crossings_part(runs: Runs, picture: Path) -> str:
+    """The tables of crossings and of the balance, and their curves."""
+    found = {name: single(runs, name) for name in SCENES}
+    draw_crossings(found, picture)
+    return f"{crossings_table(found)}\n{energy_table(found)}"
+
+
+def cost_part(runs: Runs, picture: Path) -> str:
+    """The table of times, and their picture."""
+    found = ensembles(runs)
+    draw_cost(EDGES, {model: ratios(kinds, EDGES) for model, kinds in found.items()}, picture)
+    return cost_table(found)
+
+
+def change_part(runs: Runs, picture: Path) -> str:
+    """The tables of features and distances, and the curves of all starts."""
+    found = ensembles(runs)
+    draw_curves(found, picture)
+    return f"{change_table(found)}\n{distance_table(found)}"
+
+
+def sheets_part(runs: Runs, _: Path) -> str:
+    """The table of sheets that are thrown."""
+    cases = {f"{speed:g} m/s": (speed, False) for speed in SPEEDS} | {ALIGNED: (1.0, True)}
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
+        f"sheets {label} {kind}": partial(thrown, speed, with_contact=kind == WITH, aligned=aligned)
+        for label, (speed, aligned) in cases.items()
+        for kind in (OWN, WITH)
+    }
+    found = runs.of(jobs)
+    return sheets_table({label: (found[f"sheets {label} {OWN}"], found[f"sheets {label} {WITH}"]) for label in cases})
+
+
+def roll_part(runs: Runs, _: Path) -> str:
+    """The table of the roll at rest."""
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
+        f"roll {kind}": partial(at_rest, with_contact=kind == WITH) for kind in (OWN, WITH)
+    }
+    return roll_table(*runs.of(jobs).values())
+
+
+def write_arm(runs: Runs) -> None:
+    """An arm with contact and without it, into docs/."""
+    picture = runs.folder / "contact-arm.png"
+    draw_arm(arm_of(runs), picture)
+    copy_small(picture, picture.name)
+
+
+MAKERS: dict[str, Callable[[Runs, Path], str]] = {
+    "crossings": crossings_part,
+    "cost": cost_part,
+    "change": change_part,
+    "sheets": sheets_part,
+    "roll": roll_part,
+}
+
+
+if __name__ == "__main__":
+    make_page("contact", __doc__, runs_in=Runs, parts=PARTS, makers=MAKERS, write_shapes=write_arm)
