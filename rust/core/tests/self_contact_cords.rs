@@ -96,7 +96,7 @@ fn cords_pass_through_each_other() {
 }
 
 #[test]
-fn a_cord_through_a_sheet_is_refused_at_the_start_and_told_at_the_end() {
+fn a_cord_through_a_sheet_is_refused_at_the_start_and_found_at_the_end() {
     let mut scene = Scene::new();
     let (points, triangles) = square(4, 4, 0.011);
     let floor = scene.add(&points, &triangles, [0.0; 3]);
@@ -117,6 +117,6 @@ fn a_cord_through_a_sheet_is_refused_at_the_start_and_told_at_the_end() {
     scene.dt = Some(1e-5);
     let mut simulation = scene.started();
     simulation.step(100).unwrap();
-    let Err(Error::Unstable { what, law, .. }) = simulation.check(true) else { panic!("nothing is told") };
+    let Err(Error::Unstable { what, law, .. }) = simulation.check(true) else { panic!("nothing is found") };
     assert!(what.contains("goes through triangle") && law == "self_contact", "{what}");
 }

@@ -74,6 +74,15 @@ impl Formula<6, 0> for Power {
     }
 }
 
+/// Laws with power whose forces do not depend on velocity; not that of moved nodes, which impulses leave.
+pub(super) fn steady_loads(laws: &[Box<dyn Law>]) -> Vec<usize> {
+    let is_steady = |law: &dyn Law| {
+        let properties = law.properties();
+        properties.work_class == WorkClass::External && !properties.depends_on_velocity && law.moved().is_none()
+    };
+    (0..laws.len()).filter(|&row| is_steady(laws[row].as_ref())).collect()
+}
+
 /// The rows of a row block in an array of the forces on all nodes, or on one row block.
 pub(super) fn place_of(range: &Range<usize>, forces: &NodeVectors, nodes: usize) -> Range<usize> {
     if forces.nrows() < nodes { 0..range.len() } else { range.clone() }

@@ -6,16 +6,6 @@
 use super::mechanics::Mechanics;
 use crate::arrays::state::{NodeVectors, PhasePoint};
 use crate::integrators::Kick;
-use crate::laws::{Law, WorkClass};
-
-/// Laws with power whose forces do not depend on velocity; not that of moved nodes, which impulses leave.
-pub(super) fn steady_loads(laws: &[Box<dyn Law>]) -> Vec<usize> {
-    let is_steady = |law: &dyn Law| {
-        let properties = law.properties();
-        properties.work_class == WorkClass::External && !properties.depends_on_velocity && law.moved().is_none()
-    };
-    (0..laws.len()).filter(|&row| is_steady(laws[row].as_ref())).collect()
-}
 
 impl Mechanics {
     /// Changes the velocities by the impulses that the next drift needs, and adds their work. Whether there were any.

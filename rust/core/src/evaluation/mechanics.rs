@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use super::deferral::{Deferral, place_of, power_of};
+use super::deferral::{Deferral, place_of, power_of, steady_loads};
 use super::free_pieces::FreePieces;
-use super::impulses;
 use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
@@ -90,7 +89,7 @@ impl Mechanics {
             held: (0..nodes).filter(|&node| inverse_masses[node] == 0.0).collect(),
             history_dependent,
             moved: laws.iter().position(|law| law.moved().is_some()),
-            steady_loads: impulses::steady_loads(&laws),
+            steady_loads: steady_loads(&laws),
             impulsive: laws.iter().position(|law| law.has_impulses()),
             pieces: FreePieces::new(&laws, &inverse_masses),
             plan: Plan::with(&mut laws, &is_separate),
