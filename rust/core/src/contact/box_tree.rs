@@ -23,7 +23,7 @@ impl Bounds {
         points.iter().fold(Self::EMPTY, |bounds, &point| bounds.with(&Self { low: point, high: point }))
     }
 
-    pub(crate) fn with(self, other: &Self) -> Self {
+    fn with(self, other: &Self) -> Self {
         let (mut low, mut high) = (self.low, self.high);
         for axis in 0..3 {
             low[axis] = low[axis].min(other.low[axis]);

@@ -20,10 +20,7 @@ impl HistoryDependent for SelfContact {
 
     fn accept(&mut self, at: Instant<'_>) {
         self.steps += 1;
-        if self.steps >= FIRST_SHAPE
-            && (self.steps / FIRST_SHAPE).is_power_of_two()
-            && self.steps.is_multiple_of(FIRST_SHAPE)
-        {
+        if self.steps.is_multiple_of(FIRST_SHAPE) && (self.steps / FIRST_SHAPE).is_power_of_two() {
             self.shapes.push(at.positions.clone());
             self.lists.forget();
         }

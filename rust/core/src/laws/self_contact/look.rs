@@ -34,6 +34,11 @@ impl Pairs {
         self.kept.clear();
     }
 
+    /// The place of the first pair of edges.
+    fn split(&self) -> usize {
+        self.pairs.partition_point(|pair| !pair.has_edges())
+    }
+
     pub(super) fn push(&mut self, pair: Pair, kept: Option<f64>) {
         self.pairs.push(pair);
         self.kept.extend(kept);
@@ -229,8 +234,7 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) {
-        let from = self.from;
-        let split = from.pairs.partition_point(|pair| !pair.has_edges());
+        let (from, split) = (self.from, self.from.split());
         self.of_kind::<V, false>(0, &from.pairs[..split]);
         self.of_kind::<V, true>(split, &from.pairs[split..]);
     }
@@ -259,8 +263,7 @@ impl Kernel for Raise<'_> {
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) {
-        let count = self.pairs.pairs.len();
-        let split = self.pairs.pairs.partition_point(|pair| !pair.has_edges());
+        let (count, split) = (self.pairs.pairs.len(), self.pairs.split());
         self.of_kind::<V, false>(0, split);
         self.of_kind::<V, true>(split, count);
     }
@@ -348,8 +351,7 @@ impl Kernel for Look<'_> {
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) {
-        let from = self.from;
-        let split = from.pairs.partition_point(|pair| !pair.has_edges());
+        let (from, split) = (self.from, self.from.split());
         self.of_kind::<V, false>(0, &from.pairs[..split]);
         self.of_kind::<V, true>(split, &from.pairs[split..]);
     }

@@ -157,7 +157,6 @@ impl SelfContact {
         let Self { surface, lists, drift, shapes, watched, near, moving, instructions, margin, coefficients, .. } =
             self;
         let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
-
         watched.clear();
         near.clear();
         if from.pairs.is_empty() {
@@ -192,7 +191,6 @@ impl SelfContact {
             ..
         } = self;
         solver.of_changed(surface, watched, drift, dt, changed);
-
         rest.clear();
         near.clear();
         if changed.pairs.is_empty() {
@@ -225,7 +223,6 @@ impl SelfContact {
                 let mut drifting = Drifting { velocities: &mut self.drift, own: velocities, turn, dt };
                 let (of, solver) = (self.coefficients, &mut self.solver);
                 let approach = solver.add(&self.near, &self.pressed, of, positions, &self.inverse_masses, &drifting);
-
                 fastest = fastest.max(approach);
                 if solver.len() == known {
                     break;
@@ -233,7 +230,6 @@ impl SelfContact {
                 solver.warm(&mut drifting);
                 solver.solve(of, &mut drifting);
                 solver.stop(positions, &self.masses, &self.inverse_masses, &mut drifting);
-
                 self.look_again(dt);
             }
             // Changes within the margin bring no other pair too near.

@@ -89,21 +89,19 @@ pub(super) struct Solver {
     contacts: Vec<Contact>,
     /// Nodes with an impulse, and their u before.
     pub(super) changed: Vec<(u32, [f64; 3])>,
-    /// Of each node: 1 more than its place among those, and the turn of its last change.
-    places: Vec<u32>,
+    /// Of each node: whether it is among those, and the turn of its last change.
+    is_changed: Vec<bool>,
     turns: Vec<u32>,
     turn: u32,
     zones: Zones,
     rigid: Vec<(usize, Vector3<f64>)>,
     /// By how much impulses move each node within the drift \[m\].
     ways: Vec<f64>,
-    /// Sweeps so far, for the chart of costs.
-    pub(super) sweeps: u64,
 }
 
 impl Solver {
     pub(super) fn new(nodes: usize) -> Self {
-        Self { places: vec![0; nodes], turns: vec![0; nodes], ways: vec![0.0; nodes], ..Self::default() }
+        Self { is_changed: vec![false; nodes], turns: vec![0; nodes], ways: vec![0.0; nodes], ..Self::default() }
     }
 
     /// Begins a step.
@@ -112,7 +110,7 @@ impl Solver {
         self.zones.clear();
         for (node, _) in self.changed.drain(..) {
             let node = node as usize;
-            (self.places[node], self.turns[node], self.ways[node]) = (0, 0, 0.0);
+            (self.is_changed[node], self.turns[node], self.ways[node]) = (false, 0, 0.0);
         }
         self.turn = 0;
     }
@@ -195,10 +193,8 @@ impl Solver {
         dt: f64,
         into: &mut Pairs,
     ) {
-        for &(node, before) in &self.changed {
-            let row = velocities.row(node as usize);
-            let square: f64 = (0..3).map(|axis| (row[axis] - before[axis]).powi(2)).sum();
-            self.ways[node as usize] = square.sqrt() * dt;
+        for changed in &self.changed {
+            self.ways[changed.0 as usize] = square_of_change(changed, velocities).sqrt() * dt;
         }
         into.clear();
         let Watched { pairs, room } = watched;
@@ -222,10 +218,9 @@ impl Solver {
         }
     }
 
-    /// Sweeps over the pairs until none changes much. The largest change of u that an impulse has made \[m/s\].
+    /// Sweeps over the pairs until none changes much.
     pub(super) fn solve(&mut self, of: Coefficients, drifting: &mut Drifting<'_>) {
         for _ in 0..MOST_SWEEPS {
-            self.sweeps += 1;
             let mut is_settled = true;
             for k in 0..self.contacts.len() {
                 let contact = &self.contacts[k];
@@ -314,11 +309,9 @@ impl Solver {
 
     /// Notes that a node changes.
     fn note(&mut self, node: usize, drifting: &Drifting<'_>) {
-        let place = &mut self.places[node];
-        if *place == 0 {
+        if !std::mem::replace(&mut self.is_changed[node], true) {
             let row = drifting.velocities.row(node);
             self.changed.push((node as u32, [row[0], row[1], row[2]]));
-            *place = self.changed.len() as u32;
         }
         self.turns[node] = self.turn;
     }
@@ -331,12 +324,14 @@ impl Solver {
 
     /// The largest change of u of a node \[m/s\].
     pub(super) fn largest_change(&self, velocities: &NodeVectors) -> f64 {
-        let of_node = |(node, before): &(u32, [f64; 3])| {
-            let row = velocities.row(*node as usize);
-            (0..3).map(|axis| (row[axis] - before[axis]).powi(2)).sum::<f64>()
-        };
-        self.changed.iter().map(of_node).fold(0.0, f64::max).sqrt()
+        self.changed.iter().map(|changed| square_of_change(changed, velocities)).fold(0.0, f64::max).sqrt()
     }
+}
+
+/// The square of the change of u of a node from what it was before \[m2/s2\].
+fn square_of_change((node, before): &(u32, [f64; 3]), velocities: &NodeVectors) -> f64 {
+    let row = velocities.row(*node as usize);
+    (0..3).map(|axis| (row[axis] - before[axis]).powi(2)).sum()
 }
 
 impl Contact {
