@@ -109,6 +109,12 @@ impl SimdF64 for Counted {
         Self(F64x8::load_split(low, high))
     }
 
+    /// Eight rows are as many reads.
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF] {
+        (0..LANES).for_each(|_| increment(|counts| &mut counts.loads));
+        F64x8::of_rows(rows).map(Self)
+    }
+
     /// Counted here for both halves.
     fn add_low_to(self, place: &mut [f64; HALF]) {
         increment(|counts| &mut counts.loads);

@@ -98,6 +98,8 @@ pub trait SimdF64:
     }
     /// Four numbers from one array and four from another.
     fn load_split(low: &[f64; HALF], high: &[f64; HALF]) -> Self;
+    /// The columns of a matrix by its eight rows: the first numbers of all rows, the second ones, and so on.
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF];
     /// Adds the first four numbers to an array.
     fn add_low_to(self, place: &mut [f64; HALF]);
     /// Adds the last four numbers to an array.
@@ -179,6 +181,17 @@ impl SimdF64 for F64x8 {
         out[..HALF].copy_from_slice(low);
         out[HALF..].copy_from_slice(high);
         Self(out)
+    }
+
+    #[inline(always)]
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF] {
+        let mut columns = [Self::ZERO; HALF];
+        for lane in 0..LANES {
+            for k in 0..HALF {
+                columns[k].0[lane] = rows[lane][k];
+            }
+        }
+        columns
     }
 
     #[inline(always)]
@@ -299,6 +312,7 @@ pub fn negate<V: SimdF64>(a: Vec3<V>) -> Vec3<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::dispatch::{InstructionSet, Kernel};
 
     #[test]
     fn atan2_agrees_with_the_standard_library_at_every_angle() {
@@ -311,6 +325,28 @@ mod tests {
             worst = worst.max((ours - y.atan2(x)).abs());
         }
         assert!(worst < 5e-16, "{worst:e}");
+    }
+
+    /// Lanes of the columns of eight rows.
+    struct Columns([[f64; HALF]; LANES]);
+
+    impl Kernel for Columns {
+        type Output = [[f64; LANES]; HALF];
+
+        #[inline(always)]
+        fn sweep<V: SimdF64>(self) -> Self::Output {
+            let [a, b, c, d] = V::of_rows(self.0.each_ref());
+            [a.lanes().0, b.lanes().0, c.lanes().0, d.lanes().0]
+        }
+    }
+
+    #[test]
+    fn columns_are_those_of_their_rows_at_every_width() {
+        let rows = std::array::from_fn(|lane| std::array::from_fn(|k| (10 * lane + k) as f64));
+        let columns = std::array::from_fn(|k| std::array::from_fn(|lane| (10 * lane + k) as f64));
+        for instructions in InstructionSet::ALL {
+            assert_eq!(instructions.dispatch(Columns(rows)), columns, "{instructions:?}");
+        }
     }
 
     #[test]

@@ -102,6 +102,27 @@ impl SimdF64 for Sse2 {
     }
 
     #[inline(always)]
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF] {
+        let [mut a, mut b, mut c, mut d] = [Self::zero(); HALF];
+        macro_rules! pair_of_rows {
+            ($register:tt, $row:expr) => {
+                let (first, second) = (two(rows[$row], 0), two(rows[$row + 1], 0));
+                let (third, fourth) = (two(rows[$row], 2), two(rows[$row + 1], 2));
+                // SAFETY: every x86-64 has SSE2.
+                unsafe {
+                    (a.$register, b.$register) = (_mm_unpacklo_pd(first, second), _mm_unpackhi_pd(first, second));
+                    (c.$register, d.$register) = (_mm_unpacklo_pd(third, fourth), _mm_unpackhi_pd(third, fourth));
+                }
+            };
+        }
+        pair_of_rows!(0, 0);
+        pair_of_rows!(1, 2);
+        pair_of_rows!(2, 4);
+        pair_of_rows!(3, 6);
+        [a, b, c, d]
+    }
+
+    #[inline(always)]
     fn add_low_to(self, place: &mut [f64; HALF]) {
         add_to(place, self.0, self.1);
     }

@@ -96,6 +96,24 @@ fn add_to(place: &mut [f64; HALF], numbers: __m256d) {
     unsafe { _mm256_storeu_pd(place.as_mut_ptr(), _mm256_add_pd(_mm256_loadu_pd(place.as_ptr()), numbers)) }
 }
 
+/// The columns of a matrix of four rows.
+#[inline(always)]
+fn of_four_rows([p, q, r, s]: [&[f64; HALF]; HALF]) -> [__m256d; HALF] {
+    // SAFETY: four numbers lie behind each pointer; the machine has AVX2, see above.
+    unsafe {
+        let (p, q) = (_mm256_loadu_pd(p.as_ptr()), _mm256_loadu_pd(q.as_ptr()));
+        let (r, s) = (_mm256_loadu_pd(r.as_ptr()), _mm256_loadu_pd(s.as_ptr()));
+        let (even, odd) = (_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q));
+        let (next_even, next_odd) = (_mm256_unpacklo_pd(r, s), _mm256_unpackhi_pd(r, s));
+        [
+            _mm256_permute2f128_pd::<0x20>(even, next_even),
+            _mm256_permute2f128_pd::<0x20>(odd, next_odd),
+            _mm256_permute2f128_pd::<0x31>(even, next_even),
+            _mm256_permute2f128_pd::<0x31>(odd, next_odd),
+        ]
+    }
+}
+
 impl SimdF64 for Avx2 {
     #[inline(always)]
     fn load_from(numbers: &[f64; LANES]) -> Self {
@@ -107,6 +125,13 @@ impl SimdF64 for Avx2 {
     fn load_split(low: &[f64; HALF], high: &[f64; HALF]) -> Self {
         // SAFETY: four numbers lie behind each pointer; the machine has AVX2, see above.
         unsafe { Self(_mm256_loadu_pd(low.as_ptr()), _mm256_loadu_pd(high.as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF] {
+        let [p, q, r, s, t, u, v, w] = rows;
+        let ([a, b, c, d], [e, f, g, h]) = (of_four_rows([p, q, r, s]), of_four_rows([t, u, v, w]));
+        [Self(a, e), Self(b, f), Self(c, g), Self(d, h)]
     }
 
     #[inline(always)]
@@ -194,6 +219,26 @@ impl SimdF64 for Avx512 {
         unsafe {
             let low = _mm512_castpd256_pd512(_mm256_loadu_pd(low.as_ptr()));
             Self(_mm512_insertf64x4::<1>(low, _mm256_loadu_pd(high.as_ptr())))
+        }
+    }
+
+    #[inline(always)]
+    fn of_rows(rows: [&[f64; HALF]; LANES]) -> [Self; HALF] {
+        // Each half of a register has a matrix of four rows.
+        let (p, q) = (Self::load_split(rows[0], rows[4]).0, Self::load_split(rows[1], rows[5]).0);
+        let (r, s) = (Self::load_split(rows[2], rows[6]).0, Self::load_split(rows[3], rows[7]).0);
+        // SAFETY: the machine has AVX-512, see above.
+        unsafe {
+            let (even, odd) = (_mm512_unpacklo_pd(p, q), _mm512_unpackhi_pd(p, q));
+            let (next_even, next_odd) = (_mm512_unpacklo_pd(r, s), _mm512_unpackhi_pd(r, s));
+            let first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            [
+                Self(_mm512_permutex2var_pd(even, first, next_even)),
+                Self(_mm512_permutex2var_pd(odd, first, next_odd)),
+                Self(_mm512_permutex2var_pd(even, second, next_even)),
+                Self(_mm512_permutex2var_pd(odd, second, next_odd)),
+            ]
         }
     }
 
