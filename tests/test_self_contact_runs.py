@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from membrane_rs import (
     Simulation,
     SpringDamping,
     Springs,
+    Stage,
     UnstableError,
     resume,
     run,
@@ -119,6 +121,23 @@ def test_a_sheet_comes_to_rest_on_another() -> None:
     upper = simulation.positions[len(simulation.positions) // 2 :, 2]
     assert crossed(simulation) == 0
     assert upper.min() > 0.0
+
+
+def test_layers_keep_their_distance_into_the_next_stage() -> None:
+    contact, parts = SelfContact(), (Fixed("lower"),)
+    scene = two_sheets(contact, others=(Gravity((0.0, 0.0, -981.0)), SpringDamping()), parts=parts)
+    least = 0.5 * FILM.thickness
+    heights = []
+    for stages in ([Stage("one", 4e-3)], [Stage("one", 2e-3), Stage("two", 2e-3)]):
+        simulation = Simulation(replace(scene, stages=stages))
+        simulation.reach(4e-3)
+        heights.append(simulation.positions[len(simulation.positions) // 2 :, 2])
+    other = Simulation(scene, start=simulation)
+    other.reach(other.time + 2e-3)
+    heights.append(other.positions[len(other.positions) // 2 :, 2])
+    assert [len(shape) for shape in other._core.layer_shapes()] == [len(other.positions)]
+    for found in heights:
+        assert found.min() == pytest.approx(least, rel=0.05)
 
 
 def test_an_approach_that_is_too_fast_is_stopped_with_value_and_remedy() -> None:

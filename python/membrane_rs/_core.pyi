@@ -332,10 +332,11 @@ class Simulation:
         hub: HubMotion,
         positions: NDArray[np.float64],
         velocities: NDArray[np.float64],
-        crease_angles: NDArray[np.float64] | None,
+        past: tuple[NDArray[np.float64] | None, list[NDArray[np.float64]]],
     ) -> None:
-        """Start from a motion at a time [s], with this motion of the hub, and open the ledger anew. Angles of
-        creases [rad] tell whole turns, which positions do not.
+        """Start from a motion at a time [s], with this motion of the hub, and open the ledger anew. Of the past are
+        angles of creases [rad], which tell whole turns that positions do not, and shapes (n, 3) [m] whose distances
+        layers of the film keep.
         """
 
     def masses(self) -> NDArray[np.float64]:
@@ -364,6 +365,9 @@ class Simulation:
 
     def crease_angles(self) -> NDArray[np.float64] | None:
         """(c,) [rad]: pi flat, 0 shut; None without the law."""
+
+    def layer_shapes(self) -> list[NDArray[np.float64]]:
+        """(n, 3) each: positions [m] whose distances layers of the film keep; none without contact between them."""
 
     def contact_forces(self) -> NDArray[np.float64]:
         """(n, 3) forces of contact that the hub exerts on the nodes [N]."""

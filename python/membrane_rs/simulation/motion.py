@@ -203,7 +203,8 @@ class Motion(KnownAttributes, Copies, Readings):
             )
         check_same_nodes(self.assembly, other.assembly)
         angles = other._core.crease_angles() if has_same_creases(self.scene.mesh, other.scene.mesh) else None
-        self._core.start_from(other.time, other._core.hub(), other.positions, other.velocities, angles)
+        past = (angles, other._core.layer_shapes())
+        self._core.start_from(other.time, other._core.hub(), other.positions, other.velocities, past)
         self.is_relaxed = other.is_relaxed
         self._motions_set += 1
 

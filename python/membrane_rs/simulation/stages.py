@@ -255,15 +255,15 @@ class StagedMotion(Motion):
         before = self.energies()
         record = replace(self._record(), ended_by=ended_by)
         time, hub, rate, positions = core.time, core.hub(), core.hub_rate, core.positions()
-        velocities, angles = core.velocities(), core.crease_angles()
+        velocities, past = core.velocities(), (core.crease_angles(), core.layer_shapes())
         starts = [*line.starts, core.time]
         index = line.index + 1
         with named(f"stages[{index}]"):
             self._simulate(self.scene.staged(index, starts), *self._method(index))
-        self._core.start_from(time, hub, positions, velocities, angles)
+        self._core.start_from(time, hub, positions, velocities, past)
         if (jump := self._core.hub_rate - rate) != 0.0:  # the nodes keep their velocities in space, v + Omega x r
             velocities[:, :2] += jump * positions[:, 1::-1] * (1.0, -1.0)
-            self._core.start_from(time, hub, positions, velocities, angles)
+            self._core.start_from(time, hub, positions, velocities, past)
         after = self.energies()
         changes = {name: after.get(name, 0.0) - before.get(name, 0.0) for name in before | after}
         changes = {name: joule for name, joule in changes.items() if joule != 0.0}

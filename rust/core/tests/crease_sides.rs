@@ -101,7 +101,7 @@ fn the_side_is_saved_with_a_run_and_kept_by_a_motion_of_the_same_shape() {
 
     let mut other = turning(0);
     for (given, expected) in [(None, own), (Some([folded, 0.0].as_slice()), own), (Some([folded].as_slice()), folded)] {
-        other.start_from(0.5, &[0.0; 14], &saved.positions, &saved.velocities, given).unwrap();
+        other.start_from(0.5, &[0.0; 14], &saved.positions, &saved.velocities, given, &[]).unwrap();
         assert!((angle(&other) - expected).abs() < 1e-6, "{given:?}: {}", angle(&other));
     }
 }

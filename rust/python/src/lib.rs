@@ -7,6 +7,7 @@ mod errors;
 mod graph;
 mod laws;
 mod mesh;
+mod past;
 mod progress;
 mod readings;
 mod results;

@@ -2,6 +2,7 @@
 
 use membrane_core::evaluation::ledger::{EnergyTerms, Ledger, Scope};
 use membrane_core::integrators::Controller;
+use membrane_core::simulation::Simulation as Core;
 use membrane_core::simulation::{AdaptiveProgress, Progress, SavedHistory};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -50,6 +51,11 @@ fn history_of(saved: &Bound<'_, PyDict>, name: &str) -> PyResult<SavedHistory> {
         _ => numbers(&name, &get::<Bound<'_, PyAny>>(saved, WHAT, &name)?)?,
     };
     Ok((histories, numbers))
+}
+
+/// The names of the laws of a simulation.
+pub(crate) fn names_of(core: &Core) -> Vec<&'static str> {
+    core.laws().iter().map(|law| law.name()).collect()
 }
 
 /// The data of a checkpoint, by name.

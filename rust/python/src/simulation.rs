@@ -16,13 +16,13 @@ use crate::arrays::{checked, matrix, rows, vectors};
 use crate::components::{model_of, settings_of};
 use crate::errors::wrong_value;
 use crate::laws::law_of;
-use crate::progress::{check_values, progress_of, saved_of};
+use crate::past::Past;
+use crate::progress::{check_values, names_of, progress_of, saved_of};
 use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
 use crate::results::{EnergyBalance, HubMotion, NewtonStatistics, StepLimit};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
-
 /// Longest pause between two chunks of steps for other threads that wait to read, in periods of `READER_PERIOD`.
 const READER_PERIODS: u32 = 100;
 const READER_PERIOD: Duration = Duration::from_micros(50);
@@ -85,7 +85,7 @@ impl Simulation {
         loop {
             let chunk = self.chunk.load(Ordering::Relaxed);
             let start = Instant::now();
-            let is_done = py.detach(|| {
+            let is_done = checked(py.detach(|| {
                 let is_done = advance(&mut self.core.lock().unwrap_or_else(PoisonError::into_inner), chunk);
                 for _ in 0..READER_PERIODS {
                     if self.waiting.load(Ordering::Acquire) == 0 {
@@ -94,8 +94,7 @@ impl Simulation {
                     std::thread::sleep(READER_PERIOD);
                 }
                 is_done
-            });
-            let is_done = checked(is_done)?;
+            }))?;
             py.check_signals()?;
             if is_done || began.elapsed() >= longest {
                 return Ok(is_done);
@@ -108,10 +107,6 @@ impl Simulation {
             }
         }
     }
-}
-
-fn names_of(core: &Core) -> Vec<&'static str> {
-    core.laws().iter().map(|law| law.name()).collect()
 }
 
 #[pymethods]
@@ -237,7 +232,7 @@ impl Simulation {
         checked(self.core(py).set_motion(&rows("positions", positions)?, &rows("velocities", velocities)?))
     }
 
-    /// Starts from a motion at a time [s], with this motion of the hub, and creases where given at angles [rad].
+    /// Starts from a motion at a time [s], with this motion of the hub, and what positions do not show of its past.
     fn start_from(
         &self,
         py: Python<'_>,
@@ -245,11 +240,12 @@ impl Simulation {
         hub: &HubMotion,
         positions: &Bound<'_, PyAny>,
         velocities: &Bound<'_, PyAny>,
-        crease_angles: Option<Vec<f64>>,
+        past: Past,
     ) -> PyResult<()> {
         let _right = self.stepping()?;
         let (positions, velocities) = (rows("positions", positions)?, rows("velocities", velocities)?);
-        checked(self.core(py).start_from(time, &hub.state, &positions, &velocities, crease_angles.as_deref()))
+        let angles = past.angles.as_deref();
+        checked(self.core(py).start_from(time, &hub.state, &positions, &velocities, angles, &past.shapes))
     }
 
     fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -326,6 +322,11 @@ impl Simulation {
         self.core(py).crease_angles().map(|angles| PyArray1::from_vec(py, angles))
     }
 
+    /// Shapes whose distances layers of the film keep.
+    fn layer_shapes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        self.core(py).layer_shapes().iter().map(|shape| vectors(py, shape)).collect()
+    }
+
     /// Forces of contact that the hub exerts on the nodes.
     fn contact_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         vectors(py, &self.core(py).contact_forces())
@@ -382,10 +383,9 @@ impl Simulation {
 
     /// The data of a checkpoint, for `resume`.
     fn progress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (names, progress) = {
-            let core = self.core(py);
-            (names_of(&core), core.progress())
-        };
+        let core = self.core(py);
+        let (names, progress) = (names_of(&core), core.progress());
+        drop(core);
         saved_of(py, progress, &names)
     }
 

@@ -2,6 +2,7 @@
 
 use super::Instant;
 use crate::arrays::history::History;
+use crate::arrays::state::NodeVectors;
 
 /// A law that keeps data from step to step. Evaluations read them without change, since they also serve steps that are
 /// rejected, and forces that are only read.
@@ -28,6 +29,14 @@ pub trait HistoryDependent {
     /// Takes over the angles of creases \[rad\], in external order, as those of the present positions, which give them
     /// up to whole turns. Angles of another number of creases are left.
     fn set_crease_angles(&mut self, _angles: &[f64]) {}
+
+    /// Shapes whose distances layers of the film keep.
+    fn layer_shapes(&self) -> &[NodeVectors] {
+        &[]
+    }
+
+    /// Takes over such shapes, of a motion that goes on.
+    fn set_layer_shapes(&mut self, _shapes: &[NodeVectors]) {}
 
     /// Data kept from step to step, saved and restored with the run.
     fn history(&self) -> History;

@@ -15,8 +15,8 @@ const UPRIGHT: f64 = 1e-9;
 
 impl Simulation {
     /// Sets positions and velocities, in external order, and opens a new ledger. Held nodes stay at rest, and
-    /// those that move as prescribed go on from there. Creases keep their angles where no position is another one, and
-    /// are else on their own side.
+    /// those that move as prescribed go on from there. Where no position is another one, creases keep their angles, and
+    /// layers of the film the distances that they keep; else creases are on their own side.
     ///
     /// # Errors
     /// `LengthMismatch`, `NotFinite`, `StartsCrossed`.
@@ -32,11 +32,14 @@ impl Simulation {
         let positions = self.numbering.internal_vectors(positions);
         self.mechanics.laws.iter().try_for_each(|law| law.check_start(&positions))?;
         self.continue_from_output();
-        let angles = if positions == self.state.positions { self.crease_angles() } else { None };
+        let (angles, shapes) = match positions == self.state.positions {
+            true => (self.crease_angles(), self.internal_layer_shapes()),
+            false => (None, Vec::new()),
+        };
         self.state = State { positions, velocities: self.numbering.internal_vectors(velocities) };
         hold(&self.mechanics.inverse_masses, &mut self.state.velocities);
         self.integrator.restore_history(History::default());
-        self.restart_moved(angles.as_deref());
+        self.restart_moved(angles.as_deref(), &shapes);
         self.open_ledger();
         Ok(())
     }
@@ -44,7 +47,8 @@ impl Simulation {
     /// Starts from positions \[m\] and velocities \[m/s\], in external order, at a time \[s\] and with a hub that moves
     /// as the numbers `hub` say (`hub_state`): a free one goes on as it does, a driven one from its angle at the rate
     /// of this scene. Steps are counted from there, and the ledger is opened anew. `crease_angles` \[rad\] tell whole
-    /// turns, which positions do not. Without them, each crease is on its own side.
+    /// turns, which positions do not. Without them, each crease is on its own side. Layers of the film keep the
+    /// distances of `layer_shapes`, in external order, and those of the start where there are none.
     ///
     /// # Errors
     /// `OutOfRange`, `LengthMismatch`, `NotFinite`, `StartsCrossed`; the simulation is then unchanged.
@@ -55,10 +59,19 @@ impl Simulation {
         positions: &[[f64; 3]],
         velocities: &[[f64; 3]],
         crease_angles: Option<&[f64]>,
+        layer_shapes: &[Vec<[f64; 3]>],
     ) -> Result<()> {
         finite("time at the start [s]", time)?;
         hub.iter().try_for_each(|number| finite("number of the state of the hub at the start", *number))?;
         let hub = HubMotion::from_numbers(hub).unwrap_or_default();
+        for shape in layer_shapes {
+            let (what, expected) = ("positions of a shape of layers", self.mechanics.masses.len());
+            if shape.len() != expected {
+                return Err(Error::LengthMismatch { what, found: shape.len(), expected, per: "node" });
+            }
+            check_finite("the position in a shape of layers", shape)?;
+        }
+        let shapes: Vec<_> = layer_shapes.iter().map(|shape| self.numbering.internal_vectors(shape)).collect();
         if !self.mechanics.spin.hub.as_ref().is_some_and(|hub| hub.is_body()) {
             let tilt = hub.attitude.i.hypot(hub.attitude.j).max(hub.change.xy().norm()).max(hub.centre.norm());
             let range = "a hub on an axis is upright there; start it in six degrees of freedom, with a mass";
@@ -75,7 +88,7 @@ impl Simulation {
         if let Some(free) = &mut self.mechanics.spin.hub {
             free.go_on(&hub);
         }
-        self.restart_moved(crease_angles);
+        self.restart_moved(crease_angles, &shapes);
         self.open_ledger();
         Ok(())
     }
@@ -87,10 +100,24 @@ impl Simulation {
         self.mechanics.spin.hub.as_ref().map_or_else(of_driven, |hub| hub.state()).numbers()
     }
 
-    /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are, and
-    /// the turns of creases as their angles tell.
-    fn restart_moved(&mut self, crease_angles: Option<&[f64]>) {
+    /// The shapes whose distances layers of the film keep, in external order \[m\]; none without their contact.
+    pub fn layer_shapes(&self) -> Vec<Vec<[f64; 3]>> {
+        self.internal_layer_shapes().iter().map(|shape| self.numbering.external_vectors(shape)).collect()
+    }
+
+    fn internal_layer_shapes(&self) -> Vec<NodeVectors> {
+        let laws = self.mechanics.laws.iter().filter_map(|law| law.history_dependent());
+        laws.map(|law| law.layer_shapes()).find(|shapes| !shapes.is_empty()).unwrap_or_default().to_vec()
+    }
+
+    /// Starts the histories of the laws anew, and with them the prescribed motion of nodes, from where these are, the
+    /// turns of creases as their angles tell, and the distances that layers keep.
+    fn restart_moved(&mut self, crease_angles: Option<&[f64]>, layer_shapes: &[NodeVectors]) {
         self.mechanics.restore_histories(&[]);
+        if !layer_shapes.is_empty() {
+            let laws = self.mechanics.laws.iter_mut().filter_map(|law| law.history_dependent_mut());
+            laws.for_each(|law| law.set_layer_shapes(layer_shapes));
+        }
         if let Some(angles) = crease_angles {
             let laws = self.mechanics.laws.iter_mut().filter_map(|law| law.history_dependent_mut());
             laws.for_each(|law| law.set_crease_angles(angles));

@@ -3,12 +3,15 @@
 use super::surface::Pair;
 use super::{FIRST_SHAPE, SelfContact};
 use crate::arrays::history::History;
+use crate::arrays::state::NodeVectors;
 use crate::laws::{HistoryDependent, Instant};
 
 /// Numbers of a pair in a history.
 const NUMBERS: usize = 4;
 /// Most steps of a history, which are whole as a double.
 const MOST_STEPS: f64 = 1e15;
+/// Most doublings of the steps after which a shape counts, of a run of that many steps.
+const MOST_DOUBLINGS: usize = 39;
 
 impl HistoryDependent for SelfContact {
     fn begin(&mut self, at: Instant<'_>) {
@@ -31,6 +34,17 @@ impl HistoryDependent for SelfContact {
 
     fn end(&mut self, at: Instant<'_>) {
         self.check_crossings(at.positions);
+    }
+
+    fn layer_shapes(&self) -> &[NodeVectors] {
+        &self.shapes
+    }
+
+    fn set_layer_shapes(&mut self, shapes: &[NodeVectors]) {
+        self.shapes = shapes.to_vec();
+        // As many steps as there are shapes for, so that restarts add no more than a long run has.
+        self.steps = shapes.len().checked_sub(2).map_or(0, |doublings| FIRST_SHAPE << doublings.min(MOST_DOUBLINGS));
+        self.lists.forget();
     }
 
     fn is_at_fault(&self) -> bool {
