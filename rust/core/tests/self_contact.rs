@@ -5,9 +5,10 @@ mod common;
 #[path = "common/sheets.rs"]
 mod sheets;
 
-use common::{spin, springs};
+use common::{FILM, spin, springs};
 use membrane_core::error::Error;
 use membrane_core::laws::LawSpec;
+use membrane_core::model::input::Film;
 use membrane_core::simulation::Simulation;
 use sheets::{Scene, least_distance, mean_velocity, momenta, placed, square, work};
 
@@ -19,6 +20,8 @@ const NODES: usize = (CELLS + 1) * (CELLS + 1);
 /// The distance at which layers touch, and the share of it that they keep [m].
 const TOUCHING: f64 = 7.5e-6;
 const KEPT: f64 = 0.5 * TOUCHING;
+/// A sheet whose own step is long against its thickness.
+const RUBBER: Film = Film { youngs_modulus: 1e6, poisson_ratio: 0.33, density: 1000.0, thickness: 2e-4 };
 
 /// The lower sheet at rest, and the upper one, above it with its lowest point, at -V.
 fn sheets(speed: f64, tilt: f64, turn: f64, shift: [f64; 2]) -> Scene {
@@ -47,7 +50,7 @@ fn run(scene: &Scene, simulation: &mut Simulation, end: f64, every: u64, mut loo
 
 #[test]
 fn a_turned_sheet_is_stopped_at_any_speed() {
-    for (speed, dt) in [(0.1, None), (1.0, None), (5.0, None), (20.0, Some(1e-6))] {
+    for (speed, dt) in [(0.1, None), (1.0, None), (5.0, None), (20.0, None)] {
         let mut scene = sheets(speed, 0.0, 0.3, [0.5 * SIZE; 2]);
         scene.dt = dt;
         let mut simulation = scene.started();
@@ -67,24 +70,26 @@ fn a_turned_sheet_is_stopped_at_any_speed() {
         let (kinetic, [lower, upper]) = first.unwrap();
         assert!((kinetic - 0.533).abs() < 3e-3, "{speed}: {kinetic}");
         assert!((lower + 0.469).abs() < 3e-3 && (upper + 0.531).abs() < 3e-3, "{speed}: {lower} {upper}");
-        assert!(least > 0.95 * KEPT && least < TOUCHING, "{speed}: {least:e}");
+        // Fast pairs go on with the points of the end of a step, about which the impulses have a moment.
+        let (share, moment) = if speed < 10.0 { (0.95, 1e-14) } else { (0.9, 1e-5) };
+        assert!(least > share * KEPT && least < TOUCHING, "{speed}: {least:e}");
         let after = momenta(&simulation);
         assert!((after[0] - before[0]).norm() < 1e-14 * before[0].norm(), "{speed}");
-        assert!((after[1] - before[1]).norm() < 1e-14 * before[0].norm() * CELLS as f64 * SIZE, "{speed}");
+        assert!((after[1] - before[1]).norm() < moment * before[0].norm() * CELLS as f64 * SIZE, "{speed}");
     }
 }
 
 #[test]
 fn too_fast_an_approach_is_refused() {
-    let scene = sheets(20.0, 0.0, 0.3, [0.5 * SIZE; 2]);
+    let scene = sheets(60.0, 0.0, 0.3, [0.5 * SIZE; 2]);
     let mut simulation = scene.started();
-    assert!(simulation.dt() * 20.0 > 8.0 * TOUCHING);
+    assert!(simulation.dt() * 60.0 > 16.0 * TOUCHING);
     let error = simulation.step(100).unwrap_err();
     let Error::Unstable { what, place, law, good_time, .. } = error else { panic!("{error}") };
-    assert!(what.contains("two layers approach by 1.0") && law == "self_contact", "{what}, {law}");
+    assert!(what.contains("two layers approach by ") && law == "self_contact", "{what}, {law}");
     let nodes: Vec<usize> = place.split(' ').filter_map(|word| word.parse().ok()).collect();
     assert!(matches!(nodes[..], [a, b] if (a < NODES) != (b < NODES)), "{place}");
-    assert!(good_time < GAP / 20.0 && simulation.time() == good_time);
+    assert!(good_time < GAP / 60.0 && simulation.time() == good_time);
     assert_eq!(scene.crossings(&simulation), 0);
 }
 
@@ -108,6 +113,28 @@ fn tilted_and_shifted_sheets_stay_apart() {
         let mut simulation = scene.started();
         let least = run(&scene, &mut simulation, 2.5e-3, 20, |_| ());
         assert!(least > 0.95 * KEPT && work(&simulation) < 0.0, "{tilt}, {shift:?}: {least:e}");
+    }
+}
+
+#[test]
+fn layers_that_move_by_many_thicknesses_a_step_stay_apart() {
+    let film = [(FILM, 5.0, 7.5), (FILM, 15.0, 22.5), (RUBBER, 4.0, 5.0), (RUBBER, 7.5, 5.0)];
+    for (film, ways, speed) in film {
+        for (tilt, turn) in [(0.0, 0.3), (0.05, 0.7), (0.5, 0.3), (0.9, 0.3), (0.9, 0.7), (1.3, 0.3), (1.3, 0.7)] {
+            let mut scene = sheets(speed, tilt, turn, [0.28 * SIZE, 0.15 * SIZE]);
+            scene.model.film = Some(film);
+            for position in &mut scene.model.positions[NODES..] {
+                position[2] += 20.0 * film.thickness;
+            }
+            // Steps of film below its own limit; that of rubber is longer.
+            scene.dt = Some(ways * film.thickness / speed);
+            scene.contact.crossing_interval = 1.0;
+            let height = GAP + 20.0 * film.thickness + 0.6 * CELLS as f64 * SIZE * tilt.sin();
+            let steps = (height / (ways * film.thickness)) as u64 + 50;
+            let mut simulation = scene.started();
+            simulation.step(steps).unwrap();
+            assert!(work(&simulation) < 0.0, "{ways}, {tilt}, {turn}");
+        }
     }
 }
 

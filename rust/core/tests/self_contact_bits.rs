@@ -112,7 +112,8 @@ fn lists_do_not_change_a_bit() {
     ];
     let known = ended(&stack(1), STEPS).progress();
     for scheme in schemes {
-        let scene = Scene { scheme, ..stack(1) };
+        let mut scene = stack(1);
+        scene.contact.scheme = scheme;
         assert!(ended(&scene, STEPS).progress() == known, "{scheme:?}");
     }
 }

@@ -96,7 +96,7 @@ fn cords_pass_through_each_other() {
 }
 
 #[test]
-fn a_cord_through_a_sheet_is_refused_at_the_start_and_found_at_the_end() {
+fn a_cord_through_a_sheet_is_refused_at_the_start_stopped_at_once_and_found_at_the_end() {
     let mut scene = Scene::new();
     let (points, triangles) = square(4, 4, 0.011);
     let floor = scene.add(&points, &triangles, [0.0; 3]);
@@ -115,6 +115,17 @@ fn a_cord_through_a_sheet_is_refused_at_the_start_and_found_at_the_end() {
     let nodes = vec![first as u32, first as u32 + 1];
     scene.model.motions = vec![Motion { nodes, displacement: [None, None, Some(down)], turn: None }];
     scene.dt = Some(1e-5);
+    let Err(Error::Unstable { what, law, step, .. }) = scene.started().step(100) else { panic!("nothing is stopped") };
+    assert!(what.contains("two layers pass through each other, which impulses cannot stop"), "{what}");
+    assert!(law == "self_contact" && (8..=10).contains(&step), "{step}");
+    // From the side, without pairs of edges.
+    scene.contact.scheme.has_edges = false;
+    let across = Schedule::new(vec![0.0, 1e-3], vec![0.0, -0.02], 0.0).unwrap();
+    for node in [first, first + 1] {
+        scene.model.positions[node][0] += 0.03;
+        scene.model.positions[node][2] -= 0.011;
+    }
+    scene.model.motions[0].displacement = [Some(across), None, None];
     let mut simulation = scene.started();
     simulation.step(100).unwrap();
     let Err(Error::Unstable { what, law, .. }) = simulation.check(true) else { panic!("nothing is found") };

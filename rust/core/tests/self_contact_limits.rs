@@ -8,7 +8,9 @@ mod sheets;
 use common::{Dice, springs};
 use membrane_core::error::Error;
 use membrane_core::laws::{LawSpec, Scheme, SelfContactParameters, SpinParameters};
-use membrane_core::model::input::Bridges;
+use membrane_core::model::input::{Bridges, Motion};
+use membrane_core::model::schedule::Schedule;
+use membrane_core::simulation::Simulation;
 use sheets::{PLAIN, Scene, momenta, placed, square, triangle, work};
 
 const GAP: f64 = 0.505e-3;
@@ -25,7 +27,7 @@ fn ribbons(has_edges: bool) -> Scene {
     scene.add(&points, &triangles, [0.0; 3]);
     scene.add(&upper, &triangles, [0.0, 0.0, -1.0]);
     scene.dt = Some(1e-5);
-    scene.scheme = Scheme { has_edges, ..Scheme::default() };
+    scene.contact.scheme = Scheme { has_edges, ..Scheme::default() };
     scene
 }
 
@@ -58,6 +60,101 @@ fn a_crossing_stops_the_run_at_the_next_check_with_both_triangles() {
     // It goes on from there, to the same fault.
     simulation.step(20).unwrap();
     assert!(simulation.step(8).is_err());
+}
+
+#[test]
+fn layers_that_nothing_keeps_apart_stop_a_run_at_once() {
+    let mut scene = Scene::new();
+    let (points, triangles) = square(2, 2, 0.011);
+    let lower = scene.add(&placed(&points, 0.0, 0.3, [0.0; 3]), &triangles, [0.0; 3]);
+    let upper = scene.add(&placed(&points, 0.0, 0.0, [0.001, 0.002, 1e-4]), &triangles, [0.0; 3]);
+    scene.hold(lower);
+    let down = Schedule::new(vec![0.0, 1e-3], vec![0.0, -1e-3], 0.0).unwrap();
+    let nodes = upper.clone().map(|node| node as u32).collect();
+    scene.model.motions = vec![Motion { nodes, displacement: [None, None, Some(down)], turn: None }];
+    let Error::Unstable { what, place, time, .. } = scene.started().step(1000).unwrap_err() else { panic!() };
+    assert!(what.contains("two layers pass through each other, which impulses cannot stop"), "{what}");
+    assert!(time > 0.99e-4 && time < 1.02e-4, "{time}");
+    let nodes: Vec<usize> = place.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(matches!(nodes[..], [a, b] if upper.contains(&a) != upper.contains(&b)), "{place}");
+}
+
+/// A sheet that rests at a height above one that moves by a schedule, with or without substeps.
+fn on_a_plate(height: f64, times: Vec<f64>, heights: Vec<f64>, substeps: u32) -> Scene {
+    let mut scene = Scene::new();
+    let (points, triangles) = square(2, 2, 0.011);
+    let plate = scene.add(&placed(&points, 0.0, 0.3, [0.0; 3]), &triangles, [0.0; 3]);
+    scene.add(&placed(&points, 0.0, 0.0, [0.001, 0.002, height]), &triangles, [0.0; 3]);
+    let schedule = Schedule::new(times, heights, 0.0).unwrap();
+    let nodes = plate.map(|node| node as u32).collect();
+    scene.model.motions = vec![Motion { nodes, displacement: [None, None, Some(schedule)], turn: None }];
+    (scene.settings.substeps, scene.dt) = (substeps, Some(2e-6 * f64::from(substeps)));
+    scene
+}
+
+#[test]
+fn a_plate_that_starts_or_stops_at_once_carries_a_sheet_and_ends_below_it() {
+    for substeps in [1, 3] {
+        for speed in [0.5, 2.0, 5.0, 20.0] {
+            let scene = on_a_plate(2.3e-6, vec![0.0, 1e-3, 2e-3], vec![0.0, 0.0, 1e-3 * speed], substeps);
+            let mut simulation = scene.started();
+            simulation.step(990 / u64::from(substeps)).unwrap();
+            let positions = simulation.positions();
+            let (plate, sheet) = positions.split_at(9);
+            assert!(plate[0][2] > 0.9e-3 * speed && sheet.iter().all(|x| x[2] > plate[0][2]), "{substeps} {speed}");
+        }
+        // It comes as near as 0.2 d0 to a held sheet, and stays there.
+        let mut scene = on_a_plate(1e-3, vec![0.0, 1e-3, 2e-3], vec![0.0, 1e-3 - 1.5e-6, 1e-3 - 1.5e-6], substeps);
+        scene.hold(9..18);
+        let mut simulation = scene.started();
+        simulation.step(990 / u64::from(substeps)).unwrap();
+        assert!(work(&simulation) == 0.0 && simulation.positions()[0][2] > 0.9e-3);
+    }
+}
+
+#[test]
+fn layers_of_a_motion_that_goes_on_keep_their_distances() {
+    let mut scene = Scene::new();
+    let (points, triangles) = square(2, 2, 0.011);
+    let lower = scene.add(&points, &triangles, [0.0; 3]);
+    let upper = scene.add(&placed(&points, 0.0, 0.0, [0.0, 0.0, 2e-5]), &triangles, [0.0, 0.0, -1.0]);
+    scene.hold(lower);
+    let mut simulation = scene.started();
+    simulation.step(50).unwrap();
+    let height = |simulation: &Simulation| simulation.positions()[upper.start][2];
+    let down: Vec<_> = scene.model.velocities.clone();
+    let pressed = height(&simulation);
+    assert!((pressed - 3.75e-6).abs() < 1e-9, "{pressed:e}");
+    let shapes = simulation.layer_shapes();
+    assert_eq!(shapes, [scene.model.positions.clone()]);
+    // Set with another velocity, and in another simulation: it would go down to half of this, from new distances.
+    let positions = simulation.positions();
+    simulation.set_motion(&positions, &down).unwrap();
+    simulation.step(50).unwrap();
+    assert!((height(&simulation) - pressed).abs() < 1e-9, "{:e}", height(&simulation));
+    for (shapes, expected) in [(shapes.as_slice(), pressed), (&[], 0.5 * pressed)] {
+        let mut next = scene.started();
+        next.start_from(0.1, &[0.0; 14], &positions, &down, None, shapes).unwrap();
+        next.step(50).unwrap();
+        assert!((height(&next) - expected).abs() < 1e-9, "{:e} {expected:e}", height(&next));
+    }
+    // Motions that are set again and again have no more shapes than a long run.
+    for _ in 0..5 {
+        simulation.set_motion(&simulation.positions(), &simulation.velocities()).unwrap();
+        simulation.step(1000).unwrap();
+    }
+    assert_eq!(simulation.layer_shapes().len(), 3);
+    // Moved, layers begin anew.
+    let mut moved = positions;
+    moved[upper.start][2] += 1e-12;
+    simulation.set_motion(&moved, &down).unwrap();
+    simulation.step(50).unwrap();
+    assert!((height(&simulation) - 0.5 * pressed).abs() < 1e-9, "{:e}", height(&simulation));
+    let few = [vec![[0.0; 3]; 3]];
+    let wrong = simulation.start_from(0.1, &[0.0; 14], &moved, &down, None, &few);
+    assert!(matches!(wrong, Err(Error::LengthMismatch { found: 3, .. })));
+    let infinite = [vec![[f64::INFINITY; 3]; moved.len()]];
+    assert!(simulation.start_from(0.1, &[0.0; 14], &moved, &down, None, &infinite).is_err());
 }
 
 #[test]
@@ -147,11 +244,19 @@ fn parameters_out_of_range_are_refused() {
     }
 }
 
-/// All numbers are finite, and momentum is that of the start.
+/// All numbers are finite, and momentum is that of the start. Layers that start without a distance may cross, which
+/// stops the run.
 fn check_momentum(scene: &Scene, steps: u64) -> f64 {
     let mut simulation = scene.started();
     let before = momenta(&simulation)[0];
-    simulation.step(steps).unwrap();
+    let mut crossed = 0;
+    for _ in 0..steps {
+        if let Err(error) = simulation.step(1) {
+            assert!(crossed > 0 && error.to_string().contains("two layers pass through each other"), "{error}");
+            break;
+        }
+        crossed = scene.crossings(&simulation);
+    }
     let size: f64 = simulation.masses().iter().zip(simulation.velocities()).map(|(m, v)| m * v[2].abs()).sum();
     assert!((momenta(&simulation)[0] - before).norm() <= 1e-13 * size.max(before.norm()));
     assert!(simulation.positions().iter().chain(&simulation.velocities()).flatten().all(|value| value.is_finite()));

@@ -51,7 +51,7 @@ fn what_is_squeezed_beyond_its_thickness_ends() {
     (scene.settings.loss_tolerance, scene.settings.energy_tolerance) = (1e9, 1e9);
     scene.contact.crossing_interval = 1.0;
     let error = scene.started().step(100).unwrap_err();
-    assert!(matches!(&error, Error::Unstable { what, .. } if what.contains("cross")), "{error}");
+    assert!(matches!(&error, Error::Unstable { what, .. } if what.contains("pass through each other")), "{error}");
 }
 
 #[test]

@@ -28,8 +28,10 @@ class SelfContact(Law):
 
     Nodes near triangles and edges near edges exchange impulses, along the normal between them and by Coulomb's law
     across it, in each kick of "leapfrog": it goes with that method alone, and not with a free hub. Layers touch at a
-    distance of their mid-surfaces, and may come as near as half of that, or of what they were apart at the start where
-    that was less. A start with crossings is refused. The law does not act while a scene is relaxed before its start.
+    distance of their mid-surfaces, and may come as near as half of that, or of what they were apart at most, at the
+    start and in some shapes since, where that was less. Stages and simulations that start from another one keep these
+    distances. A start with crossings is refused, and a run is stopped where layers pass through each other, or approach
+    by more than 16 thicknesses in a step. The law does not act while a scene is relaxed before its start.
 
     Parameters
     ----------

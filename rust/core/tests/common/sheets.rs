@@ -26,6 +26,7 @@ pub const PLAIN: SelfContactParameters = SelfContactParameters {
     friction: 0.0,
     restitution: 0.0,
     crossing_interval: 1e9,
+    scheme: Scheme::USUAL,
 };
 
 /// A scene with contact.
@@ -34,7 +35,6 @@ pub struct Scene {
     pub model: Model,
     pub specs: Vec<LawSpec>,
     pub contact: SelfContactParameters,
-    pub scheme: Scheme,
     pub method: &'static str,
     pub dt: Option<f64>,
     pub settings: Settings,
@@ -48,7 +48,6 @@ impl Scene {
             model: Model { film: Some(FILM), ..Model::default() },
             specs: Vec::new(),
             contact: PLAIN,
-            scheme: Scheme::default(),
             method: "leapfrog",
             dt: Some(1e-6),
             settings,
@@ -76,7 +75,7 @@ impl Scene {
     pub fn start(&self) -> Result<Simulation> {
         let assembly = Assembly::new(self.model.clone(), self.settings.instructions)?;
         let context = Context { assembly: &assembly, networks: SpringNetworks::default(), specs: &self.specs };
-        let law = SelfContact::new(&self.contact, &context, self.scheme)?;
+        let law = SelfContact::new(&self.contact, &context)?;
         let mut laws = build(&self.specs, &assembly)?;
         laws.insert(self.specs.len(), Box::new(law));
         let (method, spin) = (by_name(self.method)?, spin_of(&self.specs));

@@ -3,13 +3,15 @@
 //! A list holds every pair that may come nearer than its bound while the nodes stay within half a skin s of straight
 //! lines, and for as long as its horizon. A node of a pair that is not in it is off its line by s/2 at most, so that
 //! the pair stays apart by the bound: lists leave out only what has no impulse, and the motion is the same whatever
-//! their lengths. The first list is that of a tree of boxes around all elements and their ways; the last one is looked
-//! at in every step.
+//! their lengths. Pairs are in levels by how much further apart than the bound they stay on their lines, so that only
+//! those are looked at that the largest deviation so far could bring near. The first list is that of a tree of boxes
+//! around all elements and their ways; the last one is looked at in every step.
 
 use std::ops::ControlFlow;
 
 use super::Scheme;
-use super::look::{Lines, Moving, Narrow, Pairs, Raise};
+use super::look::{LEVELS, Narrow, Raise};
+use super::pairs::{Lines, Listed, Moving, Pairs};
 use super::surface::Surface;
 use crate::arrays::state::{NodeVectors, columns};
 use crate::contact::box_tree::{Bounds, BoxTree};
@@ -46,7 +48,8 @@ pub(super) struct Step<'a> {
 
 /// A list and its straight lines.
 struct List {
-    pairs: Pairs,
+    /// In level k those that stay apart by the bound and at least k/8 of the skin on their lines.
+    levels: [Pairs; LEVELS],
     positions: NodeVectors,
     velocities: NodeVectors,
     begin: f64,
@@ -78,7 +81,22 @@ pub(super) struct Lists {
     counts: [u64; LISTS],
     boxes: Vec<Bounds>,
     moving: Vec<Moving>,
+    mean: NodeVectors,
     instructions: InstructionSet,
+}
+
+impl List {
+    /// The pairs that may come nearer than the bound while nodes are off their lines by so much \[m\].
+    fn within(&self, off: f64) -> &[Pairs] {
+        let reached = 2.0 * off * (1.0 + ROUNDING) * LEVELS as f64 / self.skin;
+        let count = if reached.is_nan() { LEVELS } else { (reached as usize).saturating_add(1).min(LEVELS) };
+        &self.levels[..count]
+    }
+
+    /// How many pairs there are.
+    fn len(&self) -> usize {
+        self.levels.iter().map(Pairs::len).sum()
+    }
 }
 
 impl Lists {
@@ -93,7 +111,7 @@ impl Lists {
         scheme: Scheme,
     ) -> Self {
         let lists = std::array::from_fn(|k| List {
-            pairs: Pairs::default(),
+            levels: Default::default(),
             positions: NodeVectors::zeros(nodes),
             velocities: NodeVectors::zeros(nodes),
             begin: 0.0,
@@ -112,34 +130,36 @@ impl Lists {
             counts: [0; LISTS],
             boxes: Vec::new(),
             moving: Vec::new(),
+            mean: NodeVectors::zeros(nodes),
             instructions,
         }
     }
 
     /// Forgets what pairs keep, which another history may change.
     pub(super) fn forget(&mut self) {
-        self.lists[1..].iter_mut().for_each(|list| list.is_valid = false);
+        self.lists.iter_mut().for_each(|list| list.is_valid = false);
     }
 
     /// How often lists were made, and their lengths.
     pub(super) fn counts(&self) -> ListCounts {
-        ListCounts { made: self.counts, pairs: self.lists.each_ref().map(|list| list.pairs.pairs.len() as u64) }
+        ListCounts { made: self.counts, pairs: self.lists.each_ref().map(|list| list.len() as u64) }
     }
 
     /// The pairs that may come near within a step.
-    pub(super) fn at(&mut self, step: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) -> &Pairs {
-        if !self.holds(LISTS - 1, step) {
+    pub(super) fn at(&mut self, step: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) -> &[Pairs] {
+        let off = self.held(LISTS - 1, step).unwrap_or_else(|| {
             self.renew(step, surface, share, shapes);
-        }
-        &self.lists[LISTS - 1].pairs
+            self.deviation(LISTS - 1, step)
+        });
+        self.lists[LISTS - 1].within(off)
     }
 
-    /// Whether a list holds until the end of a step.
-    fn holds(&self, k: usize, step: Step<'_>) -> bool {
+    /// The deviation from the lines of a list that holds until the end of a step.
+    fn held(&self, k: usize, step: Step<'_>) -> Option<f64> {
         let list = &self.lists[k];
         let end = step.time + step.dt;
         let is_in_time = list.is_valid && list.begin <= step.time && end <= list.begin + list.horizon;
-        is_in_time && self.deviation(k, step) <= 0.5 * list.skin
+        is_in_time.then(|| self.deviation(k, step)).filter(|off| *off <= 0.5 * list.skin)
     }
 
     /// The largest distance of a node from its line, now and at the end of a step \[m\].
@@ -153,26 +173,32 @@ impl Lists {
     /// Makes the last list anew, and those before it that do not hold as long.
     fn renew(&mut self, step: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) {
         // Mean velocities predict better than those of a moment, which vibrate.
-        if let Some(velocities) = self.mean_velocities(step) {
-            let lines = Step { velocities: &velocities, ..step };
+        if self.find_mean_velocities(step) {
+            let velocities = std::mem::replace(&mut self.mean, NodeVectors::zeros(0));
             let columns = [step.positions, &velocities, step.positions, step.velocities].map(columns);
             let off = self.instructions.dispatch(Deviation { lines: columns, now: 0.0, dt: step.dt }).sqrt();
-            if off <= 0.5 * self.lists[LISTS - 1].next_skin {
-                self.make_anew(lines, surface, share, shapes);
-                if self.holds(LISTS - 1, step) {
-                    return;
-                }
+            let is_near = off <= 0.5 * self.lists[LISTS - 1].next_skin;
+            if is_near {
+                self.make_anew(Step { velocities: &velocities, ..step }, surface, share, shapes);
+            }
+            self.mean = velocities;
+            if is_near && self.held(LISTS - 1, step).is_some() {
+                return;
             }
         }
         self.make_anew(step, surface, share, shapes);
     }
 
-    /// The mean velocities since the last list was made, where there was one.
-    fn mean_velocities(&self, step: Step<'_>) -> Option<NodeVectors> {
+    /// Finds the mean velocities since the last list was made. Whether there was one.
+    fn find_mean_velocities(&mut self, step: Step<'_>) -> bool {
         let list = &self.lists[LISTS - 1];
         let elapsed = step.time - list.begin;
         let is_near = list.is_valid && elapsed > 0.0 && elapsed <= list.horizon + step.dt;
-        is_near.then(|| (step.positions - &list.positions) / elapsed)
+        if is_near {
+            step.positions.sub_to(&list.positions, &mut self.mean);
+            self.mean /= elapsed;
+        }
+        is_near
     }
 
     /// Makes the last list, and those before it that do not hold as long, with straight lines.
@@ -221,6 +247,7 @@ impl Lists {
 
     fn make(&mut self, k: usize, horizon: f64, lines: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) {
         self.counts[k] += 1;
+        let off = k.checked_sub(1).map(|before| self.deviation(before, Step { dt: horizon, ..lines }));
         let (before, rest) = self.lists.split_at_mut(k);
         let list = &mut rest[0];
         (list.begin, list.horizon, list.is_valid) = (lines.time, horizon, true);
@@ -228,85 +255,88 @@ impl Lists {
         list.skin = list.next_skin.min(widest);
         list.positions.copy_from(lines.positions);
         list.velocities.copy_from(lines.velocities);
-        list.pairs.clear();
-        let own = if k + 1 == LISTS { self.margin } else { self.most };
-        let bound = own * (1.0 + ROUNDING) + list.skin;
+        list.levels.iter_mut().for_each(Pairs::clear);
+        // What pairs keep is not known of the first list.
+        let bound = if k == 0 { self.most } else { self.margin } * (1.0 + ROUNDING);
         let straight = Lines::of(&list.positions, &list.velocities, horizon, &mut self.moving);
-        let into = &mut list.pairs;
-        match before.last() {
-            Some(before) => {
-                self.instructions.dispatch(Narrow { surface, from: &before.pairs, lines: straight, bound, into });
+        let (skin, into) = (list.skin, &mut list.levels);
+        match before.last().zip(off) {
+            Some((before, off)) => {
+                let from = before.within(off + 0.5 * skin);
+                self.instructions.dispatch(Narrow { surface, from, lines: straight, bound, skin, into });
             }
-            None => first_list(surface, lines, straight, bound, &mut self.boxes, self.instructions, into),
+            None => {
+                let first = First { surface, lines: straight, bound, skin };
+                first.find(lines, &mut self.boxes, self.instructions, into);
+                for positions in shapes {
+                    let nodes = Lines::of(positions, positions, 0.0, &mut self.moving).nodes;
+                    self.instructions.dispatch(Raise { surface, nodes, pairs: &mut list.levels, share });
+                }
+            }
         }
         // Short lists may be wide, so that they hold for longer.
-        let (least, count) = (self.scheme.skins[k] * self.touching, list.pairs.pairs.len());
+        let (least, count) = (self.scheme.skins[k] * self.touching, list.len());
         if count < FEW {
             list.next_skin = (2.0 * list.skin).min(WIDEST * least);
         } else if count > MANY {
             list.next_skin = (0.5 * list.skin).max(least);
         }
-        if k == LISTS - 2 {
-            list.pairs.kept.resize(list.pairs.pairs.len(), 0.0);
-            for positions in shapes {
-                let nodes = Lines::of(positions, positions, 0.0, &mut self.moving).nodes;
-                self.instructions.dispatch(Raise { surface, nodes, pairs: &mut list.pairs, share });
-            }
-        }
     }
 }
 
-/// The pairs that may come nearer than a bound, in order: of elements whose boxes, around them and their ways, meet.
-fn first_list(
-    surface: &Surface,
-    ways: Step<'_>,
-    lines: Lines<'_>,
+/// The pairs that may come nearer than a bound and a skin: of elements whose boxes, around them and their ways, meet.
+struct First<'a> {
+    surface: &'a Surface,
+    lines: Lines<'a>,
     bound: f64,
-    boxes: &mut Vec<Bounds>,
-    instructions: InstructionSet,
-    into: &mut Pairs,
-) {
-    const AT_ONCE: usize = 4096;
-    let (x, v) = (columns(ways.positions), columns(ways.velocities));
-    let half = 0.5 * bound;
-    boxes.clear();
-    boxes.extend(surface.elements.iter().map(|element| {
-        let mut bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-        for node in element.corners.map(|node| node as usize) {
-            for axis in 0..3 {
-                let now = x[axis][node];
-                let then = now + lines.duration * v[axis][node];
-                bounds.low[axis] = bounds.low[axis].min(now.min(then) - half);
-                bounds.high[axis] = bounds.high[axis].max(now.max(then) + half);
+    skin: f64,
+}
+
+impl First<'_> {
+    fn find(&self, ways: Step<'_>, boxes: &mut Vec<Bounds>, instructions: InstructionSet, into: &mut [Pairs; LEVELS]) {
+        const AT_ONCE: usize = 4096;
+        let Self { surface, lines, bound, skin } = *self;
+        let (x, v) = (columns(ways.positions), columns(ways.velocities));
+        let half = 0.5 * (bound + skin);
+        boxes.clear();
+        boxes.extend(surface.elements.iter().map(|element| {
+            let mut bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+            for node in element.corners.map(|node| node as usize) {
+                for axis in 0..3 {
+                    let now = x[axis][node];
+                    let then = now + lines.duration * v[axis][node];
+                    bounds.low[axis] = bounds.low[axis].min(now.min(then) - half);
+                    bounds.high[axis] = bounds.high[axis].max(now.max(then) + half);
+                }
             }
+            bounds
+        }));
+        let is_finite = boxes.iter().all(|bounds| bounds.low.iter().chain(&bounds.high).all(|value| value.is_finite()));
+        if !is_finite {
+            // A motion that diverges is found by the monitor.
+            return;
         }
-        bounds
-    }));
-    let is_finite = boxes.iter().all(|bounds| bounds.low.iter().chain(&bounds.high).all(|value| value.is_finite()));
-    if !is_finite {
-        // A motion that diverges is found by the monitor.
-        return;
-    }
-    let tree = BoxTree::new(boxes);
-    // Those of nodes and triangles, and of edges.
-    let mut found = [Pairs::default(), Pairs::default()];
-    let _: ControlFlow<()> = tree.visit_pairs(&mut |slot, leaf, mut meeting| {
-        while meeting != 0 {
-            let other = leaf + meeting.trailing_zeros() as usize;
-            meeting &= meeting - 1;
-            let [first, second] = [slot, other].map(|slot| tree.order()[slot] as usize);
-            surface.visit_pairs(first, second, &mut |pair| found[usize::from(pair.has_edges())].pairs.push(pair));
-        }
-        for found in found.iter_mut().filter(|found| found.pairs.len() >= AT_ONCE) {
-            instructions.dispatch(Narrow { surface, from: found, lines, bound, into });
+        let tree = BoxTree::new(boxes);
+        let mut found = Pairs::default();
+        let mut narrow = |found: &mut Pairs| {
+            let from = std::slice::from_ref(&*found);
+            instructions.dispatch(Narrow { surface, from, lines, bound, skin, into: &mut *into });
             found.clear();
-        }
-        ControlFlow::Continue(())
-    });
-    for found in &found {
-        instructions.dispatch(Narrow { surface, from: found, lines, bound, into });
+        };
+        let _: ControlFlow<()> = tree.visit_pairs(&mut |slot, leaf, mut meeting| {
+            while meeting != 0 {
+                let other = leaf + meeting.trailing_zeros() as usize;
+                meeting &= meeting - 1;
+                let [first, second] = [slot, other].map(|slot| tree.order()[slot] as usize);
+                surface.visit_pairs(first, second, &mut |pair| found.push(Listed { pair, kept: 0.0 }));
+            }
+            if found.most() >= AT_ONCE {
+                narrow(&mut found);
+            }
+            ControlFlow::Continue(())
+        });
+        narrow(&mut found);
     }
-    into.pairs.sort_unstable();
 }
 
 /// The largest squared distance of nodes x from lines y + t w, at t = `now` and, moving on with v, `dt` later.

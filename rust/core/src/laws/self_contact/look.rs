@@ -7,112 +7,48 @@
 //!
 //! so that what is not below a bound stays apart by it, whatever happens between.
 
+use super::pairs::{Eight, Lines, Listed, Moving, Pairs};
 use super::surface::{Pair, Surface};
-use crate::arrays::state::{NodeVectors, columns};
 use crate::contact::closest::{Closest, edge_edge, node_triangle};
 use crate::simd::dispatch::Kernel;
 use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, sub};
 
+/// Levels of a list.
+pub(super) const LEVELS: usize = 8;
+
 /// v_r: the largest speed at which a pair that is too near is pushed apart \[m/s\].
-const RECOVERY: f64 = 0.02;
+pub(super) const RECOVERY: f64 = 0.02;
 /// Squared sine of the angle below which two edges count as parallel.
 const PARALLEL: f64 = 1e-8;
 /// Added to products of lengths, so that a gap of 0 is below every bound.
 const TINY: f64 = 1e-300;
 
-/// Pairs in their order, those of nodes and triangles before those of edges.
-#[derive(Default)]
-pub(super) struct Pairs {
-    pub(super) pairs: Vec<Pair>,
-    /// The distance that each keeps \[m\]; empty where it is not known yet.
-    pub(super) kept: Vec<f64>,
-}
-
-impl Pairs {
-    pub(super) fn clear(&mut self) {
-        self.pairs.clear();
-        self.kept.clear();
-    }
-
-    /// The place of the first pair of edges.
-    fn split(&self) -> usize {
-        self.pairs.partition_point(|pair| !pair.has_edges())
-    }
-
-    pub(super) fn push(&mut self, pair: Pair, kept: Option<f64>) {
-        self.pairs.push(pair);
-        self.kept.extend(kept);
-    }
-}
-
-/// Position and velocity of a node, three numbers each, in one line of the cache.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C, align(64))]
-pub(super) struct Moving([f64; LANES]);
-
-/// Motion in straight lines.
-#[derive(Clone, Copy)]
-pub(super) struct Lines<'a> {
-    pub(super) nodes: &'a [Moving],
-    /// How long \[s\].
-    pub(super) duration: f64,
-}
-
-impl Moving {
-    /// Sets its velocity.
-    pub(super) fn set_velocity(&mut self, [u, v, w]: [f64; 3]) {
-        self.0[3..6].copy_from_slice(&[u, v, w]);
-    }
-}
-
-impl<'a> Lines<'a> {
-    /// Those of nodes at some positions with some velocities.
-    pub(super) fn of(
-        positions: &NodeVectors,
-        velocities: &NodeVectors,
-        duration: f64,
-        nodes: &'a mut Vec<Moving>,
-    ) -> Self {
-        let ([x, y, z], [u, v, w]) = (columns(positions), columns(velocities));
-        nodes.resize(x.len(), Moving::default());
-        let own = x.iter().zip(y).zip(z).zip(u).zip(v).zip(w);
-        for (node, (((((x, y), z), u), v), w)) in nodes.iter_mut().zip(own) {
-            node.0 = [*x, *y, *z, *u, *v, *w, 0.0, 0.0];
-        }
-        Self { nodes, duration }
-    }
-}
-
-/// Keeps the pairs that may come nearer than a bound: a distance beside that which each keeps.
+/// Keeps the pairs that may come nearer than a bound beside what each keeps, and a skin beyond it, by levels: eighths
+/// of the skin.
 pub(super) struct Narrow<'a> {
     pub(super) surface: &'a Surface,
-    pub(super) from: &'a Pairs,
+    pub(super) from: &'a [Pairs],
     pub(super) lines: Lines<'a>,
     pub(super) bound: f64,
-    pub(super) into: &'a mut Pairs,
+    pub(super) skin: f64,
+    pub(super) into: &'a mut [Pairs; LEVELS],
 }
 
-/// Finds the distance of each pair, at most `most` of its own, and keeps the larger of this share and what it has.
+/// Finds the distance of each pair, at most that at which it touches, and keeps the larger of this share and what it
+/// has.
 pub(super) struct Raise<'a> {
     pub(super) surface: &'a Surface,
     pub(super) nodes: &'a [Moving],
-    pub(super) pairs: &'a mut Pairs,
+    pub(super) pairs: &'a mut [Pairs],
     pub(super) share: f64,
 }
 
-/// Pairs that may come near within a step, and by how much more their closest points are apart at its end than they
-/// must be \[m\].
-#[derive(Default)]
+/// A pair that may come near within a step, and by how much more its closest points are apart at its end than they must
+/// be \[m\].
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Watched {
-    pub(super) pairs: Pairs,
-    pub(super) room: Vec<f64>,
-}
-
-impl Watched {
-    pub(super) fn clear(&mut self) {
-        self.pairs.clear();
-        self.room.clear();
-    }
+    pub(super) listed: Listed,
+    pub(super) room: f64,
 }
 
 /// A pair that would come nearer than it keeps within a step, if its closest points stayed the same.
@@ -130,53 +66,13 @@ pub(super) struct Near {
 /// Finds these pairs, and those that may come nearer than a bound beside what they keep.
 pub(super) struct Look<'a> {
     pub(super) surface: &'a Surface,
-    pub(super) from: &'a Pairs,
+    pub(super) from: &'a [Pairs],
     pub(super) lines: Lines<'a>,
     pub(super) bound: f64,
     /// beta.
     pub(super) share_of_depth: f64,
-    pub(super) watched: &'a mut Watched,
+    pub(super) watched: &'a mut Vec<Watched>,
     pub(super) near: &'a mut Vec<Near>,
-}
-
-/// Eight pairs, the last one repeated where there are fewer.
-struct Eight {
-    nodes: [[u32; LANES]; 4],
-    count: usize,
-}
-
-impl Eight {
-    #[inline(always)]
-    fn of<const EDGES: bool>(surface: &Surface, pairs: &[Pair]) -> Self {
-        let mut nodes = [[0; LANES]; 4];
-        for lane in 0..LANES {
-            let own = surface.nodes_of::<EDGES>(pairs[lane.min(pairs.len() - 1)]);
-            for corner in 0..4 {
-                nodes[corner][lane] = own[corner];
-            }
-        }
-        Self { nodes, count: pairs.len().min(LANES) }
-    }
-
-    /// Positions, and velocities.
-    #[inline(always)]
-    fn gather<V: SimdF64>(&self, moving: &[Moving]) -> [[Vec3<V>; 4]; 2] {
-        let mut out = [[[V::zero(); 3]; 4]; 2];
-        for corner in 0..4 {
-            let mut numbers = [[0.0; LANES]; 6];
-            for lane in 0..LANES {
-                let Moving(own) = &moving[self.nodes[corner][lane] as usize];
-                for k in 0..6 {
-                    numbers[k][lane] = own[k];
-                }
-            }
-            for axis in 0..3 {
-                out[0][corner][axis] = V::load_from(&numbers[axis]);
-                out[1][corner][axis] = V::load_from(&numbers[3 + axis]);
-            }
-        }
-        out
-    }
 }
 
 /// The closest points, and the least distance along the gap until the end of straight lines, times its length.
@@ -199,34 +95,25 @@ fn measure<V: SimdF64, const EDGES: bool>(x: [Vec3<V>; 4], v: [Vec3<V>; 4], dura
 
 impl Narrow<'_> {
     #[inline(always)]
-    fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, first: usize, pairs: &[Pair]) {
+    fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, pairs: &[Listed]) {
         let duration = V::all(self.lines.duration);
-        for (chunk, pairs) in pairs.chunks(LANES).enumerate() {
+        let levels = LEVELS as f64 / self.skin;
+        for pairs in pairs.chunks(LANES) {
             let eight = Eight::of::<EDGES>(self.surface, pairs);
             let [x, v] = eight.gather::<V>(self.lines.nodes);
             let (found, least) = measure::<V, EDGES>(x, v, duration);
-            let kept = kept_of(&self.from.kept, first + chunk * LANES, pairs.len());
             let length = dot(found.gap, found.gap).sqrt();
-            let excess = least - (V::load(&kept) + V::all(self.bound)) * length - V::all(TINY);
-            let excess = excess.lanes();
+            let excess = least - (V::load(&eight.kept) + V::all(self.bound)) * length - V::all(TINY);
+            let level = (excess / length * V::all(levels)).lanes();
             for lane in 0..eight.count {
-                if excess.0[lane] < 0.0 || excess.0[lane].is_nan() {
-                    let kept = self.from.kept.get(first + chunk * LANES + lane).copied();
-                    self.into.push(pairs[lane], kept);
+                // Conversion takes what is negative, or no number, as 0.
+                let level = level.0[lane] as usize;
+                if level < LEVELS {
+                    self.into[level].push(pairs[lane]);
                 }
             }
         }
     }
-}
-
-/// What eight pairs keep; 0 where it is not known.
-#[inline(always)]
-fn kept_of(kept: &[f64], first: usize, count: usize) -> F64x8 {
-    let mut own = F64x8::ZERO;
-    if !kept.is_empty() {
-        own.0[..count].copy_from_slice(&kept[first..first + count]);
-    }
-    own
 }
 
 impl Kernel for Narrow<'_> {
@@ -234,26 +121,24 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) {
-        let (from, split) = (self.from, self.from.split());
-        self.of_kind::<V, false>(0, &from.pairs[..split]);
-        self.of_kind::<V, true>(split, &from.pairs[split..]);
+        for Pairs([of_nodes, of_edges]) in self.from {
+            self.of_kind::<V, false>(of_nodes);
+            self.of_kind::<V, true>(of_edges);
+        }
     }
 }
 
-impl Raise<'_> {
-    #[inline(always)]
-    fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, first: usize, end: usize) {
-        for at in (first..end).step_by(LANES) {
-            let pairs = &self.pairs.pairs[at..end.min(at + LANES)];
-            let eight = Eight::of::<EDGES>(self.surface, pairs);
-            let [x, _] = eight.gather::<V>(self.nodes);
-            let found = if EDGES { edge_edge(x) } else { node_triangle(x) };
-            let length = dot(found.gap, found.gap).sqrt().lanes();
-            for lane in 0..eight.count {
-                let most = self.surface.touching(self.pairs.pairs[at + lane]);
-                let kept = &mut self.pairs.kept[at + lane];
-                *kept = kept.max(self.share * length.0[lane].min(most));
-            }
+/// Raises what pairs of one kind keep.
+#[inline(always)]
+fn raise<V: SimdF64, const EDGES: bool>(surface: &Surface, nodes: &[Moving], share: f64, pairs: &mut [Listed]) {
+    for pairs in pairs.chunks_mut(LANES) {
+        let eight = Eight::of::<EDGES>(surface, pairs);
+        let [x, _] = eight.gather::<V>(nodes);
+        let found = if EDGES { edge_edge(x) } else { node_triangle(x) };
+        let length = dot(found.gap, found.gap).sqrt().lanes();
+        for lane in 0..eight.count {
+            let Listed { pair, kept } = &mut pairs[lane];
+            *kept = kept.max(share * length.0[lane].min(surface.touching(*pair)));
         }
     }
 }
@@ -262,31 +147,39 @@ impl Kernel for Raise<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn sweep<V: SimdF64>(mut self) {
-        let (count, split) = (self.pairs.pairs.len(), self.pairs.split());
-        self.of_kind::<V, false>(0, split);
-        self.of_kind::<V, true>(split, count);
+    fn sweep<V: SimdF64>(self) {
+        for Pairs([of_nodes, of_edges]) in self.pairs {
+            raise::<V, false>(self.surface, self.nodes, self.share, of_nodes);
+            raise::<V, true>(self.surface, self.nodes, self.share, of_edges);
+        }
     }
 }
 
 impl Look<'_> {
     #[inline(always)]
-    fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, first: usize, pairs: &[Pair]) {
+    fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, pairs: &[Listed]) {
         let duration = V::all(self.lines.duration);
-        for (chunk, pairs) in pairs.chunks(LANES).enumerate() {
+        for pairs in pairs.chunks(LANES) {
             let eight = Eight::of::<EDGES>(self.surface, pairs);
             let [x, v] = eight.gather::<V>(self.lines.nodes);
             let (found, least) = measure::<V, EDGES>(x, v, duration);
-            let kept = kept_of(&self.from.kept, first + chunk * LANES, pairs.len());
+            let kept = eight.kept;
             let length = dot(found.gap, found.gap).sqrt();
-            let excess = (least - (V::load(&kept) + V::all(self.bound)) * length - V::all(TINY)).lanes();
-            let mut nearest = f64::INFINITY;
-            for lane in 0..LANES {
-                nearest = nearest.min(excess.0[lane]);
-            }
+            let mut excess = (least - (V::load(&kept) + V::all(self.bound)) * length - V::all(TINY)).lanes();
             // Most eights have none.
-            if nearest >= 0.0 {
+            if is_none_below(excess) {
                 continue;
+            }
+            if EDGES {
+                let counts = inner_edges(&found).max(is_fast(v, duration, V::load(&kept))).lanes();
+                for lane in 0..eight.count {
+                    if counts.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane].pair) {
+                        excess.0[lane] = f64::INFINITY;
+                    }
+                }
+                if is_none_below(excess) {
+                    continue;
+                }
             }
             let mut approach = V::zero();
             for axis in 0..3 {
@@ -304,26 +197,35 @@ impl Look<'_> {
             for axis in 0..3 {
                 gap[axis] = found.gap[axis].lanes();
             }
-            let inner = if EDGES { inner_edges(&found) } else { V::all(1.0) }.lanes();
             for lane in 0..eight.count {
-                if excess.0[lane] >= 0.0 || (inner.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane])) {
+                if excess.0[lane] >= 0.0 {
                     continue;
                 }
                 if short.0[lane] < 0.0 {
                     self.near.push(Near {
-                        pair: pairs[lane],
+                        pair: pairs[lane].pair,
                         nodes: eight.nodes.map(|nodes| nodes[lane]),
                         weights: weights.map(|weight| weight.0[lane]),
                         gap: gap.map(|gap| gap.0[lane]),
                         kept: kept.0[lane],
                     });
                 } else {
-                    self.watched.pairs.push(pairs[lane], Some(kept.0[lane]));
-                    self.watched.room.push(short.0[lane] / length.0[lane] * self.lines.duration);
+                    let room = short.0[lane] / length.0[lane] * self.lines.duration;
+                    self.watched.push(Watched { listed: pairs[lane], room });
                 }
             }
         }
     }
+}
+
+/// Whether no number is below 0, or none.
+#[inline(always)]
+fn is_none_below(numbers: F64x8) -> bool {
+    let mut least = f64::INFINITY;
+    for lane in 0..LANES {
+        least = least.min(numbers.0[lane]);
+    }
+    least >= 0.0
 }
 
 /// The least rate of the distance that keeps a pair, with this room, apart for a step: it may lose the room, or, where
@@ -346,13 +248,26 @@ fn inner_edges<V: SimdF64>(found: &Closest<V>) -> V {
     inner
 }
 
+/// 1 where ends of two edges move further within a step than the pair keeps, so that other points may come together.
+#[inline(always)]
+fn is_fast<V: SimdF64>(v: [Vec3<V>; 4], duration: V, kept: V) -> V {
+    let mut square = V::zero();
+    for [first, second] in [[0, 2], [0, 3], [1, 2], [1, 3]] {
+        let apart = sub(v[first], v[second]);
+        square = square.max(dot(apart, apart));
+    }
+    let way = square.sqrt() * duration;
+    kept.below(way, V::all(1.0), V::zero())
+}
+
 impl Kernel for Look<'_> {
     type Output = ();
 
     #[inline(always)]
     fn sweep<V: SimdF64>(mut self) {
-        let (from, split) = (self.from, self.from.split());
-        self.of_kind::<V, false>(0, &from.pairs[..split]);
-        self.of_kind::<V, true>(split, &from.pairs[split..]);
+        for Pairs([of_nodes, of_edges]) in self.from {
+            self.of_kind::<V, false>(of_nodes);
+            self.of_kind::<V, true>(of_edges);
+        }
     }
 }

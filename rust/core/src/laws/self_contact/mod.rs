@@ -10,7 +10,8 @@
 //!     work    W = sum of J . (v_n + J/(2 m))  the change of kinetic energy, exactly
 //!
 //! The velocity of the drift includes what Coriolis adds for J. J is the sum of lam w_q n over the pairs, so that
-//! momentum does not change, nor, but for friction at a distance and rigid zones in a turning frame, angular momentum.
+//! momentum does not change, nor, but for friction at a distance, fast pairs (`ends`) and rigid zones in a turning
+//! frame, angular momentum.
 //! Layers may come as near as d_m, which differs from pair to pair:
 //!
 //!     d_m = eta max over some shapes of min(d, d0),   eta = 1/2
@@ -23,10 +24,14 @@
 //! Bridson, Fedkiw and Anderson (SIGGRAPH 2002) and Harmon et al. (2009) have impulses and distances of layers in
 //! explicit simulations of cloth.
 
+mod contact;
 mod crossed;
+mod due;
+mod ends;
 mod history;
 mod lists;
 mod look;
+mod pairs;
 mod parameters;
 mod scheme;
 mod solve;
@@ -35,9 +40,13 @@ mod surface;
 mod tests;
 mod zones;
 
+use nalgebra::Vector3;
+
+use self::contact::{Coefficients, Drifting};
 use self::lists::{Lists, Step};
-use self::look::{Lines, Look, Moving, Near, Pairs, Watched};
-use self::solve::{Approach, Coefficients, Drifting, Solver};
+use self::look::{Look, Near, Watched};
+use self::pairs::{Lines, Moving, Pairs};
+use self::solve::{Approach, Changed, Solver, row};
 use self::surface::{Pair, Surface};
 use super::{
     Context, Excess, HistoryDependent, Impulses, Inspection, Instant, Kernels, Law, Linearisation, Properties,
@@ -62,10 +71,11 @@ const SHARE: f64 = 0.5;
 /// Beyond d_m, up to which a pair may have an impulse, relative to d0.
 const MARGIN: f64 = 0.25;
 /// The largest approach in a step, relative to d0, of a pair that meets in it.
-const FASTEST: f64 = 4.0;
+const FASTEST: f64 = 16.0;
 /// Steps after which the shape counts for the distances of pairs for the first time; then after twice as many each.
 const FIRST_SHAPE: u64 = 1000;
-/// Most rounds of looking in a step: impulses may bring others near.
+/// Most rounds of looking in a step, at all pairs and at those near again, and of solving: impulses may bring others
+/// near.
 const MOST_ROUNDS: usize = 8;
 
 /// The law.
@@ -89,21 +99,21 @@ pub struct SelfContact {
     pressed: Vec<(Pair, f64)>,
     /// u, and pairs near each other.
     drift: NodeVectors,
-    watched: Watched,
+    watched: Vec<Watched>,
     changed: Pairs,
-    rest: Watched,
+    rest: Vec<Watched>,
     moving: Vec<Moving>,
     near: Vec<Near>,
     fault: Option<Excess>,
 }
 
 impl SelfContact {
-    /// The law of a scene, by a scheme.
+    /// The law of a scene.
     ///
     /// # Errors
     /// `OutOfRange`.
-    pub fn new(parameters: &SelfContactParameters, context: &Context<'_>, scheme: Scheme) -> Result<Self> {
-        let assembly = context.assembly;
+    pub fn new(parameters: &SelfContactParameters, context: &Context<'_>) -> Result<Self> {
+        let (assembly, scheme) = (context.assembly, parameters.scheme);
         let of_film = assembly.model.film.map_or(0.0, |film| film.thickness);
         let thickness = parameters.thickness.unwrap_or(of_film);
         if !assembly.mesh.triangles.is_empty() {
@@ -136,9 +146,9 @@ impl SelfContact {
             shapes: Vec::new(),
             pressed: Vec::new(),
             drift: NodeVectors::zeros(nodes),
-            watched: Watched::default(),
+            watched: Vec::new(),
             changed: Pairs::default(),
-            rest: Watched::default(),
+            rest: Vec::new(),
             moving: Vec::new(),
             near: Vec::new(),
             fault: None,
@@ -154,91 +164,86 @@ impl SelfContact {
 
     /// Looks at all pairs that may come near, with u until the end of a drift.
     fn look(&mut self, positions: &NodeVectors, time: f64, dt: f64) {
-        let Self { surface, lists, drift, shapes, watched, near, moving, instructions, margin, coefficients, .. } =
-            self;
-        let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
+        let Self { surface, lists, solver, drift, shapes, watched, near, moving, .. } = self;
+        solver.look(drift);
         watched.clear();
         near.clear();
-        if from.pairs.is_empty() {
+        let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
+        if from.iter().all(|pairs| pairs.len() == 0) {
             return;
         }
-        let lines = Lines::of(positions, drift, dt, moving);
-        instructions.dispatch(Look {
-            surface,
-            from,
-            lines,
-            bound: *margin,
-            share_of_depth: coefficients.share_of_depth,
-            watched,
-            near,
-        });
+        let (lines, of) = (Lines::of(positions, drift, dt, moving), (self.margin, self.coefficients.share_of_depth));
+        look_at(surface, from, lines, of, self.instructions, watched, near);
     }
 
-    /// Looks at those pairs again whose nodes impulses have changed.
+    /// Looks at those pairs again that impulses since the last look at all may bring too near.
     fn look_again(&mut self, dt: f64) {
-        let Self {
-            surface,
-            solver,
-            drift,
-            watched,
-            changed,
-            rest,
-            near,
-            moving,
-            instructions,
-            margin,
-            coefficients,
-            ..
-        } = self;
-        solver.of_changed(surface, watched, drift, dt, changed);
+        let Self { surface, solver, drift, watched, changed, rest, near, moving, .. } = self;
+        solver.of_changed(surface, watched, changed);
         rest.clear();
         near.clear();
-        if changed.pairs.is_empty() {
+        if changed.len() == 0 {
             return;
         }
-        for &(node, _) in &solver.changed {
-            let row = drift.row(node as usize);
-            moving[node as usize].set_velocity([row[0], row[1], row[2]]);
-        }
-        let lines = Lines { nodes: moving, duration: dt };
-        instructions.dispatch(Look {
-            surface,
-            from: changed,
-            lines,
-            bound: *margin,
-            share_of_depth: coefficients.share_of_depth,
-            watched: rest,
-            near,
-        });
+        solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node)));
+        let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
+        look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
+    }
+
+    /// Takes note of a fault, if it is the first one.
+    fn note_fault(&mut self, nodes: &[usize], what: impl FnOnce() -> String) {
+        self.fault
+            .get_or_insert_with(|| Excess { nodes: nodes.iter().map(|&node| node as u32).collect(), what: what() });
     }
 
     /// Gives pairs impulses until none would come too near. The largest approach in the step.
     fn give(&mut self, State { positions, velocities }: &State, time: f64, dt: f64, turn: f64) -> Approach {
         let mut fastest = Approach::default();
         self.solver.begin();
-        for looks in 1..=MOST_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             self.look(positions, time, dt);
-            for _ in 0..MOST_ROUNDS {
+            for is_first in (0..MOST_ROUNDS).map(|round| round == 0) {
                 let known = self.solver.len();
                 let mut drifting = Drifting { velocities: &mut self.drift, own: velocities, turn, dt };
                 let (of, solver) = (self.coefficients, &mut self.solver);
                 let approach = solver.add(&self.near, &self.pressed, of, positions, &self.inverse_masses, &drifting);
                 fastest = fastest.max(approach);
+                if is_first {
+                    self.watched.append(&mut solver.passed_by);
+                }
                 if solver.len() == known {
+                    return fastest;
+                }
+                for _ in 0..MOST_ROUNDS {
+                    solver.solve(of, &mut drifting);
+                    solver.stop(positions, &self.masses, &self.inverse_masses, &mut drifting);
+                    if !solver.measure_ends(positions, &self.inverse_masses, &drifting) {
+                        break;
+                    }
+                }
+                // Beyond the margin a pair may come too near that was not looked at.
+                if solver.find_ways(&self.drift, dt) > 0.5 * self.margin {
                     break;
                 }
-                solver.warm(&mut drifting);
-                solver.solve(of, &mut drifting);
-                solver.stop(positions, &self.masses, &self.inverse_masses, &mut drifting);
                 self.look_again(dt);
-            }
-            // Changes within the margin bring no other pair too near.
-            if self.solver.largest_change(&self.drift) * dt <= 0.5 * self.margin * looks as f64 {
-                break;
             }
         }
         fastest
     }
+}
+
+/// Looks at pairs, and puts those in order that would come too near.
+fn look_at(
+    surface: &Surface,
+    from: &[Pairs],
+    lines: Lines<'_>,
+    (bound, share_of_depth): (f64, f64),
+    instructions: InstructionSet,
+    watched: &mut Vec<Watched>,
+    near: &mut Vec<Near>,
+) {
+    instructions.dispatch(Look { surface, from, lines, bound, share_of_depth, watched, near });
+    near.sort_unstable_by_key(|near| near.pair);
 }
 
 /// u = v + dt/2 a, with the kick of slow accelerations.
@@ -255,30 +260,39 @@ impl Formula<3, 1> for Drifted {
 }
 
 impl Impulses for SelfContact {
-    fn kick(&mut self, kick: Kick<'_>) -> Option<f64> {
+    fn kick(&mut self, kick: Kick<'_>, moved: &[(usize, Vector3<f64>)]) -> Option<f64> {
         let Kick { time, dt, rate, state, accelerations, slow } = kick;
         let half = 0.5 * dt;
         let (slow, weight) = slow.unwrap_or((&*accelerations, 0.0));
         let read = [columns(&state.velocities), columns(accelerations), columns(slow)];
         let formula = Drifted { half, slow: weight };
         on_axes(self.instructions, &formula, read, [columns_mut(&mut self.drift)]);
+        moved.iter().for_each(|(node, velocity)| self.drift.set_row(*node, &velocity.transpose()));
         let turn = rate * half;
         let Approach { way, nodes } = self.give(state, time, dt, turn);
         self.solver.pressed(&mut self.pressed);
         let limit = FASTEST * self.surface.most_touching();
-        if way > limit && self.fault.is_none() {
-            let what = format!(
-                "two layers approach by {way:.3e} m in a step, and may pass through each other beyond {limit:.3e} m"
-            );
-            self.fault = Some(Excess { nodes: nodes.to_vec(), what });
+        if way > limit {
+            self.note_fault(&nodes, || {
+                format!(
+                    "two layers approach by {way:.3e} m in a step, and may pass through each other beyond {limit:.3e} m"
+                )
+            });
+        }
+        let drifting = Drifting { velocities: &mut self.drift, own: &state.velocities, turn, dt };
+        if let Some(nodes) = self.solver.passing(&state.positions, &drifting) {
+            self.note_fault(&nodes, || {
+                "two layers pass through each other, which impulses cannot stop: nodes of both are held or moved, or \
+                 others press on"
+                    .to_owned()
+            });
         }
         if self.solver.changed.is_empty() {
             return None;
         }
         let mut work = 0.0;
         let scale = 1.0 / (1.0 + turn * turn);
-        for (node, before) in &self.solver.changed {
-            let node = *node as usize;
+        for &Changed { node, before, .. } in &self.solver.changed {
             let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| self.drift[(node, axis)] - before[axis]);
             // The impulse itself, of which u has (I + h J).
             let change = [scale * (x - turn * y), scale * (y + turn * x), z];
@@ -348,7 +362,8 @@ impl Law for SelfContact {
     }
 
     fn remedy(&self) -> &'static str {
-        "use a smaller dt, so that layers move less in a step, or leave self_contact out"
+        "use a smaller dt, so that layers move less in a step, move none through one that is held, or leave \
+         self_contact out"
     }
 }
 

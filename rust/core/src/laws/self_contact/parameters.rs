@@ -22,11 +22,14 @@ pub struct SelfContactParameters {
     pub restitution: f64,
     /// Steps between two checks for crossings.
     pub crossing_interval: f64,
+    /// Choices of the scheme, which scenes leave as they are.
+    #[serde(default)]
+    pub scheme: Scheme,
 }
 
 impl LawParameters for SelfContactParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
-        Ok(Box::new(SelfContact::new(self, context, Scheme::default())?))
+        Ok(Box::new(SelfContact::new(self, context)?))
     }
 
     fn example() -> Self {
@@ -37,6 +40,7 @@ impl LawParameters for SelfContactParameters {
             friction: 0.2,
             restitution: 0.3,
             crossing_interval: 100.0,
+            scheme: Scheme::USUAL,
         }
     }
 }

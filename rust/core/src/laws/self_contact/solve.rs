@@ -10,40 +10,28 @@
 //! tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9 of that of the
 //! last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 //!
-//! A pair whose nodes have not changed since its turn is passed over, for it would find the same.
+//! Sweeps pass over pairs whose nodes have not changed since their turn, for these would find the same.
 
 use nalgebra::Vector3;
 
-use super::look::{Near, Pairs, Watched, least_approach};
+use super::contact::{Coefficients, Contact, Drifting, comes_too_near};
+use super::due::Due;
+use super::look::{Near, Watched};
+use super::pairs::{Listed, Pairs};
 use super::surface::{Pair, Surface};
 use super::zones::Zones;
 use crate::arrays::state::NodeVectors;
-use crate::contact::separation::comes_near;
-use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Share of the last step's impulse with which a pair begins.
 const WARM: f64 = 0.9;
-/// Share of the distance that a pair keeps, below which it may not come after all sweeps.
-const NEAREST: f64 = 0.25;
-/// Most sweeps, and the change of velocity below which a pair is left as it is \[m/s\]: far less than that by which a
-/// pair that is too near is pushed apart.
+/// Most sweeps.
 const MOST_SWEEPS: usize = 100;
-const CONVERGED: f64 = 1e-4;
-
-/// Coefficients of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Coefficients {
-    pub(super) friction: f64,
-    pub(super) restitution: f64,
-    /// beta.
-    pub(super) share_of_depth: f64,
-}
 
 /// By how much two layers approach in a step \[m\], and a node of each.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Approach {
     pub(super) way: f64,
-    pub(super) nodes: [u32; 2],
+    pub(super) nodes: [usize; 2],
 }
 
 impl Approach {
@@ -53,63 +41,47 @@ impl Approach {
     }
 }
 
-/// A pair that may have an impulse.
-struct Contact {
-    pair: Pair,
-    nodes: [usize; 4],
-    /// w_q, and w_q/m_q \[1/kg\].
-    weights: [f64; 4],
-    shares: [f64; 4],
-    normal: Vector3<f64>,
-    /// m_r \[kg\].
-    mass: f64,
-    /// Least v_n, and that below which the nodes become a rigid zone \[m/s\].
-    target: f64,
-    limit: f64,
-    /// lam and the tangential impulse \[N s\].
-    pressed: f64,
-    along: Vector3<f64>,
-    turn: u32,
-}
-
-/// Velocities of the drift, as impulses change them.
-pub(super) struct Drifting<'a> {
-    /// u \[m/s\].
-    pub(super) velocities: &'a mut NodeVectors,
-    /// Velocities v at the kick \[m/s\].
-    pub(super) own: &'a NodeVectors,
-    /// By which an impulse turns u: w dt/2, with w of the accelerations of Coriolis.
-    pub(super) turn: f64,
-    pub(super) dt: f64,
+/// A node with an impulse, and its u at the start of the step and at the last look at all pairs \[m/s\].
+pub(super) struct Changed {
+    pub(super) node: usize,
+    pub(super) before: [f64; 3],
+    looked: [f64; 3],
 }
 
 /// Contacts of a step, and work arrays.
 #[derive(Default)]
 pub(super) struct Solver {
     contacts: Vec<Contact>,
-    /// Nodes with an impulse, and their u before.
-    pub(super) changed: Vec<(u32, [f64; 3])>,
+    pub(super) changed: Vec<Changed>,
     /// Of each node: whether it is among those, and the turn of its last change.
     is_changed: Vec<bool>,
     turns: Vec<u32>,
     turn: u32,
+    due: Due,
     zones: Zones,
     rigid: Vec<(usize, Vector3<f64>)>,
+    /// Pairs that would come too near if they did not pass by each other.
+    pub(super) passed_by: Vec<Watched>,
     /// By how much impulses move each node within the drift \[m\].
     ways: Vec<f64>,
 }
 
 impl Solver {
     pub(super) fn new(nodes: usize) -> Self {
-        Self { is_changed: vec![false; nodes], turns: vec![0; nodes], ways: vec![0.0; nodes], ..Self::default() }
+        Self {
+            is_changed: vec![false; nodes],
+            turns: vec![0; nodes],
+            ways: vec![0.0; nodes],
+            due: Due::new(nodes),
+            ..Self::default()
+        }
     }
 
     /// Begins a step.
     pub(super) fn begin(&mut self) {
         self.contacts.clear();
         self.zones.clear();
-        for (node, _) in self.changed.drain(..) {
-            let node = node as usize;
+        for Changed { node, .. } in self.changed.drain(..) {
             (self.is_changed[node], self.turns[node], self.ways[node]) = (false, 0, 0.0);
         }
         self.turn = 0;
@@ -133,46 +105,20 @@ impl Solver {
     ) -> Approach {
         let (mut last, mut largest) = (last.iter().peekable(), Approach::default());
         let known = self.contacts.len();
+        self.passed_by.clear();
         for near in near {
             while last.next_if(|(pair, _)| *pair < near.pair).is_some() {}
             if self.contacts[..known].binary_search_by_key(&near.pair, |contact| contact.pair).is_ok() {
                 continue;
             }
-            let gap = Vector3::from(near.gap);
-            let distance = gap.norm();
-            let nodes = near.nodes.map(|node| node as usize);
-            let shares: [f64; 4] = std::array::from_fn(|k| near.weights[k] * inverse_masses[nodes[k]]);
-            let inverse: f64 = near.weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
-            if inverse <= 0.0 || distance <= 0.0 {
+            let Some(mut contact) = Contact::of(near, of, inverse_masses, drifting) else { continue };
+            if !comes_too_near(near, contact.gap_after(near, drifting), positions, drifting) {
+                let listed = Listed { pair: near.pair, kept: near.kept };
+                self.passed_by.push(Watched { listed, room: f64::NEG_INFINITY });
                 continue;
             }
-            let mut contact = Contact {
-                pair: near.pair,
-                nodes,
-                weights: near.weights,
-                shares,
-                normal: gap / distance,
-                mass: 1.0 / inverse,
-                target: 0.0,
-                limit: ((NEAREST * near.kept - distance) / drifting.dt).min(0.0),
-                pressed: 0.0,
-                along: Vector3::zeros(),
-                turn: 0,
-            };
-            let relative = contact.relative(drifting.velocities);
-            if !comes_too_near(near, gap + relative * drifting.dt, positions, drifting) {
-                continue;
-            }
-            let before = relative.dot(&contact.normal);
-            largest = largest.max(Approach { way: -before * drifting.dt, nodes: [near.nodes[0], near.nodes[2]] });
-            let [room, dt, share] = [distance - near.kept, drifting.dt, of.share_of_depth].map(F64x8::all);
-            let target = least_approach(room, dt, share).0[0];
-            contact.target = target;
-            let own = contact.relative(drifting.own).dot(&contact.normal);
-            if of.restitution > 0.0 && own < 0.0 {
-                // v_n is to change by -(1 + e) v_n, and the velocity of the drift with it.
-                contact.target = target.max(before - (1.0 + of.restitution) * own);
-            }
+            let way = -contact.relative(drifting.velocities).dot(&contact.normal) * drifting.dt;
+            largest = largest.max(Approach { way, nodes: [contact.nodes[0], contact.nodes[2]] });
             if let Some((_, pressed)) = last.next_if(|(pair, _)| *pair == near.pair) {
                 contact.pressed = WARM * pressed;
             }
@@ -184,31 +130,36 @@ impl Solver {
         largest
     }
 
-    /// Of watched pairs, those that impulses so far may bring too near.
-    pub(super) fn of_changed(
-        &mut self,
-        surface: &Surface,
-        watched: &Watched,
-        velocities: &NodeVectors,
-        dt: f64,
-        into: &mut Pairs,
-    ) {
-        for changed in &self.changed {
-            self.ways[changed.0 as usize] = square_of_change(changed, velocities).sqrt() * dt;
+    /// Takes note of a look at all pairs.
+    pub(super) fn look(&mut self, velocities: &NodeVectors) {
+        self.changed.iter_mut().for_each(|changed| changed.looked = row(velocities, changed.node));
+    }
+
+    /// By how much impulses since the last look at all pairs move a node within the drift at most \[m\].
+    pub(super) fn find_ways(&mut self, velocities: &NodeVectors, dt: f64) -> f64 {
+        let mut largest = 0.0_f64;
+        for &Changed { node, looked, .. } in &self.changed {
+            let change: [f64; 3] = std::array::from_fn(|axis| velocities[(node, axis)] - looked[axis]);
+            self.ways[node] = change.map(|change| change * change).iter().sum::<f64>().sqrt() * dt;
+            largest = largest.max(self.ways[node]);
         }
+        largest
+    }
+
+    /// Of watched pairs, those that these ways may bring too near.
+    pub(super) fn of_changed(&self, surface: &Surface, watched: &[Watched], into: &mut Pairs) {
         into.clear();
-        let Watched { pairs, room } = watched;
-        for ((&pair, &kept), &room) in pairs.pairs.iter().zip(&pairs.kept).zip(room) {
-            let [a, b, c, d] = surface.nodes(pair).map(|node| self.ways[node as usize]);
-            let (first, second) = if pair.has_edges() { (a.max(b), c.max(d)) } else { (a, b.max(c).max(d)) };
+        for &Watched { listed, room } in watched {
+            let [a, b, c, d] = surface.nodes(listed.pair).map(|node| self.ways[node as usize]);
+            let (first, second) = if listed.pair.has_edges() { (a.max(b), c.max(d)) } else { (a, b.max(c).max(d)) };
             if first + second > room {
-                into.push(pair, Some(kept));
+                into.push(listed);
             }
         }
     }
 
     /// Gives the pairs their first impulses.
-    pub(super) fn warm(&mut self, drifting: &mut Drifting<'_>) {
+    fn warm(&mut self, drifting: &mut Drifting<'_>) {
         for k in 0..self.contacts.len() {
             let contact = &self.contacts[k];
             if contact.pressed > 0.0 && contact.turn == 0 {
@@ -218,16 +169,21 @@ impl Solver {
         }
     }
 
-    /// Sweeps over the pairs until none changes much.
+    /// Begins with the impulses of the last step, and sweeps over the pairs until none changes much.
     pub(super) fn solve(&mut self, of: Coefficients, drifting: &mut Drifting<'_>) {
+        self.due.take_up(self.contacts.iter().map(|contact| contact.nodes));
+        self.warm(drifting);
+        for (k, contact) in self.contacts.iter().enumerate() {
+            let is_same = contact.turn > 0 && contact.nodes.iter().all(|&node| self.turns[node] <= contact.turn);
+            if !is_same {
+                self.due.add(k);
+            }
+        }
         for _ in 0..MOST_SWEEPS {
-            let mut is_settled = true;
-            for k in 0..self.contacts.len() {
+            let (mut is_settled, mut place) = (true, 0);
+            while let Some(k) = self.due.take_from(place) {
+                place = k + 1;
                 let contact = &self.contacts[k];
-                let is_same = contact.turn > 0 && contact.nodes.iter().all(|&node| self.turns[node] <= contact.turn);
-                if is_same {
-                    continue;
-                }
                 let relative = contact.relative(drifting.velocities);
                 let along = relative.dot(&contact.normal);
                 let pressed = (contact.pressed + contact.mass * (contact.target - along)).max(0.0);
@@ -243,7 +199,7 @@ impl Solver {
                     impulse += tangential - contact.along;
                 }
                 // At its first turn a pair has what it needs, however little: weight acts by little in a step.
-                let least = if contact.turn == 0 { 0.0 } else { CONVERGED * contact.mass };
+                let least = if contact.turn == 0 { 0.0 } else { contact.settled * contact.mass };
                 let is_changed = impulse.norm() > least;
                 let contact = &mut self.contacts[k];
                 if is_changed {
@@ -268,10 +224,32 @@ impl Solver {
         let turned = [x + drifting.turn * y, y - drifting.turn * x, z];
         for (node, share) in nodes.into_iter().zip(shares).filter(|(_, share)| *share != 0.0) {
             self.note(node, drifting);
+            self.due.add_of(node);
             for axis in 0..3 {
                 drifting.velocities[(node, axis)] += share * turned[axis];
             }
         }
+        self.due.remove(k);
+    }
+
+    /// Measures fast pairs at the end of the drift. Whether one is too near.
+    pub(super) fn measure_ends(
+        &mut self,
+        positions: &NodeVectors,
+        inverse_masses: &[f64],
+        drifting: &Drifting<'_>,
+    ) -> bool {
+        let mut is_any = false;
+        for contact in &mut self.contacts {
+            is_any |= contact.go_on_with_ends(positions, inverse_masses, drifting);
+        }
+        is_any
+    }
+
+    /// A node of each layer of the first pair that passes through in spite of all impulses.
+    pub(super) fn passing(&self, positions: &NodeVectors, drifting: &Drifting<'_>) -> Option<[usize; 2]> {
+        let pair = self.contacts.iter().find(|contact| contact.passes(positions, drifting))?;
+        Some([pair.nodes[0], pair.nodes[2]])
     }
 
     /// Makes rigid zones of the nodes of pairs that still come much too near, until there is none or no zone grows: one
@@ -286,7 +264,7 @@ impl Solver {
         for round in 0.. {
             let (mut is_any, mut is_larger) = (false, false);
             for contact in &self.contacts {
-                if contact.relative(drifting.velocities).dot(&contact.normal) < contact.limit - CONVERGED {
+                if contact.relative(drifting.velocities).dot(&contact.normal) < contact.limit - contact.settled {
                     is_any = true;
                     is_larger |= self.zones.add(contact.nodes);
                 }
@@ -310,8 +288,8 @@ impl Solver {
     /// Notes that a node changes.
     fn note(&mut self, node: usize, drifting: &Drifting<'_>) {
         if !std::mem::replace(&mut self.is_changed[node], true) {
-            let row = drifting.velocities.row(node);
-            self.changed.push((node as u32, [row[0], row[1], row[2]]));
+            let before = row(drifting.velocities, node);
+            self.changed.push(Changed { node, before, looked: before });
         }
         self.turns[node] = self.turn;
     }
@@ -321,57 +299,9 @@ impl Solver {
         into.clear();
         into.extend(self.contacts.iter().filter(|c| c.pressed > 0.0).map(|c| (c.pair, c.pressed)));
     }
-
-    /// The largest change of u of a node \[m/s\].
-    pub(super) fn largest_change(&self, velocities: &NodeVectors) -> f64 {
-        self.changed.iter().map(|changed| square_of_change(changed, velocities)).fold(0.0, f64::max).sqrt()
-    }
 }
 
-/// The square of the change of u of a node from what it was before \[m2/s2\].
-fn square_of_change((node, before): &(u32, [f64; 3]), velocities: &NodeVectors) -> f64 {
-    let row = velocities.row(*node as usize);
-    (0..3).map(|axis| (row[axis] - before[axis]).powi(2)).sum()
-}
-
-impl Contact {
-    /// The relative velocity, the sum of w_q u_q \[m/s\].
-    fn relative(&self, velocities: &NodeVectors) -> Vector3<f64> {
-        let mut sum = Vector3::zeros();
-        for (node, weight) in self.nodes.into_iter().zip(self.weights) {
-            for axis in 0..3 {
-                sum[axis] += weight * velocities[(node, axis)];
-            }
-        }
-        sum
-    }
-}
-
-/// Whether a pair comes nearer than it keeps at any time of the drift, in straight lines. With the present closest
-/// points its gap becomes `then`, which may be too small while others pass at a distance.
-fn comes_too_near(near: &Near, then: Vector3<f64>, positions: &NodeVectors, drifting: &Drifting<'_>) -> bool {
-    let gap = Vector3::from(near.gap);
-    let way = then - gap;
-    let share = (-gap.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    if (gap + way * share).norm() < near.kept {
-        return true;
-    }
-    let point = |node: u32, time: f64| -> Vector3<f64> {
-        let node = node as usize;
-        std::array::from_fn::<f64, 3, _>(|axis| positions[(node, axis)] + time * drifting.velocities[(node, axis)])
-            .into()
-    };
-    let firsts = if near.pair.has_edges() { 2 } else { 1 };
-    let mut hull = [Vector3::zeros(); 8];
-    let mut count = 0;
-    for time in [0.0, drifting.dt] {
-        let corners = near.nodes.map(|node| point(node, time));
-        for first in &corners[..firsts] {
-            for second in &corners[firsts..] {
-                hull[count] = first - second;
-                count += 1;
-            }
-        }
-    }
-    comes_near(&hull[..count], near.kept)
+/// A row.
+pub(super) fn row(vectors: &NodeVectors, node: usize) -> [f64; 3] {
+    std::array::from_fn(|axis| vectors[(node, axis)])
 }
