@@ -7,8 +7,9 @@ import contact_tables as tables
 import numpy as np
 import pytest
 from contact_pictures import CUT, meetings, section
-from contact_roll import READINGS, roll, roll_table
+from contact_roll import INTERVAL, READINGS, roll, roll_table
 from contact_sheets import sheets_table, thrown
+from contact_whole import ROWS, deployed, whole_table
 from membrane_rs import SelfContact, scenes
 
 
@@ -77,8 +78,21 @@ def test_a_roll_that_is_stopped_has_no_numbers_after_that() -> None:
             "time": time, "crossings": 0.0 * time, "residual": 0.01 + 0.0 * time, "seconds": 2.0 * time,
         }  # fmt: skip
 
-    every = np.arange(1, round(READINGS[-1] / 0.01) + 1) * 0.01
+    every = np.arange(1, round(READINGS[-1] / INTERVAL) + 1) * INTERVAL
     rows = roll_table(at(*every), at(*every[:1])).splitlines()[2:]
     assert len(rows) == len(READINGS)
-    assert rows[0] == "| 0.01 | 0 | +1.00 | 0 | +1.00 | 1 |"
+    assert rows[0] == f"| {INTERVAL:g} | 0 | +1.00 | 0 | +1.00 | 1 |"
     assert all("| stopped | - | - |" in row for row in rows[1:])
+
+
+def test_the_whole_deployment_is_read_each_millisecond_up_to_its_time() -> None:
+    runs_of = {kind: deployed(with_contact=kind, budget=0.05) for kind in (False, True)}
+    for run in runs_of.values():
+        assert run["time"] == pytest.approx(1e-3 * np.arange(1, len(run["time"]) + 1))
+        assert run["seconds"][-1] > 0.05
+        assert np.all(np.diff(run["seconds"]) > 0.0)
+    assert len(runs_of[True]["time"]) <= len(runs_of[False]["time"])
+    assert runs_of[True]["crossings"].max() == 0.0 < runs_of[False]["crossings"].max()
+    rows = whole_table(runs_of[False], runs_of[True]).splitlines()[2:]
+    assert len(rows) == min(ROWS, len(runs_of[True]["time"]))
+    assert rows[-1].startswith(f"| {runs_of[True]['time'][-1]:.3f} | ")

@@ -1,4 +1,4 @@
-"""Contact between layers, for docs/contact.md: crossings, energy, cost, change of the deployment, two sheets, the roll.
+"""Contact between layers, for docs/contact.md: crossings, energy, cost, change, two sheets, roll, whole deployment.
 
 Finished runs are kept in the folder `out` and read again; remove it to repeat them. With `--write` the tables and
 pictures of docs/contact.md are replaced.
@@ -15,11 +15,12 @@ from contact_roll import at_rest, roll_table
 from contact_runs import MODELS, OWN, WITH, arm_of, ensembles, fast, single
 from contact_sheets import SPEEDS, sheets_table, thrown
 from contact_tables import EDGES, change_table, cost_table, crossings_table, distance_table, energy_table, ratios
+from contact_whole import deployed, whole_table
 from marked import DOCS, MarkedPart, copy_small
 from membrane_rs._arrays import Floats
 from page_of_runs import Runs, make_page
 
-NAMES = ("crossings", "cost", "change", "sheets", "roll")
+NAMES = ("crossings", "cost", "change", "sheets", "roll", "whole")
 PARTS = {name: MarkedPart(DOCS / "contact.md", f"contact-{name}") for name in NAMES}
 ALIGNED = "1 m/s, node over node"
 SCENES = (MODELS[0], fast(MODELS[0]))
@@ -67,6 +68,14 @@ def roll_part(runs: Runs, _: Path) -> str:
     return roll_table(*runs.of(jobs).values())
 
 
+def whole_part(runs: Runs, _: Path) -> str:
+    """The table of the whole deployment."""
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
+        f"whole {kind}": partial(deployed, with_contact=kind == WITH) for kind in (OWN, WITH)
+    }
+    return whole_table(*runs.of(jobs).values())
+
+
 def write_arm(runs: Runs) -> None:
     """An arm with contact and without it, into docs/."""
     picture = runs.folder / "contact-arm.png"
@@ -80,6 +89,7 @@ MAKERS: dict[str, Callable[[Runs, Path], str]] = {
     "change": change_part,
     "sheets": sheets_part,
     "roll": roll_part,
+    "whole": whole_part,
 }
 
 

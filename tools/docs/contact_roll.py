@@ -12,11 +12,11 @@ from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 
 WHOLE = "okuizumi-whole"
-DURATION = 0.05
+DURATION = 1.0
 """At rest [s]."""
-READINGS = (0.01, 0.02, 0.05)
+READINGS = (0.05, 0.2, 1.0)
 """Instants that are listed [s]."""
-INTERVAL = 0.01
+INTERVAL = 0.05
 """Between counts of crossings [s]."""
 
 
