@@ -9,7 +9,7 @@ use crate::contact::separation::comes_near;
 use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Share of the distance that a pair keeps, below which it may not come after all sweeps.
-pub(super) const NEAREST: f64 = 0.25;
+const NEAREST: f64 = 0.25;
 /// The change of velocity below which a pair is left as it is: relative to the distance that it keeps in a step, and to
 /// v_r. With beta = 0.02 what is left is that of a pair that is by an eighth of this distance too near.
 const SETTLED: [f64; 2] = [0.0025, 0.125];
@@ -64,12 +64,11 @@ impl Contact {
     pub(super) fn of(near: &Near, of: Coefficients, inverse_masses: &[f64], drifting: &Drifting<'_>) -> Option<Self> {
         let gap = Vector3::from(near.gap);
         let distance = gap.norm();
-        let nodes = near.nodes.map(|node| node as usize);
-        let shares: [f64; 4] = std::array::from_fn(|k| near.weights[k] * inverse_masses[nodes[k]]);
-        let inverse: f64 = near.weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
         if distance <= 0.0 {
             return None;
         }
+        let nodes = near.nodes.map(|node| node as usize);
+        let (shares, mass) = shares_and_mass(near.weights, nodes, inverse_masses);
         let [room, dt, share] = [distance - near.kept, drifting.dt, of.share_of_depth].map(F64x8::all);
         let mut contact = Self {
             pair: near.pair,
@@ -78,10 +77,10 @@ impl Contact {
             shares,
             normal: gap / distance,
             side: gap / distance,
-            mass: if inverse > 0.0 { 1.0 / inverse } else { 0.0 },
+            mass,
             kept: near.kept,
             target: least_approach(room, dt, share).0[0],
-            limit: ((NEAREST * near.kept - distance) / drifting.dt).min(0.0),
+            limit: limit(near.kept, distance, drifting.dt),
             settled: (SETTLED[0] * near.kept / drifting.dt).min(SETTLED[1] * RECOVERY),
             pressed: 0.0,
             along: Vector3::zeros(),
@@ -113,6 +112,23 @@ impl Contact {
     }
 }
 
+/// w_q/m_q \[1/kg\], and m_r, 0 where no node is free \[kg\].
+pub(super) fn shares_and_mass(weights: [f64; 4], nodes: [usize; 4], inverse_masses: &[f64]) -> ([f64; 4], f64) {
+    let shares: [f64; 4] = std::array::from_fn(|k| weights[k] * inverse_masses[nodes[k]]);
+    let inverse: f64 = weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
+    (shares, if inverse > 0.0 { 1.0 / inverse } else { 0.0 })
+}
+
+/// v_n below which a pair at a distance comes much too near within a step \[m/s\].
+pub(super) fn limit(kept: f64, distance: f64, dt: f64) -> f64 {
+    ((NEAREST * kept - distance) / dt).min(0.0)
+}
+
+/// The vector of a node.
+pub(super) fn row(vectors: &NodeVectors, node: usize) -> Vector3<f64> {
+    vectors.row(node).transpose()
+}
+
 /// Whether a pair comes nearer than it keeps at any time of the drift, in straight lines. With the present closest
 /// points its gap becomes `then`, which may be too small while others pass at a distance.
 pub(super) fn comes_too_near(
@@ -127,11 +143,7 @@ pub(super) fn comes_too_near(
     if (gap + way * share).norm() < near.kept {
         return true;
     }
-    let point = |node: u32, time: f64| -> Vector3<f64> {
-        let node = node as usize;
-        std::array::from_fn::<f64, 3, _>(|axis| positions[(node, axis)] + time * drifting.velocities[(node, axis)])
-            .into()
-    };
+    let point = |node: u32, time: f64| row(positions, node as usize) + row(drifting.velocities, node as usize) * time;
     let firsts = if near.pair.has_edges() { 2 } else { 1 };
     let mut hull = [Vector3::zeros(); 8];
     let mut count = 0;

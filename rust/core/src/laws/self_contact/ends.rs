@@ -12,7 +12,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{Contact, Drifting, NEAREST};
+use super::contact::{Contact, Drifting, limit, row, shares_and_mass};
 use crate::arrays::state::NodeVectors;
 use crate::contact::closest::{edge_edge, node_triangle};
 use crate::simd::lanes::{F64x8, LANES};
@@ -89,23 +89,17 @@ impl Contact {
         if ends.distance() >= ENOUGH * self.kept {
             return false;
         }
-        let normal = ends.normal;
-        let shares: [f64; 4] = std::array::from_fn(|k| ends.weights[k] * inverse_masses[self.nodes[k]]);
-        let inverse: f64 = ends.weights.iter().zip(shares).map(|(weight, share)| weight * share).sum();
-        if inverse <= 0.0 {
+        let (shares, mass) = shares_and_mass(ends.weights, self.nodes, inverse_masses);
+        if mass == 0.0 {
             return false;
         }
         let start = self.nodes.map(|node| row(positions, node));
-        let before: Vector3<f64> = start.iter().zip(ends.weights).map(|(x, weight)| x * weight).sum();
-        (self.weights, self.shares, self.normal, self.mass) = (ends.weights, shares, normal, 1.0 / inverse);
-        self.target = (self.kept - normal.dot(&before)) / dt;
-        self.limit = ((NEAREST * self.kept - normal.dot(&before)) / dt).min(0.0);
+        let gap: Vector3<f64> = start.iter().zip(ends.weights).map(|(x, weight)| x * weight).sum();
+        let before = ends.normal.dot(&gap);
+        (self.weights, self.shares, self.normal, self.mass) = (ends.weights, shares, ends.normal, mass);
+        (self.target, self.limit) = ((self.kept - before) / dt, limit(self.kept, before, dt));
         // Impulses so far are given.
         (self.pressed, self.along, self.turn) = (0.0, Vector3::zeros(), 0);
         true
     }
-}
-
-fn row(vectors: &NodeVectors, node: usize) -> Vector3<f64> {
-    vectors.row(node).transpose()
 }

@@ -60,15 +60,6 @@ struct List {
     is_valid: bool,
 }
 
-/// How often each list was made, for the chart of costs.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct ListCounts {
-    /// Makings.
-    pub made: [u64; LISTS],
-    /// Pairs in each at present.
-    pub pairs: [u64; LISTS],
-}
-
 /// The lists.
 pub(super) struct Lists {
     lists: [List; LISTS],
@@ -78,7 +69,8 @@ pub(super) struct Lists {
     /// Beyond what a pair keeps, in the last list, and altogether, in the others \[m\].
     margin: f64,
     most: f64,
-    counts: [u64; LISTS],
+    #[cfg(test)]
+    made: [u64; LISTS],
     boxes: Vec<Bounds>,
     moving: Vec<Moving>,
     mean: NodeVectors,
@@ -127,7 +119,8 @@ impl Lists {
             touching: surface.most_touching(),
             margin,
             most,
-            counts: [0; LISTS],
+            #[cfg(test)]
+            made: [0; LISTS],
             boxes: Vec::new(),
             moving: Vec::new(),
             mean: NodeVectors::zeros(nodes),
@@ -140,9 +133,10 @@ impl Lists {
         self.lists.iter_mut().for_each(|list| list.is_valid = false);
     }
 
-    /// How often lists were made, and their lengths.
-    pub(super) fn counts(&self) -> ListCounts {
-        ListCounts { made: self.counts, pairs: self.lists.each_ref().map(|list| list.len() as u64) }
+    /// How often each list was made.
+    #[cfg(test)]
+    pub(super) fn made(&self) -> [u64; LISTS] {
+        self.made
     }
 
     /// The pairs that may come near within a step.
@@ -246,7 +240,10 @@ impl Lists {
     }
 
     fn make(&mut self, k: usize, horizon: f64, lines: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) {
-        self.counts[k] += 1;
+        #[cfg(test)]
+        {
+            self.made[k] += 1;
+        }
         let off = k.checked_sub(1).map(|before| self.deviation(before, Step { dt: horizon, ..lines }));
         let (before, rest) = self.lists.split_at_mut(k);
         let list = &mut rest[0];

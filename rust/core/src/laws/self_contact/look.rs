@@ -93,17 +93,36 @@ fn measure<V: SimdF64, const EDGES: bool>(x: [Vec3<V>; 4], v: [Vec3<V>; 4], dura
     (found, least)
 }
 
+/// Eight pairs on straight lines.
+struct Measured<V> {
+    eight: Eight,
+    velocities: [Vec3<V>; 4],
+    found: Closest<V>,
+    /// Length of the gap.
+    length: V,
+    /// By how much more they stay apart than a bound beside what each keeps, times that length.
+    excess: V,
+}
+
+impl<V: SimdF64> Measured<V> {
+    #[inline(always)]
+    fn of<const EDGES: bool>(surface: &Surface, lines: Lines<'_>, bound: f64, pairs: &[Listed]) -> Self {
+        let eight = Eight::of::<EDGES>(surface, pairs);
+        let [x, velocities] = eight.gather::<V>(lines.nodes);
+        let (found, least) = measure::<V, EDGES>(x, velocities, V::all(lines.duration));
+        let length = dot(found.gap, found.gap).sqrt();
+        let excess = least - (V::load(&eight.kept) + V::all(bound)) * length - V::all(TINY);
+        Self { eight, velocities, found, length, excess }
+    }
+}
+
 impl Narrow<'_> {
     #[inline(always)]
     fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, pairs: &[Listed]) {
-        let duration = V::all(self.lines.duration);
         let levels = LEVELS as f64 / self.skin;
         for pairs in pairs.chunks(LANES) {
-            let eight = Eight::of::<EDGES>(self.surface, pairs);
-            let [x, v] = eight.gather::<V>(self.lines.nodes);
-            let (found, least) = measure::<V, EDGES>(x, v, duration);
-            let length = dot(found.gap, found.gap).sqrt();
-            let excess = least - (V::load(&eight.kept) + V::all(self.bound)) * length - V::all(TINY);
+            let Measured { eight, length, excess, .. } =
+                Measured::<V>::of::<EDGES>(self.surface, self.lines, self.bound, pairs);
             let level = (excess / length * V::all(levels)).lanes();
             for lane in 0..eight.count {
                 // Conversion takes what is negative, or no number, as 0.
@@ -160,12 +179,9 @@ impl Look<'_> {
     fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, pairs: &[Listed]) {
         let duration = V::all(self.lines.duration);
         for pairs in pairs.chunks(LANES) {
-            let eight = Eight::of::<EDGES>(self.surface, pairs);
-            let [x, v] = eight.gather::<V>(self.lines.nodes);
-            let (found, least) = measure::<V, EDGES>(x, v, duration);
-            let kept = eight.kept;
-            let length = dot(found.gap, found.gap).sqrt();
-            let mut excess = (least - (V::load(&kept) + V::all(self.bound)) * length - V::all(TINY)).lanes();
+            let Measured { eight, velocities: v, found, length, excess } =
+                Measured::<V>::of::<EDGES>(self.surface, self.lines, self.bound, pairs);
+            let (kept, mut excess) = (eight.kept, excess.lanes());
             // Most eights have none.
             if is_none_below(excess) {
                 continue;

@@ -42,11 +42,11 @@ mod zones;
 
 use nalgebra::Vector3;
 
-use self::contact::{Coefficients, Drifting};
+use self::contact::{Coefficients, Drifting, row};
 use self::lists::{Lists, Step};
 use self::look::{Look, Near, Watched};
 use self::pairs::{Lines, Moving, Pairs};
-use self::solve::{Approach, Changed, Solver, row};
+use self::solve::{Approach, Changed, Solver};
 use self::surface::{Pair, Surface};
 use super::{
     Context, Excess, HistoryDependent, Impulses, Inspection, Instant, Kernels, Law, Linearisation, Properties,
@@ -62,7 +62,6 @@ use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, on_axes};
 
-pub use self::lists::ListCounts;
 pub use self::parameters::SelfContactParameters;
 pub use self::scheme::Scheme;
 
@@ -157,11 +156,6 @@ impl SelfContact {
         })
     }
 
-    /// How often lists were made, and their lengths.
-    pub fn list_counts(&self) -> ListCounts {
-        self.lists.counts()
-    }
-
     /// Looks at all pairs that may come near, with u until the end of a drift.
     fn look(&mut self, positions: &NodeVectors, time: f64, dt: f64) {
         let Self { surface, lists, solver, drift, shapes, watched, near, moving, .. } = self;
@@ -185,7 +179,7 @@ impl SelfContact {
         if changed.len() == 0 {
             return;
         }
-        solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node)));
+        solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node).into()));
         let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
         look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
     }
@@ -293,7 +287,7 @@ impl Impulses for SelfContact {
         let mut work = 0.0;
         let scale = 1.0 / (1.0 + turn * turn);
         for &Changed { node, before, .. } in &self.solver.changed {
-            let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| self.drift[(node, axis)] - before[axis]);
+            let [x, y, z]: [f64; 3] = (row(&self.drift, node) - before).into();
             // The impulse itself, of which u has (I + h J).
             let change = [scale * (x - turn * y), scale * (y + turn * x), z];
             for axis in 0..3 {

@@ -14,7 +14,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{Coefficients, Contact, Drifting, comes_too_near};
+use super::contact::{Coefficients, Contact, Drifting, comes_too_near, row};
 use super::due::Due;
 use super::look::{Near, Watched};
 use super::pairs::{Listed, Pairs};
@@ -44,8 +44,8 @@ impl Approach {
 /// A node with an impulse, and its u at the start of the step and at the last look at all pairs \[m/s\].
 pub(super) struct Changed {
     pub(super) node: usize,
-    pub(super) before: [f64; 3],
-    looked: [f64; 3],
+    pub(super) before: Vector3<f64>,
+    looked: Vector3<f64>,
 }
 
 /// Contacts of a step, and work arrays.
@@ -139,8 +139,7 @@ impl Solver {
     pub(super) fn find_ways(&mut self, velocities: &NodeVectors, dt: f64) -> f64 {
         let mut largest = 0.0_f64;
         for &Changed { node, looked, .. } in &self.changed {
-            let change: [f64; 3] = std::array::from_fn(|axis| velocities[(node, axis)] - looked[axis]);
-            self.ways[node] = change.map(|change| change * change).iter().sum::<f64>().sqrt() * dt;
+            self.ways[node] = (row(velocities, node) - looked).norm() * dt;
             largest = largest.max(self.ways[node]);
         }
         largest
@@ -299,9 +298,4 @@ impl Solver {
         into.clear();
         into.extend(self.contacts.iter().filter(|c| c.pressed > 0.0).map(|c| (c.pair, c.pressed)));
     }
-}
-
-/// A row.
-pub(super) fn row(vectors: &NodeVectors, node: usize) -> [f64; 3] {
-    std::array::from_fn(|axis| vectors[(node, axis)])
 }

@@ -164,7 +164,7 @@ fn no_list_misses_a_pair_that_comes_near() -> Result<()> {
         }
         assert!(near > 1000 && listed < 12 * near, "{near} {listed}");
         // The first lists hold for many steps, and the last one where the motion is smooth.
-        let [first, .., last] = lists.counts().made;
+        let [first, .., last] = lists.made();
         if scheme == Scheme::default() {
             assert!(first < 5 && (vibration > 0.1 || last < 3 * STEPS as u64 / 4), "{vibration}: {first} {last}");
         }

@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::contact::row;
 use crate::arrays::state::NodeVectors;
 
 /// Principal moments of inertia below this share of the largest count as none: the zone does not turn about that axis.
@@ -52,22 +53,21 @@ impl Zones {
         inverse_masses: &[f64],
         mut set: impl FnMut(usize, Vector3<f64>),
     ) {
-        let at = |vectors: &NodeVectors, node: usize| vectors.row(node).transpose();
         for zone in &self.nodes {
             let held: Vec<usize> = zone.iter().copied().filter(|&node| inverse_masses[node] == 0.0).collect();
             if !held.is_empty() {
-                let mean = held.iter().map(|&node| at(velocities, node)).sum::<Vector3<f64>>() / held.len() as f64;
+                let mean = held.iter().map(|&node| row(velocities, node)).sum::<Vector3<f64>>() / held.len() as f64;
                 zone.iter().filter(|&&node| inverse_masses[node] > 0.0).for_each(|&node| set(node, mean));
                 continue;
             }
             let mass: f64 = zone.iter().map(|&node| masses[node]).sum();
             let mean = |vectors: &NodeVectors| {
-                zone.iter().map(|&node| at(vectors, node) * masses[node]).sum::<Vector3<f64>>() / mass
+                zone.iter().map(|&node| row(vectors, node) * masses[node]).sum::<Vector3<f64>>() / mass
             };
             let (centre, velocity) = (mean(positions), mean(velocities));
             let (mut inertia, mut momentum) = (Matrix3::zeros(), Vector3::zeros());
             for &node in zone {
-                let (arm, own) = (at(positions, node) - centre, at(velocities, node) - velocity);
+                let (arm, own) = (row(positions, node) - centre, row(velocities, node) - velocity);
                 inertia += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * masses[node];
                 momentum += arm.cross(&own) * masses[node];
             }
@@ -84,7 +84,7 @@ impl Zones {
                 }
             }
             for &node in zone {
-                set(node, velocity + rate.cross(&(at(positions, node) - centre)));
+                set(node, velocity + rate.cross(&(row(positions, node) - centre)));
             }
         }
     }
