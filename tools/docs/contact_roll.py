@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from membrane_rs import Scene, SelfContact, Simulation, UnstableError, scenes
+from contact_followed import followed
+from membrane_rs import Scene, SelfContact, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 
@@ -29,18 +29,13 @@ def roll(*, with_contact: bool) -> Scene:
 def at_rest(*, with_contact: bool) -> dict[str, Floats]:
     """Crossings, residual of the energy balance and processor time [s] at instants [s]; fewer where it is stopped."""
     sim = Simulation(roll(with_contact=with_contact))
-    rows, seconds = [], 0.0
-    try:
-        for k in range(1, round(DURATION / INTERVAL) + 1):
-            began = time.thread_time()
-            sim.reach(k * INTERVAL)
-            seconds += time.thread_time() - began
-            ledger = sim.ledger()
-            rows.append((sim.time, sim.crossings(limit=0).count, ledger["error"], ledger["kinetic"], seconds))
-    except UnstableError as error:
-        print(f"{WHOLE}: {error}", flush=True)
-    names = ("time", "crossings", "residual", "kinetic", "seconds")
-    return dict(zip(names, np.array(rows).reshape(-1, len(names)).T, strict=True))
+
+    def read() -> tuple[float, ...]:
+        ledger = sim.ledger()
+        return sim.time, sim.crossings(limit=0).count, ledger["error"], ledger["kinetic"]
+
+    instants = (k * INTERVAL for k in range(1, round(DURATION / INTERVAL) + 1))
+    return followed(sim, WHOLE, instants, read, ("time", "crossings", "residual", "kinetic"))
 
 
 def roll_table(without: Mapping[str, Floats], run: Mapping[str, Floats]) -> str:

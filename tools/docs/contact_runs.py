@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from membrane_rs import Scene, SelfContact, Simulation, UnstableError, scenes
+from contact_followed import followed
+from membrane_rs import Scene, SelfContact, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.study.common.perturbation import perturbation
@@ -53,20 +53,17 @@ def unfolded(scene: Scene, seed: int) -> dict[str, Floats]:
         sim.positions = sim.positions + perturbation(scene, seed, SHIFT)
     corners = Corners(sim.assembly)
     times = np.linspace(0.0, scene.run.until, INSTANTS + 1)
-    rows, counts, seconds = [], [_counted(sim)], 0.0
-    try:
-        for instant in times.tolist():
-            began = time.thread_time()
-            sim.reach(instant)
-            seconds += time.thread_time() - began
-            x = sim.positions
-            rows.append((corners.deployment_rate(x), corners.phase_difference(x), seconds))
-            if round(1e3 * instant) in COUNTED:
-                counts.append(_counted(sim))
-    except UnstableError as error:
-        print(f"{scene.name}, start {seed}: {error}", flush=True)
+    counts = [_counted(sim)]
+
+    def read() -> tuple[float, float]:
+        if round(1e3 * sim.time) in COUNTED:
+            counts.append(_counted(sim))
+        x = sim.positions
+        return corners.deployment_rate(x), corners.phase_difference(x)
+
+    found = followed(sim, f"{scene.name}, start {seed}", times.tolist(), read, (RATE, PHASE))
     table = np.full((len(times), 3), np.nan)
-    table[: len(rows)] = rows
+    table[: len(found["seconds"])] = np.column_stack([found[RATE], found[PHASE], found["seconds"]])
     counted, crossings, energy, work, reference = np.array(counts).T
     return {
         "time": times, RATE: table[:, 0], PHASE: table[:, 1], "seconds": table[:, 2], "counted": counted,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from membrane_rs import SelfContact, Simulation, UnstableError, scenes
+from contact_followed import followed
+from membrane_rs import SelfContact, Simulation, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 
@@ -18,8 +18,6 @@ INTERVAL = 0.001
 """Between counts of crossings [s]."""
 ROWS = 8
 """Instants that are listed."""
-PROGRESS = 60.0
-"""Between reports [s]."""
 
 
 def deployed(*, with_contact: bool, budget: float = BUDGET) -> dict[str, Floats]:
@@ -29,22 +27,13 @@ def deployed(*, with_contact: bool, budget: float = BUDGET) -> dict[str, Floats]
         # Substeps save nothing where contact takes the time, and have a residual of first order with it.
         scene = replace(scene, laws=[*scene.laws, SelfContact()], run=replace(scene.run, substeps=1))
     sim = Simulation(scene)
-    rows: list[tuple[float, ...]] = []
-    seconds, reported = 0.0, 0.0
-    try:
-        while seconds < budget and sim.time < scene.run.until - 0.5 * INTERVAL:
-            began = time.thread_time()
-            sim.reach(len(rows) * INTERVAL + INTERVAL)
-            seconds += time.thread_time() - began
-            ledger, radius = sim.ledger(), float(np.hypot(*sim.positions[:, :2].T).max())
-            rows.append((sim.time, sim.crossings(limit=0).count, ledger["error"], radius, seconds))
-            if seconds > reported + PROGRESS:
-                reported = seconds
-                print(f"{WHOLE}: {sim.time:.3f} s in {seconds:.0f} s, {rows[-1][1]} crossings", flush=True)
-    except UnstableError as error:
-        print(f"{WHOLE}: {error}", flush=True)
-    names = ("time", "crossings", "residual", "radius", "seconds")
-    return dict(zip(names, np.array(rows).reshape(-1, len(names)).T, strict=True))
+
+    def read() -> tuple[float, ...]:
+        radius = float(np.hypot(*sim.positions[:, :2].T).max())
+        return sim.time, sim.crossings(limit=0).count, sim.ledger()["error"], radius
+
+    instants = (k * INTERVAL for k in range(1, round(scene.run.until / INTERVAL) + 1))
+    return followed(sim, WHOLE, instants, read, ("time", "crossings", "residual", "radius"), budget=budget)
 
 
 def whole_table(without: Mapping[str, Floats], run: Mapping[str, Floats]) -> str:
