@@ -97,7 +97,9 @@ impl Subtree {
 }
 
 /// Boxes, found by overlap. Their coordinates are finite, and twice these do not overflow.
+#[derive(Default)]
 pub(crate) struct BoxTree {
+    centres: Vec<Centre>,
     order: Vec<u32>,
     leaves: Vec<Leaf>,
     nodes: Vec<Bounds>,
@@ -106,20 +108,41 @@ pub(crate) struct BoxTree {
 impl BoxTree {
     /// The tree of some boxes.
     pub(crate) fn new(boxes: &[Bounds]) -> Self {
-        let mut centres: Vec<Centre> = boxes.iter().zip(0..).map(|(bounds, index)| Centre::of(bounds, index)).collect();
-        halve(&mut centres);
-        let order: Vec<u32> = centres.iter().map(|centre| centre.index).collect();
-        drop(centres);
-        let mut leaves = vec![Leaf::EMPTY; order.len().div_ceil(LEAF)];
+        let mut tree = Self::default();
+        tree.put_in_order(boxes);
+        // Leaves may take the place of the centres.
+        tree.centres = Vec::new();
+        tree.fill(boxes);
+        tree
+    }
+
+    /// Becomes the tree of other boxes, and allocates no memory where it has had as many.
+    pub(crate) fn rebuild(&mut self, boxes: &[Bounds]) {
+        self.put_in_order(boxes);
+        self.fill(boxes);
+    }
+
+    fn put_in_order(&mut self, boxes: &[Bounds]) {
+        let Self { centres, order, .. } = self;
+        centres.clear();
+        centres.extend(boxes.iter().zip(0..).map(|(bounds, index)| Centre::of(bounds, index)));
+        halve(centres);
+        order.clear();
+        order.extend(centres.iter().map(|centre| centre.index));
+    }
+
+    /// Fills the leaves in this order, and finds the bounds of all nodes.
+    fn fill(&mut self, boxes: &[Bounds]) {
+        let Self { order, leaves, nodes, .. } = self;
+        leaves.clear();
+        leaves.resize(order.len().div_ceil(LEAF), Leaf::EMPTY);
         for (slot, &index) in order.iter().enumerate() {
             leaves[slot / LEAF].set(slot % LEAF, &boxes[index as usize]);
         }
-        let nodes = vec![Bounds::EMPTY; (2 * leaves.len()).saturating_sub(1)];
-        let mut tree = Self { order, leaves, nodes };
-        if let Some(root) = tree.root() {
-            tree.bound(root);
+        nodes.resize((2 * leaves.len()).saturating_sub(1), Bounds::EMPTY);
+        if let Some(root) = self.root() {
+            self.bound(root);
         }
-        tree
     }
 
     /// The index of the box in each slot; eight slots in turn are a leaf.
@@ -230,4 +253,37 @@ fn halve(centres: &mut [Centre]) {
     let (first, second) = centres.split_at_mut(middle);
     halve(first);
     halve(second);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes without an order.
+    fn boxes(count: usize) -> Vec<Bounds> {
+        let number = |k: usize, axis: usize| ((31 * k + 17 * axis + count) as f64 * 12.9898).sin();
+        let point = |k: usize| [0, 1, 2].map(|axis| number(k, axis));
+        (0..count).map(|k| Bounds::of(&[point(k), point(k).map(|value| value + 0.3 * number(k, 3).abs())])).collect()
+    }
+
+    #[test]
+    fn a_tree_that_is_rebuilt_has_the_pairs_of_its_boxes() {
+        let mut tree = BoxTree::default();
+        for count in [100, 37, 0, 1, 150, 8] {
+            let boxes = boxes(count);
+            tree.rebuild(&boxes);
+            let mut found = Vec::new();
+            let _: ControlFlow<()> = tree.visit_pairs(&mut |slot, leaf, meeting| {
+                let others = (0..LEAF).filter(|lane| meeting >> lane & 1 == 1).map(|lane| leaf + lane);
+                found.extend(others.map(|other| [slot, other].map(|slot| tree.order()[slot] as usize)));
+                ControlFlow::Continue(())
+            });
+            found.iter_mut().for_each(|pair| pair.sort_unstable());
+            found.sort_unstable();
+            let pairs = (0..count).flat_map(|one| (one + 1..count).map(move |other| [one, other]));
+            let expected: Vec<_> = pairs.filter(|pair| boxes[pair[0]].meets(&boxes[pair[1]])).collect();
+            assert!(count < 100 || expected.len() > 100);
+            assert_eq!(found, expected, "{count}");
+        }
+    }
 }

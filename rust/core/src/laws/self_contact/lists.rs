@@ -71,7 +71,7 @@ pub(super) struct Lists {
     most: f64,
     #[cfg(test)]
     made: [u64; LISTS],
-    boxes: Vec<Bounds>,
+    elements: Elements,
     moving: Vec<Moving>,
     mean: NodeVectors,
     instructions: InstructionSet,
@@ -121,7 +121,7 @@ impl Lists {
             most,
             #[cfg(test)]
             made: [0; LISTS],
-            boxes: Vec::new(),
+            elements: Elements::default(),
             moving: Vec::new(),
             mean: NodeVectors::zeros(nodes),
             instructions,
@@ -264,7 +264,7 @@ impl Lists {
             }
             None => {
                 let first = First { surface, lines: straight, bound, skin };
-                first.find(lines, &mut self.boxes, self.instructions, into);
+                first.find(lines, &mut self.elements, self.instructions, into);
                 for positions in shapes {
                     let nodes = Lines::of(positions, positions, 0.0, &mut self.moving).nodes;
                     self.instructions.dispatch(Raise { surface, nodes, pairs: &mut list.levels, share });
@@ -281,6 +281,14 @@ impl Lists {
     }
 }
 
+/// Boxes around elements and their ways, their tree, and pairs of some: memory that each first list uses again.
+#[derive(Default)]
+struct Elements {
+    boxes: Vec<Bounds>,
+    tree: BoxTree,
+    found: Pairs,
+}
+
 /// The pairs that may come nearer than a bound and a skin: of elements whose boxes, around them and their ways, meet.
 struct First<'a> {
     surface: &'a Surface,
@@ -290,11 +298,12 @@ struct First<'a> {
 }
 
 impl First<'_> {
-    fn find(&self, ways: Step<'_>, boxes: &mut Vec<Bounds>, instructions: InstructionSet, into: &mut [Pairs; LEVELS]) {
+    fn find(&self, ways: Step<'_>, of: &mut Elements, instructions: InstructionSet, into: &mut [Pairs; LEVELS]) {
         const AT_ONCE: usize = 4096;
         let Self { surface, lines, bound, skin } = *self;
         let (x, v) = (columns(ways.positions), columns(ways.velocities));
         let half = 0.5 * (bound + skin);
+        let Elements { boxes, tree, found } = of;
         boxes.clear();
         boxes.extend(surface.elements.iter().map(|element| {
             let mut bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
@@ -313,8 +322,7 @@ impl First<'_> {
             // A motion that diverges is found by the monitor.
             return;
         }
-        let tree = BoxTree::new(boxes);
-        let mut found = Pairs::default();
+        tree.rebuild(boxes);
         let mut narrow = |found: &mut Pairs| {
             let from = std::slice::from_ref(&*found);
             instructions.dispatch(Narrow { surface, from, lines, bound, skin, into: &mut *into });
@@ -328,11 +336,11 @@ impl First<'_> {
                 surface.visit_pairs(first, second, &mut |pair| found.push(Listed { pair, kept: 0.0 }));
             }
             if found.most() >= AT_ONCE {
-                narrow(&mut found);
+                narrow(found);
             }
             ControlFlow::Continue(())
         });
-        narrow(&mut found);
+        narrow(found);
     }
 }
 
