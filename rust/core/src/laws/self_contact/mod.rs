@@ -19,7 +19,8 @@
 //! with the distance d0 of the mid-surfaces of two layers that touch, the film's thickness, and the distances of the
 //! pair in the shape at the start and after 1000, 2000, 4000, ... steps. So layers that are stowed nearer than d0 begin
 //! at rest, and keep a larger distance once they have been apart. Lists (`lists`) find the pairs. All triangles are
-//! checked for crossings, exactly, in regular intervals: a run with a crossing is stopped.
+//! checked for crossings, exactly, in regular intervals: a run with a crossing is stopped. Steps use the same memory
+//! again, and allocate some only until it has grown, for a shape that is kept, and in these checks.
 //!
 //! Bridson, Fedkiw and Anderson (SIGGRAPH 2002) and Harmon et al. (2009) have impulses and distances of layers in
 //! explicit simulations of cloth.

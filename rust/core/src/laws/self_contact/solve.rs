@@ -73,6 +73,7 @@ impl Solver {
             turns: vec![0; nodes],
             ways: vec![0.0; nodes],
             due: Due::new(nodes),
+            zones: Zones::new(nodes),
             ..Self::default()
         }
     }

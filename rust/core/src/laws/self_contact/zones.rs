@@ -13,50 +13,65 @@ use crate::arrays::state::NodeVectors;
 /// Principal moments of inertia below this share of the largest count as none: the zone does not turn about that axis.
 const FLAT: f64 = 1e-9;
 
-/// Zones: nodes, in order of their first pairs.
+/// Zones, as the number of each node's own, so that those that come and go allocate no memory.
 #[derive(Default)]
 pub(super) struct Zones {
-    nodes: Vec<Vec<usize>>,
+    /// The zone of each node, a number that ascends in order of its last pair that joined nodes; 0 of those in none.
+    of: Vec<u32>,
+    /// The last one of these numbers.
+    last: u32,
+    /// The nodes in zones.
+    nodes: Vec<usize>,
 }
 
 impl Zones {
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { of: vec![0; nodes], ..Self::default() }
+    }
+
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.nodes.clear();
+        self.nodes.drain(..).for_each(|node| self.of[node] = 0);
+        self.last = 0;
     }
 
     /// Adds the nodes of a pair, and joins the zones that have one of them. Whether they were not in one zone already.
     pub(super) fn add(&mut self, nodes: [usize; 4]) -> bool {
-        if self.nodes.iter().any(|zone| nodes.iter().all(|node| zone.binary_search(node).is_ok())) {
+        let joined = nodes.map(|node| self.of[node]);
+        if joined[0] != 0 && joined == [joined[0]; 4] {
             return false;
         }
-        let mut joined: Vec<usize> = nodes.to_vec();
-        self.nodes.retain(|zone| {
-            let is_joined = zone.iter().any(|node| nodes.contains(node));
-            if is_joined {
-                joined.extend(zone);
+        self.last += 1;
+        for &node in &self.nodes {
+            if joined.contains(&self.of[node]) {
+                self.of[node] = self.last;
             }
-            !is_joined
-        });
-        joined.sort_unstable();
-        joined.dedup();
-        self.nodes.push(joined);
+        }
+        for node in nodes {
+            if std::mem::replace(&mut self.of[node], self.last) == 0 {
+                self.nodes.push(node);
+            }
+        }
         true
     }
 
-    /// Calls `set` with each node and its velocity in a rigid zone. Held nodes keep theirs, and so does what they hold.
+    /// Calls `set` with each node and its velocity in a rigid zone, zone by zone and in order of nodes. Held nodes keep
+    /// theirs, and so does what they hold.
     pub(super) fn visit(
-        &self,
+        &mut self,
         positions: &NodeVectors,
         velocities: &NodeVectors,
         masses: &[f64],
         inverse_masses: &[f64],
         mut set: impl FnMut(usize, Vector3<f64>),
     ) {
-        for zone in &self.nodes {
-            let held: Vec<usize> = zone.iter().copied().filter(|&node| inverse_masses[node] == 0.0).collect();
-            if !held.is_empty() {
-                let mean = held.iter().map(|&node| row(velocities, node)).sum::<Vector3<f64>>() / held.len() as f64;
+        let Self { of, nodes, .. } = self;
+        nodes.sort_unstable_by_key(|&node| (of[node], node));
+        for zone in nodes.chunk_by(|&node, &other| of[node] == of[other]) {
+            let held = zone.iter().filter(|&&node| inverse_masses[node] == 0.0);
+            let count = held.clone().count();
+            if count > 0 {
+                let mean = held.map(|&node| row(velocities, node)).sum::<Vector3<f64>>() / count as f64;
                 zone.iter().filter(|&&node| inverse_masses[node] > 0.0).for_each(|&node| set(node, mean));
                 continue;
             }
@@ -108,7 +123,7 @@ mod tests {
             (0..6).map(of).fold((Vector3::zeros(), Vector3::zeros()), |(p, l), (q, k)| (p + q, l + k))
         };
         let before = momenta(&velocities);
-        let mut zones = Zones::default();
+        let mut zones = Zones::new(6);
         assert!(zones.add([0, 1, 2, 3]) && zones.add([3, 4, 1, 0]) && !zones.add([4, 2, 0, 1]));
         let mut rigid = Vec::new();
         zones.visit(&positions, &velocities, &masses, &inverse, |node, velocity| rigid.push((node, velocity)));
@@ -128,7 +143,7 @@ mod tests {
     fn what_is_held_holds_its_zone() {
         let positions = NodeVectors::from_fn(4, |node, axis| (node * axis) as f64);
         let velocities = NodeVectors::from_fn(4, |node, _| node as f64);
-        let mut zones = Zones::default();
+        let mut zones = Zones::new(4);
         zones.add([0, 1, 2, 3]);
         let inverse = [1.0, 1.0, 0.0, 1.0];
         zones.visit(&positions, &velocities, &[1.0; 4], &inverse, |node, velocity| {
