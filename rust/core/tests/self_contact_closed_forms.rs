@@ -1,4 +1,4 @@
-//! Contact between layers against closed forms: impacts with restitution, and Coulomb's friction.
+//! Contact between layers against closed forms: impacts with restitution, and Coulomb's friction, of slow and fast pairs.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -8,10 +8,13 @@ mod sheets;
 use common::{gravity, spin};
 use membrane_core::simulation::Simulation;
 use nalgebra::Vector3;
-use sheets::{Scene, mean_velocity, placed, square, triangle, work};
+use sheets::{Scene, mean_velocity, momenta, placed, square, triangle, work};
 
 const SIDE: f64 = 0.011;
 const GRAVITY: f64 = 9.81;
+/// The distance at which layers touch [m], and fast pairs: how often they move by it in a step.
+const TOUCHING: f64 = 7.5e-6;
+const FAST: [f64; 3] = [2.0, 5.0, 10.0];
 
 /// A free triangle, and a node at -V above its centroid: a corner of a triangle whose others are held far above.
 fn node_on_triangle(speed: f64, restitution: f64) -> Scene {
@@ -86,8 +89,87 @@ fn equal_sheets_node_on_node_exchange_their_velocities_where_nothing_is_lost() {
     }
 }
 
+/// A node at a slant onto the middle of a triangle, at -1 m/s along its normal and this speed along it; both directions.
+/// They meet in the third step, of which this share has gone then.
+fn at_a_slant(along: f64, ways: f64, share: f64) -> (Scene, Vector3<f64>, Vector3<f64>) {
+    let mut scene = node_on_triangle(1.0, 0.0);
+    let [tangent, normal] =
+        [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(placed(&[axis], 0.3, 0.2, [0.0; 3])[0]));
+    let dt = ways * TOUCHING / along.hypot(1.0);
+    let velocity = tangent * along - normal;
+    scene.model.positions[3] = (0.5 * TOUCHING * normal - velocity * dt * (2.0 + share)).into();
+    scene.model.velocities[3] = velocity.into();
+    scene.dt = Some(dt);
+    (scene, tangent, normal)
+}
+
+/// Speeds along a held layer, restitutions, frictions, thicknesses a step, and when in the step they meet.
+fn slants() -> impl Iterator<Item = [f64; 5]> {
+    let shares = [0.02, 0.3, 0.5, 0.7, 0.98];
+    let cases = FAST.into_iter().flat_map(move |ways| shares.map(|share| [ways, share]));
+    let coefficients = [0.0, 0.5, 1.0].into_iter().flat_map(|restitution| [0.0, 0.3].map(|mu| [restitution, mu]));
+    let all = coefficients.flat_map(move |[restitution, mu]| cases.clone().map(move |[w, s]| [restitution, mu, w, s]));
+    all.flat_map(|[restitution, mu, ways, share]| [0.0, 0.5, 1.0, 4.0].map(|v| [v, restitution, mu, ways, share]))
+}
+
+#[test]
+fn a_fast_node_leaves_a_held_layer_by_newtons_restitution_and_coulombs_friction() {
+    for [along, restitution, friction, ways, share] in slants() {
+        let (mut scene, tangent, normal) = at_a_slant(along, ways, share);
+        scene.hold(0..3);
+        (scene.contact.restitution, scene.contact.friction) = (restitution, friction);
+        let mut simulation = scene.started();
+        for _ in 0..8 {
+            simulation.step(1).unwrap();
+            assert!(Vector3::from(simulation.positions()[3]).dot(&normal) > 0.0);
+        }
+        let slower = (along - friction * (1.0 + restitution)).max(0.0);
+        let off = Vector3::from(simulation.velocities()[3]) - normal * restitution - tangent * slower;
+        assert!(off.norm() < 1e-10, "{along} {restitution} {friction} {ways} {share}: {off:?}");
+    }
+}
+
+#[test]
+fn a_fast_node_gives_a_free_triangle_its_impulse() {
+    for [along, restitution, friction, ways, share] in slants().filter(|[_, restitution, ..]| *restitution > 0.0) {
+        let (mut scene, tangent, normal) = at_a_slant(along, ways, share);
+        (scene.contact.restitution, scene.contact.friction) = (restitution, friction);
+        let mut simulation = scene.started();
+        let (start, before) = (simulation.energy_terms().kinetic, momenta(&simulation)[0]);
+        simulation.step(8).unwrap();
+        // The reduced mass is three quarters of that of a node: to second order in the way beside the centroid.
+        let pressed = 0.75 * (1.0 + restitution);
+        let slower = along - (friction * pressed).min(0.75 * along);
+        let off = Vector3::from(simulation.velocities()[3]) - normal * (pressed - 1.0) - tangent * slower;
+        assert!(off.norm() < 2e-3, "{along} {restitution} {friction} {ways} {share}: {off:?}");
+        assert!((momenta(&simulation)[0] - before).norm() < 1e-14 * before.norm());
+        assert!(simulation.energy_terms().kinetic < start * (1.0 + 1e-14));
+    }
+}
+
+#[test]
+fn an_impact_that_follows_from_another_in_the_step_has_its_restitution() {
+    for restitution in [0.5, 1.0] {
+        // The middle sheet meets the floor within the first step, and only then the upper one, at the same step's end.
+        let (points, triangles) = square(3, 3, SIDE);
+        let mut scene = Scene::new();
+        let floor = scene.add(&points, &triangles, [0.0; 3]);
+        scene.hold(floor);
+        let [middle, upper] = [[5e-6, -1.0], [25e-6, -2.0]].map(|[height, speed]| {
+            scene.add(&placed(&points, 0.0, 0.0, [0.0, 0.0, height]), &triangles, [0.0, 0.0, speed])
+        });
+        (scene.dt, scene.contact.restitution) = (Some(1e-5), restitution);
+        let mut simulation = scene.started();
+        simulation.step(1).unwrap();
+        let all = simulation.velocities();
+        for (nodes, expected) in [(middle, restitution), (upper, 2.0 * restitution)] {
+            assert!(all[nodes].iter().all(|v| (v[2] - expected).abs() < 5e-3), "{restitution}: {all:?}");
+        }
+    }
+}
+
 /// A triangle on a held layer, in contact from the start, both tilted; the direction of the steepest descent.
-fn slope(tilt: f64, friction: f64, speed: f64) -> (Simulation, Vector3<f64>) {
+fn slope(tilt: f64, friction: f64, speed: f64, dt: f64) -> (Simulation, Vector3<f64>) {
     let mut scene = Scene::new();
     let (points, triangles) = square(2, 1, 0.2);
     let floor = scene.add(&placed(&points, tilt, 0.4, [0.0; 3]), &triangles, [0.0; 3]);
@@ -99,8 +181,7 @@ fn slope(tilt: f64, friction: f64, speed: f64) -> (Simulation, Vector3<f64>) {
     let velocity = (speed * Vector3::from(descent)).into();
     scene.add(&placed(&points, tilt, 0.4, normal), &triangles, velocity);
     scene.specs = vec![gravity([0.0, 0.0, -GRAVITY])];
-    scene.contact.friction = friction;
-    scene.dt = Some(2e-5);
+    (scene.contact.friction, scene.dt) = (friction, Some(dt));
     (scene.started(), descent.into())
 }
 
@@ -117,10 +198,11 @@ fn along(mut simulation: Simulation, direction: Vector3<f64>, time: f64) -> [f64
 
 #[test]
 fn a_piece_of_film_slides_to_a_stop_by_coulombs_law() {
-    for (friction, speed) in [(0.2, 0.1), (0.5, 0.2)] {
+    let fast = FAST.map(|ways| (0.5, 0.9, ways * TOUCHING / 0.9));
+    for (friction, speed, dt) in [(0.2, 0.1, 2e-5), (0.5, 0.2, 2e-5)].into_iter().chain(fast) {
         let (time, way) = (speed / (friction * GRAVITY), speed * speed / (2.0 * friction * GRAVITY));
         let run = |time| {
-            let (simulation, direction) = slope(0.0, friction, speed);
+            let (simulation, direction) = slope(0.0, friction, speed, dt);
             along(simulation, direction, time)
         };
         let [half, still_fast] = run(0.5 * time);
@@ -135,7 +217,7 @@ fn a_piece_of_film_slides_to_a_stop_by_coulombs_law() {
 fn it_stays_on_a_slope_below_the_angle_of_friction_and_slides_above() {
     let (friction, time) = (0.3_f64, 0.02);
     for tilt in [0.9, 1.2, 2.0].map(|share| share * friction.atan()) {
-        let (simulation, descent) = slope(tilt, friction, 0.0);
+        let (simulation, descent) = slope(tilt, friction, 0.0, 2e-5);
         let [way, speed] = along(simulation, descent, time);
         let acceleration = GRAVITY * (tilt.sin() - friction * tilt.cos());
         if acceleration < 0.0 {

@@ -70,7 +70,7 @@ impl Contact {
         let nodes = near.nodes.map(|node| node as usize);
         let (shares, mass) = shares_and_mass(near.weights, nodes, inverse_masses);
         let [room, dt, share] = [distance - near.kept, drifting.dt, of.share_of_depth].map(F64x8::all);
-        let mut contact = Self {
+        Some(Self {
             pair: near.pair,
             nodes,
             weights: near.weights,
@@ -85,14 +85,17 @@ impl Contact {
             pressed: 0.0,
             along: Vector3::zeros(),
             turn: 0,
-        };
-        let own = contact.relative(drifting.own).dot(&contact.normal);
-        if of.restitution > 0.0 && own < 0.0 {
+        })
+    }
+
+    /// Raises the target to what restitution asks for, by the relative velocities at the kick and of the drift, both
+    /// before impulses.
+    pub(super) fn rebound(&mut self, restitution: f64, own: Vector3<f64>, drift: Vector3<f64>) {
+        let own = own.dot(&self.normal);
+        if restitution > 0.0 && own < 0.0 {
             // v_n is to change by -(1 + e) v_n, and the velocity of the drift with it.
-            let before = contact.relative(drifting.velocities).dot(&contact.normal);
-            contact.target = contact.target.max(before - (1.0 + of.restitution) * own);
+            self.target = self.target.max(drift.dot(&self.normal) - (1.0 + restitution) * own);
         }
-        Some(contact)
     }
 
     /// The gap at the end of the drift, with the closest points of its start \[m\].

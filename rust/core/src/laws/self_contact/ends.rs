@@ -8,7 +8,8 @@
 //!     n . sum of w_q (x_q + dt u_q) >= d_m    or   v_n >= (d_m - n . sum of w_q x_q) / dt
 //!
 //! and are swept again: sequential linearisation of the constraint at the end of the step. It replaces what restitution
-//! asks for. The next step begins with the impulse of the last round alone.
+//! asks for, of few pairs: what rebounds is seldom near at the end. The next step begins with the impulse of the last
+//! round alone.
 
 use nalgebra::Vector3;
 

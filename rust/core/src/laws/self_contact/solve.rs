@@ -5,8 +5,8 @@
 //!     impulse  lam = max(0, lam + m_r (target - v_n)),   1/m_r = sum of w_q^2/m_q
 //!     velocity v_q += lam w_q n/m_q,   and u_q, the velocity of the drift, in step with it
 //!
-//! With restitution e, a pair that would meet within the step is to separate at -e times its velocity before, that of v
-//! and not of u, which has half a kick more and would gain energy. Coulomb's friction acts in the same sweep: the
+//! With restitution e, a pair that would meet within the step is to separate at -e times its velocity before all
+//! impulses, that of v and not of u, which has half a kick more and would gain energy. Coulomb's friction acts in the same sweep: the
 //! tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9 of that of the
 //! last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 //!
@@ -26,6 +26,8 @@ use crate::arrays::state::NodeVectors;
 const WARM: f64 = 0.9;
 /// Most sweeps.
 const MOST_SWEEPS: usize = 100;
+/// The place of a node without an impulse.
+const UNCHANGED: u32 = u32::MAX;
 
 /// By how much two layers approach in a step \[m\], and a node of each.
 #[derive(Debug, Clone, Copy, Default)]
@@ -53,8 +55,8 @@ pub(super) struct Changed {
 pub(super) struct Solver {
     contacts: Vec<Contact>,
     pub(super) changed: Vec<Changed>,
-    /// Of each node: whether it is among those, and the turn of its last change.
-    is_changed: Vec<bool>,
+    /// Of each node: its place among those, and the turn of its last change.
+    places: Vec<u32>,
     turns: Vec<u32>,
     turn: u32,
     due: Due,
@@ -69,7 +71,7 @@ pub(super) struct Solver {
 impl Solver {
     pub(super) fn new(nodes: usize) -> Self {
         Self {
-            is_changed: vec![false; nodes],
+            places: vec![UNCHANGED; nodes],
             turns: vec![0; nodes],
             ways: vec![0.0; nodes],
             due: Due::new(nodes),
@@ -83,7 +85,7 @@ impl Solver {
         self.contacts.clear();
         self.zones.clear();
         for Changed { node, .. } in self.changed.drain(..) {
-            (self.is_changed[node], self.turns[node], self.ways[node]) = (false, 0, 0.0);
+            (self.places[node], self.turns[node], self.ways[node]) = (UNCHANGED, 0, 0.0);
         }
         self.turn = 0;
     }
@@ -118,6 +120,7 @@ impl Solver {
                 self.passed_by.push(Watched { listed, room: f64::NEG_INFINITY });
                 continue;
             }
+            contact.rebound(of.restitution, contact.relative(drifting.own), self.before(&contact, drifting));
             let way = -contact.relative(drifting.velocities).dot(&contact.normal) * drifting.dt;
             largest = largest.max(Approach { way, nodes: [contact.nodes[0], contact.nodes[2]] });
             if let Some((_, pressed)) = last.next_if(|(pair, _)| *pair == near.pair) {
@@ -285,9 +288,19 @@ impl Solver {
         }
     }
 
+    /// The relative velocity of a pair before impulses.
+    fn before(&self, contact: &Contact, drifting: &Drifting<'_>) -> Vector3<f64> {
+        let of = |node: usize| match self.places[node] {
+            UNCHANGED => row(drifting.velocities, node),
+            place => self.changed[place as usize].before,
+        };
+        contact.nodes.iter().zip(contact.weights).map(|(&node, weight)| of(node) * weight).sum()
+    }
+
     /// Notes that a node changes.
     fn note(&mut self, node: usize, drifting: &Drifting<'_>) {
-        if !std::mem::replace(&mut self.is_changed[node], true) {
+        if self.places[node] == UNCHANGED {
+            self.places[node] = self.changed.len() as u32;
             let before = row(drifting.velocities, node);
             self.changed.push(Changed { node, before, looked: before });
         }
