@@ -24,8 +24,8 @@ use crate::arrays::state::NodeVectors;
 
 /// Share of the last step's impulse with which a pair begins.
 const WARM: f64 = 0.9;
-/// Most sweeps.
-const MOST_SWEEPS: usize = 100;
+/// Most sweeps, without and with restitution, where what they leave undone adds energy.
+const MOST_SWEEPS: [usize; 2] = [100, 1000];
 /// The place of a node without an impulse.
 const UNCHANGED: u32 = u32::MAX;
 
@@ -182,7 +182,7 @@ impl Solver {
                 self.due.add(k);
             }
         }
-        for _ in 0..MOST_SWEEPS {
+        for _ in 0..MOST_SWEEPS[usize::from(of.restitution > 0.0)] {
             let (mut is_settled, mut place) = (true, 0);
             while let Some(k) = self.due.take_from(place) {
                 place = k + 1;
