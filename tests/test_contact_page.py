@@ -38,6 +38,21 @@ def test_ratios_are_medians_over_the_starts() -> None:
     assert tables.ratios(kinds, (0, 5, 10)) == pytest.approx([3.0, 3.0])
 
 
+def test_what_contact_spends_is_that_of_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = 4.0 * np.arange(11.0)
+    own = [{"seconds": 3e-6 * steps, "steps": steps}] * 3
+    spent = {name: steps * (k + 1) * (1.0 if k < 3 else 1e-6) for k, name in enumerate(runs.SPENT)}
+    kinds = {runs.OWN: own, runs.WITH: [{**spent, "steps": steps}] * 3}
+    assert tables.per_step(own, "seconds", (0, 5, 10)) == pytest.approx([3e-6, 3e-6])
+    assert tables.times_of_step(kinds, (0, 10)) == {
+        "film": [pytest.approx(3.0)], "looks at pairs": [pytest.approx(5.0)], "lists of pairs": [pytest.approx(4.0)],
+        "impulses": [pytest.approx(6.0)],
+    }  # fmt: skip
+    monkeypatch.setattr(tables, "SHOWN", (0, 10))
+    listed = [line.split(" | ") for line in tables.spent_table(kinds).splitlines()]
+    assert [line[1].strip(" |") for line in listed[2:]] == ["3", "5", "4", "6", "1", "2", "3"]
+
+
 def test_scenes_differ_by_the_law_alone_and_go_by_leapfrog() -> None:
     for name in (*runs.MODELS, runs.fast(runs.MODELS[0])):
         own, other = (runs.scene_of(name, with_contact=with_contact) for with_contact in (False, True))
@@ -59,6 +74,8 @@ def test_a_run_is_read_at_its_instants(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.all(np.diff(run["seconds"][1:]) > 0.0)
     assert np.isfinite([run[runs.RATE], run[runs.PHASE]]).all()
     assert run["work"].tolist() == [0.0, 0.0, 0.0]
+    assert run["steps"][0] == 0 < run["steps"][1] < run["steps"][2]
+    assert not any(run[name].any() for name in runs.SPENT)
 
 
 def test_sheets_stop_each_other_by_contact_alone() -> None:

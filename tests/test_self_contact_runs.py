@@ -58,6 +58,19 @@ def thrown(contact: SelfContact | None, speed: float) -> Simulation:
     return simulation
 
 
+def test_contact_counts_what_it_spends() -> None:
+    free, held = thrown(None, 1.0), thrown(SelfContact(), 1.0)
+    for simulation in (free, held):
+        simulation.reach(6e-5)
+    assert set(free.contact_statistics.values()) == {0}
+    spent = held.contact_statistics
+    assert spent["looked_at"] > spent["near"] >= spent["pressed"] > 0
+    assert min(spent["lists"], spent["looks"], spent["impulses"]) > 0.0
+    held.reach(1.2e-4)
+    assert all(later >= spent[name] for name, later in held.contact_statistics.items())
+    assert held.contact_statistics["impulses"] > spent["impulses"]
+
+
 def crossed(simulation: Simulation) -> int:
     """Pairs of triangles that cross."""
     return crossings(simulation.assembly.triangles, simulation.positions, 0).count

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from membrane_rs._core_input import Model, Settings
 
 __all__ = [
+    "ContactStatistics",
     "Crossings",
     "EnergyBalance",
     "FilmStates",
@@ -80,61 +81,24 @@ def integrators() -> list[MethodFacts]:
 class Crossings:
     """Pairs of triangles by what they have in common."""
 
-    @property
-    def pairs(self) -> NDArray[np.int64]:
-        """The first pairs that cross, (k, 2), ascending."""
-
-    @property
-    def count(self) -> int:
-        """Of all that cross: inner points in common, in two planes."""
-
-    @property
-    def overlapping(self) -> int:
-        """Of those with inner points in common in one plane."""
-
-    @property
-    def touching(self) -> int:
-        """Of those without a common node that have no common point inside of both."""
-
-    @property
-    def candidates(self) -> int:
-        """Of those whose bounding boxes have common points."""
+    pairs: NDArray[np.int64]  # The first pairs that cross, (k, 2), ascending.
+    count: int  # Of all that cross: inner points in common, in two planes.
+    overlapping: int  # Of those with inner points in common in one plane.
+    touching: int  # Of those without a common node that have no common point inside of both.
+    candidates: int  # Of those whose bounding boxes have common points.
 
 @final
 class MethodFacts:
     """What is known of a method of time integration."""
 
-    @property
-    def name(self) -> str:
-        """The name that scenes use."""
-
-    @property
-    def order(self) -> int:
-        """Of the error after a given time."""
-
-    @property
-    def evaluations_per_step(self) -> int:
-        """Of the forces."""
-
-    @property
-    def evaluations_at_start(self) -> int:
-        """Of the forces, before the first step."""
-
-    @property
-    def conserves_energy(self) -> bool:
-        """Whether the energy of an undamped motion stays bounded."""
-
-    @property
-    def is_adaptive(self) -> bool:
-        """Whether it can choose its own step."""
-
-    @property
-    def imaginary_limit(self) -> float:
-        """Largest stable omega dt of an undamped oscillation."""
-
-    @property
-    def real_limit(self) -> float:
-        """Largest stable rate times dt of a pure decay."""
+    name: str  # The name that scenes use.
+    order: int  # Of the error after a given time.
+    evaluations_per_step: int  # Of the forces.
+    evaluations_at_start: int  # Of the forces, before the first step.
+    conserves_energy: bool  # Whether the energy of an undamped motion stays bounded.
+    is_adaptive: bool  # Whether it can choose its own step.
+    imaginary_limit: float  # Largest stable omega dt of an undamped oscillation.
+    real_limit: float  # Largest stable rate times dt of a pure decay.
 
 @final
 class EnergyBalance:
@@ -193,6 +157,17 @@ class NewtonStatistics:
     iterations: int  # Corrections of Newton's method.
     factorisations: int  # Of the tangent.
     fallbacks: int  # Steps, or parts of steps, that were halved.
+
+@final
+class ContactStatistics:
+    """What contact between layers has spent since the simulation was made; zeros without it."""
+
+    looked_at: int  # Pairs, over all steps.
+    near: int  # Of these, such as would have come too near.
+    pressed: int  # Of these, with an impulse.
+    lists: float  # Time spent on lists of pairs [s].
+    looks: float  # On looking at pairs [s].
+    impulses: float  # On impulses [s].
 
 @final
 class LinkReadings:
@@ -290,6 +265,10 @@ class Simulation:
     @property
     def statistics(self) -> NewtonStatistics:
         """What an implicit method has spent."""
+
+    @property
+    def contact_statistics(self) -> ContactStatistics:
+        """What contact between layers has spent."""
 
     @property
     def hub_angle(self) -> float:

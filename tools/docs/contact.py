@@ -14,7 +14,17 @@ from contact_pictures import draw_arm, draw_cost, draw_crossings, draw_curves
 from contact_roll import at_rest, roll_table
 from contact_runs import MODELS, OWN, WITH, arm_of, ensembles, fast, single
 from contact_sheets import SPEEDS, sheets_table, thrown
-from contact_tables import EDGES, change_table, cost_table, crossings_table, distance_table, energy_table, ratios
+from contact_tables import (
+    EDGES,
+    change_table,
+    cost_table,
+    crossings_table,
+    distance_table,
+    energy_table,
+    ratios,
+    spent_table,
+    times_of_step,
+)
 from contact_whole import deployed, whole_table
 from marked import DOCS, MarkedPart, copy_small
 from membrane_rs._arrays import Floats
@@ -35,10 +45,14 @@ def crossings_part(runs: Runs, picture: Path) -> str:
 
 
 def cost_part(runs: Runs, picture: Path) -> str:
-    """The table of times, and their picture."""
+    """The tables of times, and their picture."""
     found = ensembles(runs)
-    draw_cost(EDGES, {model: ratios(kinds, EDGES) for model, kinds in found.items()}, picture)
-    return cost_table(found)
+    over, parts = (
+        {model: ratios(kinds, EDGES) for model, kinds in found.items()},
+        times_of_step(found[MODELS[0]], EDGES),
+    )
+    draw_cost(EDGES, over, parts, picture)
+    return f"{cost_table(found)}\n{spent_table(found[MODELS[0]])}"
 
 
 def change_part(runs: Runs, picture: Path) -> str:

@@ -62,11 +62,13 @@ def draw_crossings(found: Mapping[str, Mapping[str, Mapping[str, Floats]]], pict
         save_figure(figure, picture)
 
 
-def draw_cost(edges: Sequence[float], ratios: Mapping[str, Sequence[float]], picture: Path) -> None:
-    """Time of a step with contact over that without in windows between `edges` [ms], by scene."""
+def draw_cost(
+    edges: Sequence[float], ratios: Mapping[str, Sequence[float]], parts: Mapping[str, Sequence[float]], picture: Path
+) -> None:
+    """Time of a step with contact over that without in windows between `edges` [ms], by scene; shares of its parts."""
     with WIDE.context():
-        figure = new_figure(WIDE, WIDE.size(1))
-        axes = figure.subplots()
+        figure = new_figure(WIDE, WIDE.size(2))
+        axes, shares = figure.subplots(2, 1, sharex=True)
         for k, (name, values) in enumerate(ratios.items()):
             axes.stairs(values, edges, baseline=None, label=name, linewidth=WIDE.line_width, **line_look(k))
         axes.set_xscale("symlog", linthresh=100.0, linscale=2.0)
@@ -76,8 +78,15 @@ def draw_cost(edges: Sequence[float], ratios: Mapping[str, Sequence[float]], pic
         axes.yaxis.set_major_formatter("{x:g}")
         axes.grid(visible=True, which="minor", axis="y")
         axes.set_ylabel("Time of a step,\nover that without contact")
-        axes.set_xlabel("Time of the run [ms]")
-        add_legend(figure, [axes], WIDE)
+        sums = np.cumsum([np.zeros(len(edges) - 1), *parts.values()], axis=0)
+        for k, label in enumerate(parts):
+            lower, upper = 100.0 * sums[k : k + 2] / sums[-1]
+            look = line_look(len(ratios) + k)
+            shares.stairs(upper, edges, baseline=lower, fill=True, label=label, color=look["color"])
+        shares.set_ylim(0.0, 100.0)
+        shares.set_ylabel(f"Shares of a step\nof {next(iter(ratios))} [%]")
+        shares.set_xlabel("Time of the run [ms]")
+        add_legend(figure, [axes, shares], WIDE)
         save_figure(figure, picture)
 
 

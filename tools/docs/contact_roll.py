@@ -21,8 +21,9 @@ INTERVAL = 0.05
 
 
 def roll(*, with_contact: bool) -> Scene:
-    """The first stage of the whole deployment, in which bars stand still, with mass damping."""
+    """The first stage of the whole deployment, in which bars stand still, with mass damping, and without substeps."""
     scene = scenes.load(WHOLE).staged(0, [0.0])
+    scene = replace(scene, run=replace(scene.run, substeps=1))
     return replace(scene, laws=[*scene.laws, SelfContact()]) if with_contact else scene
 
 

@@ -18,6 +18,8 @@ RATE, PHASE = "deployment_rate", "phase_difference_deg"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 OWN, WITH = "without", "with contact"
 """What tables call the scene as it is, and the same with contact."""
+SPENT = ("looked_at", "near", "pressed", "lists", "looks", "impulses")
+"""Of `Motion.contact_statistics`: pairs, and time [s]."""
 STARTS = 8
 SHIFT = 1e-7
 """Standard deviation of the perturbation of each coordinate [m]: small against the distance of the layers."""
@@ -46,7 +48,7 @@ def unfolded(scene: Scene, seed: int) -> dict[str, Floats]:
 
     "counted" and "crossings" are instants [s] and pairs of triangles that cross; at the same instants, "energy" is the
     residual of the balance, "work" that of contact and "reference" the reference energy [J]. "seconds" is the processor
-    time up to each reading [s].
+    time up to each reading [s], "steps" the steps, and `SPENT` what contact has spent.
     """
     sim = Simulation(scene)
     if seed:
@@ -55,19 +57,20 @@ def unfolded(scene: Scene, seed: int) -> dict[str, Floats]:
     times = np.linspace(0.0, scene.run.until, INSTANTS + 1)
     counts = [_counted(sim)]
 
-    def read() -> tuple[float, float]:
+    def read() -> tuple[float, ...]:
         if round(1e3 * sim.time) in COUNTED:
             counts.append(_counted(sim))
         x = sim.positions
-        return corners.deployment_rate(x), corners.phase_difference(x)
+        spent = sim.contact_statistics
+        return corners.deployment_rate(x), corners.phase_difference(x), sim.step_count, *(spent[key] for key in SPENT)
 
-    found = followed(sim, f"{scene.name}, start {seed}", times.tolist(), read, (RATE, PHASE))
-    table = np.full((len(times), 3), np.nan)
-    table[: len(found["seconds"])] = np.column_stack([found[RATE], found[PHASE], found["seconds"]])
+    names = (RATE, PHASE, "steps", *SPENT)
+    found = followed(sim, f"{scene.name}, start {seed}", times.tolist(), read, names)
+    padding = np.full(len(times) - len(found["seconds"]), np.nan)
     counted, crossings, energy, work, reference = np.array(counts).T
-    return {
-        "time": times, RATE: table[:, 0], PHASE: table[:, 1], "seconds": table[:, 2], "counted": counted,
-        "crossings": crossings, "energy": energy, "work": work, "reference": reference,
+    return {name: np.concatenate([column, padding]) for name, column in found.items()} | {
+        "time": times, "counted": counted, "crossings": crossings, "energy": energy, "work": work,
+        "reference": reference,
     }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from statistics import median
 
 import numpy as np
-from contact_runs import COUNTED, OWN, PHASE, RATE, WITH
+from contact_runs import COUNTED, OWN, PHASE, RATE, SPENT, WITH
 from deployment_release import FEATURES
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
@@ -20,6 +20,8 @@ EDGES = (*range(0, 100, 5), *range(100, 801, 50))
 """Of the windows in which times of steps are drawn [ms]."""
 SHOWN = (0, 5, 10, 20, 30, 50, 100, 200, 400, 800)
 """Edges of the windows in which they are listed [ms]."""
+PARTS = {"looks": "looks at pairs", "lists": "lists of pairs", "impulses": "impulses"}
+"""Of the time of a step with contact, beside that of the film, by their names in `Motion.contact_statistics`."""
 Runs = Sequence[Mapping[str, Floats]]
 
 
@@ -70,6 +72,32 @@ def cost_table(found: Mapping[str, Mapping[str, Runs]]) -> str:
         every = [*ratios(kinds, SHOWN), *ratios(kinds, (0, SHOWN[-1]))]
         body.append((model, *(f"{ratio:.3g}" for ratio in every)))
     return table(("ms of the run", *windows, "all"), body, words=(0,))
+
+
+def per_step(runs: Runs, name: str, edges: Sequence[int]) -> list[float]:
+    """Median over the starts of what is spent in a step, in each window [ms]."""
+    each = ([run[name][last] - run[name][first] for run in runs] for first, last in pairwise(edges))
+    steps = ([run["steps"][last] - run["steps"][first] for run in runs] for first, last in pairwise(edges))
+    return [median(a / b for a, b in zip(*window, strict=True)) for window in zip(each, steps, strict=True)]
+
+
+def times_of_step(kinds: Mapping[str, Runs], edges: Sequence[int]) -> dict[str, list[float]]:
+    """Of the film and of each part of contact in each window [ms]: medians over the starts [us]."""
+    film = {"film": per_step(kinds[OWN], "seconds", edges)}
+    parts = {label: per_step(kinds[WITH], name, edges) for name, label in PARTS.items()}
+    return {label: [1e6 * value for value in values] for label, values in (film | parts).items()}
+
+
+def spent_table(kinds: Mapping[str, Runs]) -> str:
+    """Time of a step by its parts, and pairs of a step, in some windows."""
+    windows = [f"{first} to {last}" for first, last in pairwise(SHOWN)]
+    times = times_of_step(kinds, SHOWN)
+    body = [(f"{label} [us]", *(f"{value:,.0f}" for value in row)) for label, row in times.items()]
+    for name in SPENT:
+        if name not in PARTS:
+            label = name.replace("_", " ")
+            body.append((f"pairs {label}", *(f"{value:,.0f}" for value in per_step(kinds[WITH], name, SHOWN))))
+    return table(("ms of the run", *windows), body, words=(0,))
 
 
 def change_table(found: Mapping[str, Mapping[str, Runs]]) -> str:

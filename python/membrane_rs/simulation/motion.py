@@ -154,6 +154,16 @@ class Motion(KnownAttributes, Copies, Readings):
         }
 
     @property
+    def contact_statistics(self) -> dict[str, float]:
+        """What contact between layers has spent since this simulation was made; zeros without it.
+
+        Pairs, summed over all steps: "looked_at"; of these "near", which would have come too near; of these "pressed",
+        with an impulse. Time [s]: "lists", on lists of pairs; "looks", on looking at them; "impulses", on all the rest.
+        """
+        spent = self._core.contact_statistics
+        return {key: getattr(spent, key) for key in ("looked_at", "near", "pressed", "lists", "looks", "impulses")}
+
+    @property
     def integrator(self) -> str:
         """Name of the method."""
         return self._core.integrator

@@ -7,7 +7,7 @@ mod sheets;
 
 use common::{FILM, spin, springs};
 use membrane_core::error::Error;
-use membrane_core::laws::LawSpec;
+use membrane_core::laws::{LawSpec, Scheme};
 use membrane_core::model::input::Film;
 use membrane_core::simulation::Simulation;
 use sheets::{Scene, least_distance, mean_velocity, momenta, placed, square, work};
@@ -20,6 +20,8 @@ const NODES: usize = (CELLS + 1) * (CELLS + 1);
 /// The distance at which layers touch, and the share of it that they keep [m].
 const TOUCHING: f64 = 7.5e-6;
 const KEPT: f64 = 0.5 * TOUCHING;
+/// Without pairs of edges layers cross.
+const NODES_ALONE: Scheme = Scheme { has_edges: false, ..Scheme::USUAL };
 /// A sheet whose own step is long against its thickness.
 const RUBBER: Film = Film { youngs_modulus: 1e6, poisson_ratio: 0.33, density: 1000.0, thickness: 2e-4 };
 
@@ -114,6 +116,21 @@ fn tilted_and_shifted_sheets_stay_apart() {
         let least = run(&scene, &mut simulation, 2.5e-3, 20, |_| ());
         assert!(least > 0.95 * KEPT && work(&simulation) < 0.0, "{tilt}, {shift:?}: {least:e}");
     }
+}
+
+#[test]
+fn crossings_of_fast_layers_are_found_soon() {
+    let found = |interval: f64| {
+        let mut scene = sheets(15.0, 0.5, 0.7, [0.28 * SIZE, 0.15 * SIZE]);
+        scene.contact.scheme = NODES_ALONE;
+        scene.contact.crossing_interval = interval;
+        scene.dt = Some(4.0 * TOUCHING / 15.0);
+        let Error::Unstable { what, time, .. } = scene.started().step(3000).unwrap_err() else { panic!() };
+        assert!(what.contains("cross"), "{what}");
+        time / scene.dt.unwrap()
+    };
+    let (first, soon) = (found(1.0), found(1e9));
+    assert!((first..first + 16.5).contains(&soon), "{first} {soon}");
 }
 
 #[test]

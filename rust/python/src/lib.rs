@@ -31,7 +31,9 @@ mod _core {
     #[pymodule_export]
     use super::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
     #[pymodule_export]
-    use super::results::{EnergyBalance, HubMotion, MethodFacts, NewtonStatistics, StepLimit, integrators};
+    use super::results::{
+        ContactStatistics, EnergyBalance, HubMotion, MethodFacts, NewtonStatistics, StepLimit, integrators,
+    };
     #[pymodule_export]
     use super::simulation::Simulation;
 }

@@ -2,7 +2,7 @@
 
 use membrane_core::evaluation::ledger::Ledger;
 use membrane_core::integrators::{METHODS, Method, Options, Properties, Statistics};
-use membrane_core::laws::WorkClass;
+use membrane_core::laws::{ContactStatistics as CoreContactStatistics, WorkClass};
 use membrane_core::simulation::Simulation as Core;
 use membrane_core::stability::{Limit, axis_limits};
 use pyo3::prelude::*;
@@ -120,6 +120,25 @@ pub(crate) struct NewtonStatistics {
 impl From<Statistics> for NewtonStatistics {
     fn from(Statistics { iterations, factorisations, fallbacks }: Statistics) -> Self {
         Self { iterations, factorisations, fallbacks }
+    }
+}
+
+/// What contact between layers has spent: pairs over all steps, and time [s].
+#[pyclass(frozen, get_all, module = "membrane_rs._core")]
+pub(crate) struct ContactStatistics {
+    looked_at: u64,
+    near: u64,
+    pressed: u64,
+    lists: f64,
+    looks: f64,
+    impulses: f64,
+}
+
+impl From<CoreContactStatistics> for ContactStatistics {
+    fn from(core: CoreContactStatistics) -> Self {
+        let CoreContactStatistics { looked_at, near, pressed, .. } = core;
+        let [lists, looks, impulses] = [core.lists, core.looks, core.impulses].map(|time| time.as_secs_f64());
+        Self { looked_at, near, pressed, lists, looks, impulses }
     }
 }
 

@@ -12,14 +12,14 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
-use crate::arrays::{checked, matrix, rows, vectors};
+use crate::arrays::{checked, rows, vectors};
 use crate::components::{model_of, settings_of};
 use crate::errors::wrong_value;
 use crate::laws::law_of;
 use crate::past::Past;
 use crate::progress::{check_values, names_of, progress_of, saved_of};
 use crate::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
-use crate::results::{EnergyBalance, HubMotion, NewtonStatistics, StepLimit};
+use crate::results::{ContactStatistics, EnergyBalance, HubMotion, NewtonStatistics, StepLimit};
 
 /// Interval between two checks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
@@ -174,6 +174,12 @@ impl Simulation {
         self.core(py).integrator().implicit().map(|method| method.statistics()).unwrap_or_default().into()
     }
 
+    /// What contact between layers has spent; zeros without it.
+    #[getter]
+    fn contact_statistics(&self, py: Python<'_>) -> ContactStatistics {
+        self.core(py).contact_statistics().into()
+    }
+
     #[getter]
     fn integrator(&self, py: Python<'_>) -> &'static str {
         self.core(py).integrator().properties().name
@@ -281,34 +287,17 @@ impl Simulation {
 
     /// Readings of the links of one law, or None without links.
     fn link_readings(&self, py: Python<'_>, law: &str) -> Option<LinkReadings> {
-        self.core(py).links(law).map(|links| LinkReadings {
-            strain: PyArray1::from_vec(py, links.strain).unbind(),
-            tension: PyArray1::from_vec(py, links.tension).unbind(),
-            buckled: PyArray1::from_vec(py, links.buckled).unbind(),
-        })
+        self.core(py).links(law).map(|links| LinkReadings::of(py, links))
     }
 
     /// State of a film of triangles, or None without its law.
     fn film_states(&self, py: Python<'_>) -> PyResult<Option<FilmStates>> {
-        let Some(film) = self.core(py).film_states() else { return Ok(None) };
-        Ok(Some(FilmStates {
-            strain: matrix(py, &film.strain)?.unbind(),
-            state: PyArray1::from_vec(py, film.state).unbind(),
-            buckled: PyArray1::from_vec(py, film.buckled).unbind(),
-        }))
+        self.core(py).film_states().map(|film| FilmStates::of(py, film)).transpose()
     }
 
     /// Stress of each triangle of the film, or None without its law.
     fn film_stress(&self, py: Python<'_>) -> PyResult<Option<FilmStress>> {
-        let Some(stresses) = self.core(py).film_stress() else { return Ok(None) };
-        let values: Vec<[f64; 2]> = stresses.iter().map(|stress| stress.values()).collect();
-        let directions: Vec<[[f64; 3]; 2]> = stresses.iter().map(|stress| stress.directions()).collect();
-        let [first, second] = [0, 1].map(|k| directions.iter().map(|pair| pair[k]).collect::<Vec<[f64; 3]>>());
-        Ok(Some(FilmStress {
-            principal: matrix(py, &values)?.unbind(),
-            first: vectors(py, &first)?.unbind(),
-            second: vectors(py, &second)?.unbind(),
-        }))
+        self.core(py).film_stress().map(|stresses| FilmStress::of(py, &stresses)).transpose()
     }
 
     /// The largest principal stress of the film [Pa], at least 0, or None without its law.

@@ -46,7 +46,8 @@ class SelfContact(Law):
     restitution : float
         Speed of separation over that of approach [-], from 0 to 1. 0: inelastic.
     crossing_interval : int
-        Steps between two exact counts of crossings, of which any stops a run; 1 or above.
+        Steps between two exact counts of crossings, of which any stops a run; 1 or above. Layers that approach by more
+        than a thickness in a step are counted sixteen steps later at the latest.
     only : str, sequence of str or sequence of int, or None
         The name of a node set, names of several, or node indices: only triangles whose nodes all belong to one of these
         sets feel each other and the cords. None: all.

@@ -1,6 +1,6 @@
 //! Readings of the elements of a law: each from the equations of the law itself.
 
-use super::Instant;
+use super::{ContactStatistics, Instant};
 use crate::elements::stress::{TriangleStress, largest_principal};
 
 /// A law with elements that have readings or bounds. It gives the readings that it has, in external order.
@@ -38,6 +38,11 @@ pub trait Inspection {
     /// Whether the hub exerts the forces of the law, by contact: their reaction acts on the hub.
     fn is_contact_with_hub(&self) -> bool {
         false
+    }
+
+    /// What contact between layers has spent.
+    fn contact_statistics(&self) -> Option<ContactStatistics> {
+        None
     }
 
     /// Number of elements of its own, and number of their lanes including padding lanes.

@@ -46,7 +46,7 @@ pub use list::*;
 pub use moved::Moved;
 pub(crate) use moved::Prescribed;
 pub use nodal::NodalLaw;
-pub use self_contact::{Scheme, SelfContact};
+pub use self_contact::{ContactStatistics, Scheme, SelfContact};
 pub use spring_damping::{DashpotMass, Limited};
 
 /// The remedy for a law that goes with a hub on its axis, and not with one in six degrees of freedom.

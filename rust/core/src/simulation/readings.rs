@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::Simulation;
 use crate::elements::stress::TriangleStress;
-use crate::laws::{FilmStates, Inspection, Instant, LinkReadings};
+use crate::laws::{ContactStatistics, FilmStates, Inspection, Instant, LinkReadings};
 
 /// The load of the sail on the hub, in the turning frame.
 ///
@@ -92,6 +92,11 @@ impl Simulation {
     /// Angle of each crease; `None` without the law \[rad\].
     pub fn crease_angles(&self) -> Option<Vec<f64>> {
         self.inspected().find_map(|(_, law)| law.crease_angles(self.instant()))
+    }
+
+    /// What contact between layers has spent; zeros without its law.
+    pub fn contact_statistics(&self) -> ContactStatistics {
+        self.inspected().find_map(|(_, law)| law.contact_statistics()).unwrap_or_default()
     }
 
     /// Forces of contact that the hub exerts on the nodes, in external order \[N\].

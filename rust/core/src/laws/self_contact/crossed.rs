@@ -48,6 +48,7 @@ impl SelfContact {
 
     /// A fault where something crosses, if nothing did before.
     pub(super) fn check_crossings(&mut self, positions: &NodeVectors) {
+        self.early_check = None;
         if self.fault.is_some() {
             return;
         }

@@ -27,7 +27,7 @@ impl HistoryDependent for SelfContact {
             self.shapes.push(at.positions.clone());
             self.lists.forget();
         }
-        if self.steps.is_multiple_of(self.interval) {
+        if self.steps.is_multiple_of(self.interval) || self.early_check.is_some_and(|due| due <= self.steps) {
             self.check_crossings(at.positions);
         }
     }
@@ -65,7 +65,7 @@ impl HistoryDependent for SelfContact {
 
     fn restore_history(&mut self, history: History) -> bool {
         let History { vectors, numbers } = history;
-        self.fault = None;
+        (self.fault, self.early_check) = (None, None);
         if self.shapes != vectors {
             self.lists.forget();
         }

@@ -10,7 +10,7 @@
 use super::pairs::{Eight, Lines, Listed, Moving, Pairs};
 use super::surface::{Pair, Surface};
 use crate::contact::closest::{Closest, edge_edge, node_triangle};
-use crate::simd::dispatch::Kernel;
+use crate::simd::dispatch::{InstructionSet, Kernel};
 use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, sub};
 
 /// Levels of a list.
@@ -64,15 +64,15 @@ pub(super) struct Near {
 }
 
 /// Finds these pairs, and those that may come nearer than a bound beside what they keep.
-pub(super) struct Look<'a> {
-    pub(super) surface: &'a Surface,
-    pub(super) from: &'a [Pairs],
-    pub(super) lines: Lines<'a>,
-    pub(super) bound: f64,
+struct Look<'a> {
+    surface: &'a Surface,
+    from: &'a [Pairs],
+    lines: Lines<'a>,
+    bound: f64,
     /// beta.
-    pub(super) share_of_depth: f64,
-    pub(super) watched: &'a mut Vec<Watched>,
-    pub(super) near: &'a mut Vec<Near>,
+    share_of_depth: f64,
+    watched: &'a mut Vec<Watched>,
+    near: &'a mut Vec<Near>,
 }
 
 /// The closest points, and the least distance along the gap until the end of straight lines, times its length.
@@ -286,4 +286,18 @@ impl Kernel for Look<'_> {
             self.of_kind::<V, true>(of_edges);
         }
     }
+}
+
+/// Looks at pairs, and puts those in order that would come too near.
+pub(super) fn look_at(
+    surface: &Surface,
+    from: &[Pairs],
+    lines: Lines<'_>,
+    (bound, share_of_depth): (f64, f64),
+    instructions: InstructionSet,
+    watched: &mut Vec<Watched>,
+    near: &mut Vec<Near>,
+) {
+    instructions.dispatch(Look { surface, from, lines, bound, share_of_depth, watched, near });
+    near.sort_unstable_by_key(|near| near.pair);
 }

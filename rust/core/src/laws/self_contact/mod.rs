@@ -19,8 +19,9 @@
 //! with the distance d0 of the mid-surfaces of two layers that touch, the film's thickness, and the distances of the
 //! pair in the shape at the start and after 1000, 2000, 4000, ... steps. So layers that are stowed nearer than d0 begin
 //! at rest, and keep a larger distance once they have been apart. Lists (`lists`) find the pairs. All triangles are
-//! checked for crossings, exactly, in regular intervals: a run with a crossing is stopped. Steps use the same memory
-//! again, and allocate some only until it has grown, for a shape that is kept, and in these checks.
+//! checked for crossings, exactly, in regular intervals and soon after layers approach by more than d0 in a step, or
+//! rigid zones: a run with a crossing is stopped. Steps use the same memory again, and allocate some only until it has
+//! grown, for a shape that is kept, and in these checks.
 //!
 //! Bridson, Fedkiw and Anderson (SIGGRAPH 2002) and Harmon et al. (2009) have impulses and distances of layers in
 //! explicit simulations of cloth.
@@ -36,16 +37,19 @@ mod pairs;
 mod parameters;
 mod scheme;
 mod solve;
+mod statistics;
 mod surface;
 #[cfg(test)]
 mod tests;
 mod zones;
 
+use std::time::Instant as Clock;
+
 use nalgebra::Vector3;
 
 use self::contact::{Coefficients, Drifting, row};
 use self::lists::{Lists, Step};
-use self::look::{Look, Near, Watched};
+use self::look::{Near, Watched, look_at};
 use self::pairs::{Lines, Moving, Pairs};
 use self::solve::{Approach, Changed, Solver};
 use self::surface::{Pair, Surface};
@@ -65,6 +69,7 @@ use crate::simd::map::{Formula, on_axes};
 
 pub use self::parameters::SelfContactParameters;
 pub use self::scheme::Scheme;
+pub use self::statistics::ContactStatistics;
 
 /// eta.
 const SHARE: f64 = 0.5;
@@ -74,6 +79,9 @@ const MARGIN: f64 = 0.25;
 const FASTEST: f64 = 16.0;
 /// Steps after which the shape counts for the distances of pairs for the first time; then after twice as many each.
 const FIRST_SHAPE: u64 = 1000;
+/// Steps after one in which layers approach by more than d0, or with rigid zones, until which all triangles are checked
+/// for crossings.
+const SOON: u64 = 16;
 /// Most rounds of looking in a step, at all pairs and at those near again, and of solving: impulses may bring others
 /// near.
 const MOST_ROUNDS: usize = 8;
@@ -91,8 +99,9 @@ pub struct SelfContact {
     inverse_masses: Vec<f64>,
     instructions: InstructionSet,
     interval: u64,
-    /// Steps since the start.
+    /// Steps since the start, and after how many all triangles are checked before the interval is over.
     steps: u64,
+    early_check: Option<u64>,
     /// The shapes whose distances pairs keep.
     shapes: Vec<NodeVectors>,
     /// Pairs with an impulse in the last step.
@@ -105,6 +114,7 @@ pub struct SelfContact {
     moving: Vec<Moving>,
     near: Vec<Near>,
     fault: Option<Excess>,
+    statistics: ContactStatistics,
 }
 
 impl SelfContact {
@@ -143,6 +153,7 @@ impl SelfContact {
             instructions: assembly.instructions,
             interval: interval as u64,
             steps: 0,
+            early_check: None,
             shapes: Vec::new(),
             pressed: Vec::new(),
             drift: NodeVectors::zeros(nodes),
@@ -152,6 +163,7 @@ impl SelfContact {
             moving: Vec::new(),
             near: Vec::new(),
             fault: None,
+            statistics: ContactStatistics::default(),
             margin,
             surface,
         })
@@ -159,21 +171,27 @@ impl SelfContact {
 
     /// Looks at all pairs that may come near, with u until the end of a drift.
     fn look(&mut self, positions: &NodeVectors, time: f64, dt: f64) {
-        let Self { surface, lists, solver, drift, shapes, watched, near, moving, .. } = self;
+        let Self { surface, lists, solver, drift, shapes, watched, near, moving, statistics, .. } = self;
+        let began = Clock::now();
         solver.look(drift);
         watched.clear();
         near.clear();
         let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
-        if from.iter().all(|pairs| pairs.len() == 0) {
-            return;
+        let (listed, count) = (Clock::now(), from.iter().map(Pairs::len).sum::<usize>());
+        if count > 0 {
+            let lines = Lines::of(positions, drift, dt, moving);
+            let of = (self.margin, self.coefficients.share_of_depth);
+            look_at(surface, from, lines, of, self.instructions, watched, near);
         }
-        let (lines, of) = (Lines::of(positions, drift, dt, moving), (self.margin, self.coefficients.share_of_depth));
-        look_at(surface, from, lines, of, self.instructions, watched, near);
+        statistics.looked_at += count as u64;
+        statistics.lists += listed - began;
+        statistics.looks += listed.elapsed();
     }
 
     /// Looks at those pairs again that impulses since the last look at all may bring too near.
     fn look_again(&mut self, dt: f64) {
         let Self { surface, solver, drift, watched, changed, rest, near, moving, .. } = self;
+        let began = Clock::now();
         solver.of_changed(surface, watched, changed);
         rest.clear();
         near.clear();
@@ -183,6 +201,7 @@ impl SelfContact {
         solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node).into()));
         let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
         look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
+        self.statistics.looks += began.elapsed();
     }
 
     /// Takes note of a fault, if it is the first one.
@@ -227,20 +246,6 @@ impl SelfContact {
     }
 }
 
-/// Looks at pairs, and puts those in order that would come too near.
-fn look_at(
-    surface: &Surface,
-    from: &[Pairs],
-    lines: Lines<'_>,
-    (bound, share_of_depth): (f64, f64),
-    instructions: InstructionSet,
-    watched: &mut Vec<Watched>,
-    near: &mut Vec<Near>,
-) {
-    instructions.dispatch(Look { surface, from, lines, bound, share_of_depth, watched, near });
-    near.sort_unstable_by_key(|near| near.pair);
-}
-
 /// u = v + dt/2 a, with the kick of slow accelerations.
 struct Drifted {
     half: f64,
@@ -256,6 +261,7 @@ impl Formula<3, 1> for Drifted {
 
 impl Impulses for SelfContact {
     fn kick(&mut self, kick: Kick<'_>, moved: &[(usize, Vector3<f64>)]) -> Option<f64> {
+        let (began, others) = (Clock::now(), self.statistics.others());
         let Kick { time, dt, rate, state, accelerations, slow } = kick;
         let half = 0.5 * dt;
         let (slow, weight) = slow.unwrap_or((&*accelerations, 0.0));
@@ -266,6 +272,10 @@ impl Impulses for SelfContact {
         let turn = rate * half;
         let Approach { way, nodes } = self.give(state, time, dt, turn);
         self.solver.pressed(&mut self.pressed);
+        self.statistics.add_step(began, others, self.solver.len(), self.pressed.len());
+        if way > self.surface.most_touching() || self.solver.has_zones() {
+            self.early_check.get_or_insert(self.steps + SOON);
+        }
         let limit = FASTEST * self.surface.most_touching();
         if way > limit {
             self.note_fault(&nodes, || {
@@ -376,5 +386,9 @@ impl Linearisation for SelfContact {
 impl Inspection for SelfContact {
     fn first_excess(&self, _at: Instant<'_>) -> Option<Excess> {
         self.fault.clone()
+    }
+
+    fn contact_statistics(&self) -> Option<ContactStatistics> {
+        Some(self.statistics)
     }
 }

@@ -249,6 +249,11 @@ impl Solver {
         is_any
     }
 
+    /// Whether there are rigid zones in this step.
+    pub(super) fn has_zones(&self) -> bool {
+        !self.zones.is_empty()
+    }
+
     /// A node of each layer of the first pair that passes through in spite of all impulses.
     pub(super) fn passing(&self, positions: &NodeVectors, drifting: &Drifting<'_>) -> Option<[usize; 2]> {
         let pair = self.contacts.iter().find(|contact| contact.passes(positions, drifting))?;

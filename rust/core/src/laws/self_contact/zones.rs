@@ -35,6 +35,11 @@ impl Zones {
         self.last = 0;
     }
 
+    /// Whether there is none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
     /// Adds the nodes of a pair, and joins the zones that have one of them. Whether they were not in one zone already.
     pub(super) fn add(&mut self, nodes: [usize; 4]) -> bool {
         let joined = nodes.map(|node| self.of[node]);
