@@ -9,6 +9,7 @@ import pytest
 from contact_pictures import CUT, meetings, section
 from contact_roll import INTERVAL, READINGS, roll, roll_table
 from contact_sheets import sheets_table, thrown
+from contact_strip import pressed, strip_table
 from contact_whole import ROWS, deployed, whole_table
 from membrane_rs import SelfContact, scenes
 
@@ -42,15 +43,15 @@ def test_what_contact_spends_is_that_of_a_step(monkeypatch: pytest.MonkeyPatch) 
     steps = 4.0 * np.arange(11.0)
     own = [{"seconds": 3e-6 * steps, "steps": steps}] * 3
     spent = {name: steps * (k + 1) * (1.0 if k < 3 else 1e-6) for k, name in enumerate(runs.SPENT)}
-    kinds = {runs.OWN: own, runs.WITH: [{**spent, "steps": steps}] * 3}
+    kinds = {runs.OWN: own, runs.WITH: [{**spent, "steps": steps, "seconds": 30e-6 * steps}] * 3}
     assert tables.per_step(own, "seconds", (0, 5, 10)) == pytest.approx([3e-6, 3e-6])
     assert tables.times_of_step(kinds, (0, 10)) == {
         "film": [pytest.approx(3.0)], "looks at pairs": [pytest.approx(5.0)], "lists of pairs": [pytest.approx(4.0)],
-        "impulses": [pytest.approx(6.0)],
+        "impulses": [pytest.approx(6.0)], "exact checks": [pytest.approx(7.0)],
     }  # fmt: skip
     monkeypatch.setattr(tables, "SHOWN", (0, 10))
     listed = [line.split(" | ") for line in tables.spent_table(kinds).splitlines()]
-    assert [line[1].strip(" |") for line in listed[2:]] == ["3", "5", "4", "6", "1", "2", "3"]
+    assert [line[1].strip(" |") for line in listed[2:]] == ["3", "5", "4", "6", "7", "30", "1", "2", "3"]
 
 
 def test_scenes_differ_by_the_law_alone_and_go_by_leapfrog() -> None:
@@ -86,6 +87,18 @@ def test_sheets_stop_each_other_by_contact_alone() -> None:
     assert [float(run[name][0]) for name in ("lower", "upper", "energy")] == pytest.approx([-0.5, -0.5, 0.5])
     assert abs(run["residual"]) < 1e-9
     assert sheets_table({"a": (without, run)}).splitlines()[2].startswith("| a | 100 | 0 | -0.500, -0.500 | 0.500 |")
+
+
+def test_a_strip_that_is_folded_on_itself_lies_layer_by_layer() -> None:
+    without, run = (pressed(with_contact=with_contact) for with_contact in (False, True))
+    assert without["crossings"].max() > 50
+    assert without["height"][-1] < 1e-3
+    assert run["time"][-1] == pytest.approx(0.06)
+    assert not run["crossings"].any()
+    assert 1e-3 < run["height"][-1] < 0.4 * run["height"][0]
+    assert np.abs(run["residual"]).max() < 3e-3
+    listed = strip_table(without, {name: values[:-1] for name, values in run.items()}).splitlines()
+    assert [line.split(" | ")[4].strip(" |") for line in listed[2:]] == ["0", "0", "0", "stopped"]
 
 
 def test_a_roll_that_is_stopped_has_no_numbers_after_that() -> None:

@@ -165,9 +165,12 @@ class ContactStatistics:
     looked_at: int  # Pairs, over all steps.
     near: int  # Of these, such as would have come too near.
     pressed: int  # Of these, with an impulse.
-    lists: float  # Time spent on lists of pairs [s].
-    looks: float  # On looking at pairs [s].
-    impulses: float  # On impulses [s].
+    rigid: int  # Steps in which nodes moved as a rigid body.
+    checks: int  # Exact checks for crossings.
+    list_time: float  # Elapsed on lists of pairs [s].
+    look_time: float  # On looking at pairs [s].
+    impulse_time: float  # On impulses, and all that is not listed [s].
+    check_time: float  # On exact checks [s].
 
 @final
 class LinkReadings:

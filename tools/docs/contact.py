@@ -1,4 +1,4 @@
-"""Contact between layers, for docs/contact.md: crossings, energy, cost, change, two sheets, roll, whole deployment.
+"""Contact between layers, for docs/contact.md: crossings, energy, cost, change, sheets, strip, roll, whole deployment.
 
 Finished runs are kept in the folder `out` and read again; remove it to repeat them. With `--write` the tables and
 pictures of docs/contact.md are replaced.
@@ -14,6 +14,7 @@ from contact_pictures import draw_arm, draw_cost, draw_crossings, draw_curves
 from contact_roll import at_rest, roll_table
 from contact_runs import MODELS, OWN, WITH, arm_of, ensembles, fast, single
 from contact_sheets import SPEEDS, sheets_table, thrown
+from contact_strip import pressed, strip_table
 from contact_tables import (
     EDGES,
     change_table,
@@ -30,7 +31,7 @@ from marked import DOCS, MarkedPart, copy_small
 from membrane_rs._arrays import Floats
 from page_of_runs import Runs, make_page
 
-NAMES = ("crossings", "cost", "change", "sheets", "roll", "whole")
+NAMES = ("crossings", "cost", "change", "sheets", "strip", "roll", "whole")
 PARTS = {name: MarkedPart(DOCS / "contact.md", f"contact-{name}") for name in NAMES}
 ALIGNED = "1 m/s, node over node"
 SCENES = (MODELS[0], fast(MODELS[0]))
@@ -74,6 +75,14 @@ def sheets_part(runs: Runs, _: Path) -> str:
     return sheets_table({label: (found[f"sheets {label} {OWN}"], found[f"sheets {label} {WITH}"]) for label in cases})
 
 
+def strip_part(runs: Runs, _: Path) -> str:
+    """The table of the folded strip."""
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
+        f"strip {kind}": partial(pressed, with_contact=kind == WITH) for kind in (OWN, WITH)
+    }
+    return strip_table(*runs.of(jobs).values())
+
+
 def roll_part(runs: Runs, _: Path) -> str:
     """The table of the roll at rest."""
     jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
@@ -102,6 +111,7 @@ MAKERS: dict[str, Callable[[Runs, Path], str]] = {
     "cost": cost_part,
     "change": change_part,
     "sheets": sheets_part,
+    "strip": strip_part,
     "roll": roll_part,
     "whole": whole_part,
 }

@@ -18,7 +18,7 @@ RATE, PHASE = "deployment_rate", "phase_difference_deg"
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
 OWN, WITH = "without", "with contact"
 """What tables call the scene as it is, and the same with contact."""
-SPENT = ("looked_at", "near", "pressed", "lists", "looks", "impulses")
+SPENT = ("looked_at", "near", "pressed", "list_time", "look_time", "impulse_time", "check_time")
 """Of `Motion.contact_statistics`: pairs, and time [s]."""
 STARTS = 8
 SHIFT = 1e-7

@@ -20,7 +20,12 @@ EDGES = (*range(0, 100, 5), *range(100, 801, 50))
 """Of the windows in which times of steps are drawn [ms]."""
 SHOWN = (0, 5, 10, 20, 30, 50, 100, 200, 400, 800)
 """Edges of the windows in which they are listed [ms]."""
-PARTS = {"looks": "looks at pairs", "lists": "lists of pairs", "impulses": "impulses"}
+PARTS = {
+    "look_time": "looks at pairs",
+    "list_time": "lists of pairs",
+    "impulse_time": "impulses",
+    "check_time": "exact checks",
+}
 """Of the time of a step with contact, beside that of the film, by their names in `Motion.contact_statistics`."""
 Runs = Sequence[Mapping[str, Floats]]
 
@@ -92,6 +97,7 @@ def spent_table(kinds: Mapping[str, Runs]) -> str:
     """Time of a step by its parts, and pairs of a step, in some windows."""
     windows = [f"{first} to {last}" for first, last in pairwise(SHOWN)]
     times = times_of_step(kinds, SHOWN)
+    times["all, with contact"] = [1e6 * value for value in per_step(kinds[WITH], "seconds", SHOWN)]
     body = [(f"{label} [us]", *(f"{value:,.0f}" for value in row)) for label, row in times.items()]
     for name in SPENT:
         if name not in PARTS:
@@ -112,8 +118,11 @@ def change_table(found: Mapping[str, Mapping[str, Runs]]) -> str:
                 known = values[np.isfinite(values)]
                 text = f"{known.mean():{form}} +- {known.std(ddof=1):{form}}" if len(known) > 1 else "-"
                 cells.append(text if len(known) == len(values) else f"{text} ({len(known)} of {len(values)})")
-            body.append((model, kind, f"{len(runs)}", *cells))
-    return table(("sail", "", "starts", *(label for label, _, _ in FEATURES)), body, words=(0, 1))
+            residuals = np.concatenate([run["energy"] for run in runs])
+            residual = f"{100.0 * residuals[np.nanargmax(np.abs(residuals))]:+.2f}"
+            body.append((model, kind, f"{len(runs)}", *cells, residual))
+    heads = ("sail", "", "starts", *(label for label, _, _ in FEATURES), "energy residual [%]")
+    return table(heads, body, words=(0, 1))
 
 
 def distance_table(found: Mapping[str, Mapping[str, Runs]]) -> str:

@@ -158,10 +158,23 @@ class Motion(KnownAttributes, Copies, Readings):
         """What contact between layers has spent since this simulation was made; zeros without it.
 
         Pairs, summed over all steps: "looked_at"; of these "near", which would have come too near; of these "pressed",
-        with an impulse. Time [s]: "lists", on lists of pairs; "looks", on looking at them; "impulses", on all the rest.
+        with an impulse. "rigid" steps, in which nodes moved as a rigid body; "checks" for crossings. Elapsed [s]:
+        "list_time", on lists of pairs; "look_time", on looking at them; "check_time", on checks; "impulse_time", on all
+        the rest.
         """
         spent = self._core.contact_statistics
-        return {key: getattr(spent, key) for key in ("looked_at", "near", "pressed", "lists", "looks", "impulses")}
+        keys = (
+            "looked_at",
+            "near",
+            "pressed",
+            "rigid",
+            "checks",
+            "list_time",
+            "look_time",
+            "impulse_time",
+            "check_time",
+        )
+        return {key: getattr(spent, key) for key in keys}
 
     @property
     def integrator(self) -> str:

@@ -57,7 +57,7 @@ fn ended(scene: &Scene, steps: u64) -> Simulation {
 
 /// How many pairs had an impulse in the last step.
 fn pairs(progress: &Progress, row: usize) -> usize {
-    (progress.law_histories[row].1.len() - 1) / 4
+    (progress.law_histories[row].1.len() - 2) / 4
 }
 
 #[test]

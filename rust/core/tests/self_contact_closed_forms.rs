@@ -1,4 +1,4 @@
-//! Contact between layers against closed forms: impacts with restitution, and Coulomb's friction, of slow and fast pairs.
+//! Contact between layers against closed forms: impacts with restitution, and Coulomb's friction, slow and fast.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -89,7 +89,7 @@ fn equal_sheets_node_on_node_exchange_their_velocities_where_nothing_is_lost() {
     }
 }
 
-/// A node at a slant onto the middle of a triangle, at -1 m/s along its normal and this speed along it; both directions.
+/// A node at a slant onto the middle of a triangle, at -1 m/s along its normal and this speed along it; both ways.
 /// They meet in the third step, of which this share has gone then.
 fn at_a_slant(along: f64, ways: f64, share: f64) -> (Scene, Vector3<f64>, Vector3<f64>) {
     let mut scene = node_on_triangle(1.0, 0.0);

@@ -33,6 +33,23 @@ fn cord(scene: &mut Scene, [from, to]: [[f64; 3]; 2], segments: u32, velocity: [
 }
 
 #[test]
+fn a_thick_cord_does_not_let_layers_approach_faster() {
+    let error = |diameter: f64| {
+        let mut scene = Scene::new();
+        let (points, triangles) = square(4, 4, 0.011);
+        scene.add(&points, &triangles, [0.0; 3]);
+        scene.add(&placed(&points, 0.0, 0.3, [2e-3, 1e-3, 1e-3]), &triangles, [0.0, 0.0, -200.0]);
+        cord(&mut scene, [[0.0, 0.0, 1.0], [0.05, 0.0, 1.0]], 2, [0.0; 3]);
+        scene.contact.cord_thickness = diameter;
+        scene.started().step(20).unwrap_err().to_string()
+    };
+    let known = error(0.0);
+    assert!(known.contains("two layers approach by 2.000e-4 m"), "{known}");
+    assert!(known.contains("beyond 1.200e-4 m"), "{known}");
+    assert_eq!(error(1e-3), known);
+}
+
+#[test]
 fn a_cord_thrown_across_a_held_sheet_lies_on_it() {
     for (segments, turn) in [(1, 0.2), (1, 0.0), (7, 0.2), (8, 0.0)] {
         for cords in [true, false] {

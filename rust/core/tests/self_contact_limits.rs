@@ -254,7 +254,10 @@ fn check_momentum(scene: &Scene, steps: u64) -> f64 {
         if let Err(error) = simulation.step(1) {
             let what = error.to_string();
             assert!(crossed > 0, "{what}");
-            assert!(what.contains("two layers pass through each other") || what.contains("of the film cross"), "{what}");
+            assert!(
+                what.contains("two layers pass through each other") || what.contains("of the film cross"),
+                "{what}"
+            );
             break;
         }
         crossed = scene.crossings(&simulation);

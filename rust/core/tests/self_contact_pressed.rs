@@ -88,12 +88,13 @@ fn histories_without_bounds_are_refused() {
     scene.specs = vec![gravity([0.0, 0.0, -9.81])];
     let mut simulation = scene.started();
     let row = row(&simulation);
-    while simulation.progress().law_histories[row].1.len() < 5 {
+    while simulation.progress().law_histories[row].1.len() < 6 {
         simulation.step(1).unwrap();
     }
     let saved = simulation.progress();
-    let wrong = [(0, 1e300), (0, f64::INFINITY), (0, -1.0), (0, f64::NAN), (2, 1e300), (3, -1.0), (3, f64::NAN)];
-    for (place, value) in wrong.into_iter().chain([-1.0, f64::INFINITY, f64::NAN].map(|pressed| (4, pressed))) {
+    let of_counts = [1e300, f64::INFINITY, -1.0, f64::NAN].map(|count| [(0, count), (1, count)]).concat();
+    let wrong = of_counts.into_iter().chain([(3, 1e300), (4, -1.0), (4, f64::NAN)]);
+    for (place, value) in wrong.chain([-1.0, f64::INFINITY, f64::NAN].map(|pressed| (5, pressed))) {
         let mut other = saved.clone();
         other.law_histories[row].1[place] = value;
         let error = simulation.resume(&other).unwrap_err();

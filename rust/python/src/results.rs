@@ -123,22 +123,26 @@ impl From<Statistics> for NewtonStatistics {
     }
 }
 
-/// What contact between layers has spent: pairs over all steps, and time [s].
+/// What contact between layers has spent: pairs, steps and exact checks over all steps, and time [s].
 #[pyclass(frozen, get_all, module = "membrane_rs._core")]
 pub(crate) struct ContactStatistics {
     looked_at: u64,
     near: u64,
     pressed: u64,
-    lists: f64,
-    looks: f64,
-    impulses: f64,
+    rigid: u64,
+    checks: u64,
+    list_time: f64,
+    look_time: f64,
+    impulse_time: f64,
+    check_time: f64,
 }
 
 impl From<CoreContactStatistics> for ContactStatistics {
     fn from(core: CoreContactStatistics) -> Self {
-        let CoreContactStatistics { looked_at, near, pressed, .. } = core;
-        let [lists, looks, impulses] = [core.lists, core.looks, core.impulses].map(|time| time.as_secs_f64());
-        Self { looked_at, near, pressed, lists, looks, impulses }
+        let CoreContactStatistics { looked_at, near, pressed, rigid, checks, .. } = core;
+        let times = [core.list_time, core.look_time, core.impulse_time, core.check_time];
+        let [list_time, look_time, impulse_time, check_time] = times.map(|time| time.as_secs_f64());
+        Self { looked_at, near, pressed, rigid, checks, list_time, look_time, impulse_time, check_time }
     }
 }
 

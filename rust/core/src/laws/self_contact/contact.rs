@@ -7,6 +7,7 @@ use super::surface::Pair;
 use crate::arrays::state::NodeVectors;
 use crate::contact::separation::comes_near;
 use crate::simd::lanes::{F64x8, SimdF64};
+use crate::simd::map::Formula;
 
 /// Share of the distance that a pair keeps, below which it may not come after all sweeps.
 const NEAREST: f64 = 0.25;
@@ -45,7 +46,7 @@ pub(super) struct Contact {
     /// lam and the tangential impulse \[N s\].
     pub(super) pressed: f64,
     pub(super) along: Vector3<f64>,
-    pub(super) turn: u32,
+    pub(super) turn: u64,
 }
 
 /// Velocities of the drift, as impulses change them.
@@ -57,6 +58,19 @@ pub(super) struct Drifting<'a> {
     /// By which an impulse turns u: w dt/2, with w of the accelerations of Coriolis.
     pub(super) turn: f64,
     pub(super) dt: f64,
+}
+
+/// u = v + dt/2 a, with the kick of slow accelerations.
+pub(super) struct Drifted {
+    pub(super) half: f64,
+    pub(super) slow: f64,
+}
+
+impl Formula<3, 1> for Drifted {
+    #[inline(always)]
+    fn row<V: SimdF64>(&self, [v, a, slow]: [V; 3], _: [V; 1]) -> [V; 1] {
+        [v + V::all(self.half) * a + V::all(self.slow) * slow]
+    }
 }
 
 impl Contact {
@@ -92,7 +106,7 @@ impl Contact {
     /// before impulses.
     pub(super) fn rebound(&mut self, restitution: f64, own: Vector3<f64>, drift: Vector3<f64>) {
         let own = own.dot(&self.normal);
-        if restitution > 0.0 && own < 0.0 {
+        if own < 0.0 {
             // v_n is to change by -(1 + e) v_n, and the velocity of the drift with it.
             self.target = self.target.max(drift.dot(&self.normal) - (1.0 + restitution) * own);
         }

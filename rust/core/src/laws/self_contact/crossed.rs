@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use super::SelfContact;
 use crate::arrays::state::{NodeVectors, columns};
@@ -52,7 +53,11 @@ impl SelfContact {
         if self.fault.is_some() {
             return;
         }
-        self.fault = self.crossed(positions).map(|crossed| {
+        let began = Instant::now();
+        let crossed = self.crossed(positions);
+        self.statistics.checks += 1;
+        self.statistics.check_time += began.elapsed();
+        self.fault = crossed.map(|crossed| {
             let corner = |place: usize| self.surface.triangles[place][0];
             let nodes = match crossed {
                 Crossed::Triangles { pair, .. } => pair.map(corner).to_vec(),

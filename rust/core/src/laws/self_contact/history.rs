@@ -60,7 +60,8 @@ impl HistoryDependent for SelfContact {
             let first = if pair.has_edges() { first } else { self.numbering.to_external(first) };
             [f64::from(u8::from(pair.has_edges())), first as f64, second as f64, pressed]
         });
-        History { vectors: self.shapes.clone(), numbers: std::iter::once(self.steps as f64).chain(numbers).collect() }
+        let counts = [self.steps, self.early_check.unwrap_or(0)].map(|count| count as f64);
+        History { vectors: self.shapes.clone(), numbers: counts.into_iter().chain(numbers).collect() }
     }
 
     fn restore_history(&mut self, history: History) -> bool {
@@ -69,13 +70,14 @@ impl HistoryDependent for SelfContact {
         if self.shapes != vectors {
             self.lists.forget();
         }
-        let Some((&steps, pairs)) = numbers.split_first() else {
-            let is_start = vectors.is_empty();
+        let Some((&counts, pairs)) = numbers.split_first_chunk::<2>() else {
+            let is_start = vectors.is_empty() && numbers.is_empty();
             (self.steps, self.shapes) = (0, vectors);
             self.pressed.clear();
             return is_start;
         };
-        if vectors.is_empty() || !pairs.len().is_multiple_of(NUMBERS) || !(0.0..=MOST_STEPS).contains(&steps) {
+        let are_counts = counts.iter().all(|count| (0.0..=MOST_STEPS).contains(count));
+        if vectors.is_empty() || !pairs.len().is_multiple_of(NUMBERS) || !are_counts {
             return false;
         }
         let pair_of = |numbers: &[f64]| {
@@ -91,7 +93,8 @@ impl HistoryDependent for SelfContact {
             pair.zip((0.0..f64::INFINITY).contains(&pressed).then_some(pressed))
         };
         let Some(pressed) = pairs.chunks(NUMBERS).map(pair_of).collect::<Option<Vec<_>>>() else { return false };
-        (self.steps, self.shapes, self.pressed) = (steps as u64, vectors, pressed);
+        let [steps, due] = counts.map(|count| count as u64);
+        (self.steps, self.early_check, self.shapes, self.pressed) = (steps, (due > 0).then_some(due), vectors, pressed);
         self.pressed.sort_unstable_by_key(|(pair, _)| *pair);
         true
     }

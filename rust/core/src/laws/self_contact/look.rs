@@ -59,8 +59,9 @@ pub(super) struct Near {
     /// By which the gap is the sum of positions.
     pub(super) weights: [f64; 4],
     pub(super) gap: [f64; 3],
-    /// The distance that it keeps \[m\].
+    /// The distances that it keeps, and at which it touches \[m\].
     pub(super) kept: f64,
+    pub(super) touching: f64,
 }
 
 /// Finds these pairs, and those that may come nearer than a bound beside what they keep.
@@ -224,6 +225,7 @@ impl Look<'_> {
                         weights: weights.map(|weight| weight.0[lane]),
                         gap: gap.map(|gap| gap.0[lane]),
                         kept: kept.0[lane],
+                        touching: self.surface.touching(pairs[lane].pair),
                     });
                 } else {
                     let room = short.0[lane] / length.0[lane] * self.lines.duration;

@@ -47,7 +47,7 @@ use std::time::Instant as Clock;
 
 use nalgebra::Vector3;
 
-use self::contact::{Coefficients, Drifting, row};
+use self::contact::{Coefficients, Drifted, Drifting, row};
 use self::lists::{Lists, Step};
 use self::look::{Near, Watched, look_at};
 use self::pairs::{Lines, Moving, Pairs};
@@ -64,8 +64,7 @@ use crate::integrators::Kick;
 use crate::layout::Renumbering;
 use crate::model::checks::{non_negative, positive, within};
 use crate::simd::dispatch::InstructionSet;
-use crate::simd::lanes::SimdF64;
-use crate::simd::map::{Formula, on_axes};
+use crate::simd::map::on_axes;
 
 pub use self::parameters::SelfContactParameters;
 pub use self::scheme::Scheme;
@@ -184,8 +183,8 @@ impl SelfContact {
             look_at(surface, from, lines, of, self.instructions, watched, near);
         }
         statistics.looked_at += count as u64;
-        statistics.lists += listed - began;
-        statistics.looks += listed.elapsed();
+        statistics.list_time += listed - began;
+        statistics.look_time += listed.elapsed();
     }
 
     /// Looks at those pairs again that impulses since the last look at all may bring too near.
@@ -201,7 +200,7 @@ impl SelfContact {
         solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node).into()));
         let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
         look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
-        self.statistics.looks += began.elapsed();
+        self.statistics.look_time += began.elapsed();
     }
 
     /// Takes note of a fault, if it is the first one.
@@ -246,22 +245,18 @@ impl SelfContact {
     }
 }
 
-/// u = v + dt/2 a, with the kick of slow accelerations.
-struct Drifted {
-    half: f64,
-    slow: f64,
-}
-
-impl Formula<3, 1> for Drifted {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, [v, a, slow]: [V; 3], _: [V; 1]) -> [V; 1] {
-        [v + V::all(self.half) * a + V::all(self.slow) * slow]
-    }
-}
-
 impl Impulses for SelfContact {
     fn kick(&mut self, kick: Kick<'_>, moved: &[(usize, Vector3<f64>)]) -> Option<f64> {
         let (began, others) = (Clock::now(), self.statistics.others());
+        let work = self.press(kick, moved);
+        self.statistics.add_impulses(began, others);
+        work
+    }
+}
+
+impl SelfContact {
+    /// Gives all pairs what they need in a step, and takes note of faults.
+    fn press(&mut self, kick: Kick<'_>, moved: &[(usize, Vector3<f64>)]) -> Option<f64> {
         let Kick { time, dt, rate, state, accelerations, slow } = kick;
         let half = 0.5 * dt;
         let (slow, weight) = slow.unwrap_or((&*accelerations, 0.0));
@@ -270,18 +265,19 @@ impl Impulses for SelfContact {
         on_axes(self.instructions, &formula, read, [columns_mut(&mut self.drift)]);
         moved.iter().for_each(|(node, velocity)| self.drift.set_row(*node, &velocity.transpose()));
         let turn = rate * half;
-        let Approach { way, nodes } = self.give(state, time, dt, turn);
+        let approach = self.give(state, time, dt, turn);
         self.solver.pressed(&mut self.pressed);
-        self.statistics.add_step(began, others, self.solver.len(), self.pressed.len());
-        if way > self.surface.most_touching() || self.solver.has_zones() {
+        let is_rigid = self.solver.has_zones();
+        self.statistics.near += self.solver.len() as u64;
+        self.statistics.pressed += self.pressed.len() as u64;
+        self.statistics.rigid += u64::from(is_rigid);
+        if approach.share() > 1.0 || is_rigid {
             self.early_check.get_or_insert(self.steps + SOON);
         }
-        let limit = FASTEST * self.surface.most_touching();
-        if way > limit {
-            self.note_fault(&nodes, || {
-                format!(
-                    "two layers approach by {way:.3e} m in a step, and may pass through each other beyond {limit:.3e} m"
-                )
+        if approach.share() > FASTEST {
+            let (way, limit) = (approach.way, FASTEST * approach.touching);
+            self.note_fault(&approach.nodes, || {
+                format!("two layers approach by {way:.3e} m in a step, and may pass each other beyond {limit:.3e} m")
             });
         }
         let drifting = Drifting { velocities: &mut self.drift, own: &state.velocities, turn, dt };

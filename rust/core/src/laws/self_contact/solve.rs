@@ -6,9 +6,9 @@
 //!     velocity v_q += lam w_q n/m_q,   and u_q, the velocity of the drift, in step with it
 //!
 //! With restitution e, a pair that would meet within the step is to separate at -e times its velocity before all
-//! impulses, that of v and not of u, which has half a kick more and would gain energy. Coulomb's friction acts in the same sweep: the
-//! tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9 of that of the
-//! last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
+//! impulses, that of v and not of u, which has half a kick more and would gain energy. Coulomb's friction acts in the
+//! same sweep: the tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9 of
+//! that of the last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 //!
 //! Sweeps pass over pairs whose nodes have not changed since their turn, for these would find the same.
 
@@ -29,17 +29,23 @@ const MOST_SWEEPS: [usize; 2] = [100, 1000];
 /// The place of a node without an impulse.
 const UNCHANGED: u32 = u32::MAX;
 
-/// By how much two layers approach in a step \[m\], and a node of each.
+/// By how much two layers approach in a step \[m\], at which distance they touch \[m\], and a node of each.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Approach {
     pub(super) way: f64,
+    pub(super) touching: f64,
     pub(super) nodes: [usize; 2],
 }
 
 impl Approach {
-    /// The larger one, and the first where both are alike.
+    /// The larger one, relative to the distance at which layers touch, and the first where both are alike.
     pub(super) fn max(self, other: Self) -> Self {
-        if other.way > self.way { other } else { self }
+        if other.share() > self.share() { other } else { self }
+    }
+
+    /// Relative to the distance at which they touch; 0 without layers.
+    pub(super) fn share(self) -> f64 {
+        self.way / self.touching.max(f64::MIN_POSITIVE)
     }
 }
 
@@ -57,8 +63,8 @@ pub(super) struct Solver {
     pub(super) changed: Vec<Changed>,
     /// Of each node: its place among those, and the turn of its last change.
     places: Vec<u32>,
-    turns: Vec<u32>,
-    turn: u32,
+    turns: Vec<u64>,
+    turn: u64,
     due: Due,
     zones: Zones,
     rigid: Vec<(usize, Vector3<f64>)>,
@@ -120,9 +126,12 @@ impl Solver {
                 self.passed_by.push(Watched { listed, room: f64::NEG_INFINITY });
                 continue;
             }
-            contact.rebound(of.restitution, contact.relative(drifting.own), self.before(&contact, drifting));
+            if of.restitution > 0.0 {
+                contact.rebound(of.restitution, contact.relative(drifting.own), self.before(&contact, drifting));
+            }
             let way = -contact.relative(drifting.velocities).dot(&contact.normal) * drifting.dt;
-            largest = largest.max(Approach { way, nodes: [contact.nodes[0], contact.nodes[2]] });
+            let nodes = [contact.nodes[0], contact.nodes[2]];
+            largest = largest.max(Approach { way, touching: near.touching, nodes });
             if let Some((_, pressed)) = last.next_if(|(pair, _)| *pair == near.pair) {
                 contact.pressed = WARM * pressed;
             }

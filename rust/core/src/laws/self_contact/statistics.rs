@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Pairs, and processor time while nothing else runs, over all steps since the law was made.
+/// Pairs, steps, and elapsed time, over all steps since the law was made.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ContactStatistics {
     /// Pairs of the lists that were looked at.
@@ -11,25 +11,28 @@ pub struct ContactStatistics {
     pub near: u64,
     /// Pairs with an impulse.
     pub pressed: u64,
+    /// Steps in which nodes moved as a rigid body.
+    pub rigid: u64,
+    /// Exact checks for crossings.
+    pub checks: u64,
     /// Time spent on lists of pairs.
-    pub lists: Duration,
+    pub list_time: Duration,
     /// Time spent on looking at pairs.
-    pub looks: Duration,
-    /// Time spent on impulses.
-    pub impulses: Duration,
+    pub look_time: Duration,
+    /// Time spent on impulses, and on all that is not listed.
+    pub impulse_time: Duration,
+    /// Time spent on exact checks.
+    pub check_time: Duration,
 }
 
 impl ContactStatistics {
-    /// Adds a step that began at some time, with its pairs. Its time is that of impulses, but for what lists and looks
-    /// have had since: `others` is what they had had before.
-    pub(super) fn add_step(&mut self, began: Instant, others: Duration, near: usize, pressed: usize) {
-        self.near += near as u64;
-        self.pressed += pressed as u64;
-        self.impulses += began.elapsed().saturating_sub(self.others().saturating_sub(others));
+    /// Adds what a step has spent since it began, but for what lists and looks have had since they had had `others`.
+    pub(super) fn add_impulses(&mut self, began: Instant, others: Duration) {
+        self.impulse_time += began.elapsed().saturating_sub(self.others().saturating_sub(others));
     }
 
     /// Time spent on lists and looks.
     pub(super) fn others(&self) -> Duration {
-        self.lists + self.looks
+        self.list_time + self.look_time
     }
 }
