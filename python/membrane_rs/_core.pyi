@@ -160,7 +160,7 @@ class NewtonStatistics:
 
 @final
 class ContactStatistics:
-    """What contact between layers has spent since the simulation was made; zeros without it."""
+    """What contact between layers has spent since the core was made; zeros without it."""
 
     looked_at: int  # Pairs, over all steps.
     near: int  # Of these, such as would have come too near.

@@ -155,7 +155,7 @@ class Motion(KnownAttributes, Copies, Readings):
 
     @property
     def contact_statistics(self) -> dict[str, float]:
-        """What contact between layers has spent since this simulation was made; zeros without it.
+        """What contact between layers has spent in this stage, states between steps included; zeros without it.
 
         Pairs, summed over all steps: "looked_at"; of these "near", which would have come too near; of these "pressed",
         with an impulse. "rigid" steps, in which nodes moved as a rigid body; "checks" for crossings. Elapsed [s]:

@@ -209,3 +209,17 @@ fn the_work_is_the_change_of_kinetic_energy_and_never_positive() {
         assert!(residual.abs() < error * start.kinetic, "{rate}: {residual:e}");
     }
 }
+
+#[test]
+fn a_run_is_set_back_to_a_state_without_crossings() {
+    for steps in [7, 20, 1000] {
+        let mut scene = sheets(15.0, 0.5, 0.7, [0.28 * SIZE, 0.15 * SIZE]);
+        scene.contact.scheme = NODES_ALONE;
+        scene.dt = Some(4.0 * TOUCHING / 15.0);
+        // Between the crossing and the check.
+        scene.settings.check_interval = 20;
+        let mut simulation = scene.started();
+        while simulation.step(steps).is_ok() {}
+        assert_eq!(scene.crossings(&simulation), 0, "{steps}, step {}", simulation.step_count());
+    }
+}

@@ -52,6 +52,11 @@ impl Mechanics {
         self.pass(point, |law, at| law.accept(at));
     }
 
+    /// Passes a state that may count as good to each law with a history.
+    pub(crate) fn check_before_good(&mut self, point: PhasePoint<'_>) {
+        self.pass(point, |law, at| law.check_before_good(at));
+    }
+
     /// Passes the end of a run to each law with a history.
     pub(crate) fn end(&mut self, point: PhasePoint<'_>) {
         self.pass(point, |law, at| law.end(at));

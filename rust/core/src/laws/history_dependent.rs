@@ -18,6 +18,9 @@ pub trait HistoryDependent {
     /// and the new history is that of all later evaluations.
     fn accept(&mut self, at: Instant<'_>);
 
+    /// Called before a state counts as good, for a check that is due soon.
+    fn check_before_good(&mut self, _at: Instant<'_>) {}
+
     /// Called at the end of a run, with its last state, for what is checked now and then.
     fn end(&mut self, _at: Instant<'_>) {}
 

@@ -34,6 +34,7 @@ impl Simulation {
 
     /// Checks for a fault, and records the largest changes and the good state.
     pub(super) fn regular_check(&mut self) -> Result<()> {
+        self.mechanics.check_before_good(self.state.at(self.time()));
         let now = self.energy_terms();
         self.refuse_fault(&now)?;
         self.ledger.largest_change = self.ledger.reference_energy(&now);

@@ -32,6 +32,12 @@ impl HistoryDependent for SelfContact {
         }
     }
 
+    fn check_before_good(&mut self, at: Instant<'_>) {
+        if self.early_check.is_some() {
+            self.check_crossings(at.positions);
+        }
+    }
+
     fn end(&mut self, at: Instant<'_>) {
         self.check_crossings(at.positions);
     }

@@ -7,8 +7,8 @@
 //!
 //! With restitution e, a pair that would meet within the step is to separate at -e times its velocity before all
 //! impulses, that of v and not of u, which has half a kick more and would gain energy. Coulomb's friction acts in the
-//! same sweep: the tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9 of
-//! that of the last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
+//! same sweep: the tangential impulse stops the sliding, and its size is at most mu lam. Warm start: lam begins at 0.9
+//! of that of the last step (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 //!
 //! Sweeps pass over pairs whose nodes have not changed since their turn, for these would find the same.
 
@@ -26,6 +26,8 @@ use crate::arrays::state::NodeVectors;
 const WARM: f64 = 0.9;
 /// Most sweeps, without and with restitution, where what they leave undone adds energy.
 const MOST_SWEEPS: [usize; 2] = [100, 1000];
+/// Sweeps of a step after which restitution has no more of them than others.
+const SWEEPS_OF_STEP: usize = 4000;
 /// The place of a node without an impulse.
 const UNCHANGED: u32 = u32::MAX;
 
@@ -65,6 +67,8 @@ pub(super) struct Solver {
     places: Vec<u32>,
     turns: Vec<u64>,
     turn: u64,
+    /// Sweeps in this step.
+    swept: usize,
     due: Due,
     zones: Zones,
     rigid: Vec<(usize, Vector3<f64>)>,
@@ -93,7 +97,7 @@ impl Solver {
         for Changed { node, .. } in self.changed.drain(..) {
             (self.places[node], self.turns[node], self.ways[node]) = (UNCHANGED, 0, 0.0);
         }
-        self.turn = 0;
+        (self.turn, self.swept) = (0, 0);
     }
 
     /// How many pairs may have an impulse.
@@ -191,7 +195,9 @@ impl Solver {
                 self.due.add(k);
             }
         }
-        for _ in 0..MOST_SWEEPS[usize::from(of.restitution > 0.0)] {
+        let has_more = of.restitution > 0.0 && self.swept < SWEEPS_OF_STEP;
+        for _ in 0..MOST_SWEEPS[usize::from(has_more)] {
+            self.swept += 1;
             let (mut is_settled, mut place) = (true, 0);
             while let Some(k) = self.due.take_from(place) {
                 place = k + 1;
