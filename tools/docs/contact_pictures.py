@@ -23,6 +23,8 @@ from membrane_rs.plotting.style import INCH, SCREEN
 WIDE = replace(SCREEN, width=9.0 * INCH)
 MARKS = (0, 20, 40, 60, 80, 100, 200, 400, 800)
 """Of the axis of times of the picture of costs [ms]."""
+FACTORS = (1, 2, 5, 10, 20, 50, 100)
+"""Of its axis of times of a step."""
 SEEN = 0.036
 """What the picture of an arm reaches around its section [m]."""
 RAISED = np.array([0.0, 0.0, 0.012])
@@ -75,8 +77,8 @@ def draw_cost(
         axes.set_xticks(MARKS, labels=[f"{mark}" for mark in MARKS])
         axes.set_xlim(0.0, edges[-1])
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.grid(visible=True, which="minor", axis="y")
+        axes.set_yticks(FACTORS, labels=[f"{factor}" for factor in FACTORS])
+        axes.yaxis.minorticks_off()
         axes.set_ylabel("Time of a step,\nover that without contact")
         sums = np.cumsum([np.zeros(len(edges) - 1), *parts.values()], axis=0)
         for k, label in enumerate(parts):
