@@ -12,7 +12,7 @@ from pathlib import Path
 
 from contact_pictures import draw_arm, draw_cost, draw_crossings, draw_curves
 from contact_roll import at_rest, roll_table
-from contact_runs import MODELS, OWN, WITH, arm_of, ensembles, fast, single
+from contact_runs import MODELS, OWN, WITH, arm_of, both, ensembles, fast, single
 from contact_sheets import SPEEDS, sheets_table, thrown
 from contact_strip import pressed, strip_table
 from contact_tables import (
@@ -48,12 +48,10 @@ def crossings_part(runs: Runs, picture: Path) -> str:
 def cost_part(runs: Runs, picture: Path) -> str:
     """The tables of times, and their picture."""
     found = ensembles(runs)
-    over, parts = (
-        {model: ratios(kinds, EDGES) for model, kinds in found.items()},
-        times_of_step(found[MODELS[0]], EDGES),
-    )
-    draw_cost(EDGES, over, parts, picture)
-    return f"{cost_table(found)}\n{spent_table(found[MODELS[0]])}"
+    own = found[MODELS[0]]
+    over = {model: ratios(kinds, EDGES) for model, kinds in found.items()}
+    draw_cost(EDGES, over, times_of_step(own, EDGES), picture)
+    return f"{cost_table(found)}\n{spent_table(own)}"
 
 
 def change_part(runs: Runs, picture: Path) -> str:
@@ -77,26 +75,17 @@ def sheets_part(runs: Runs, _: Path) -> str:
 
 def strip_part(runs: Runs, _: Path) -> str:
     """The table of the folded strip."""
-    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
-        f"strip {kind}": partial(pressed, with_contact=kind == WITH) for kind in (OWN, WITH)
-    }
-    return strip_table(*runs.of(jobs).values())
+    return strip_table(*both(runs, "strip", pressed).values())
 
 
 def roll_part(runs: Runs, _: Path) -> str:
     """The table of the roll at rest."""
-    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
-        f"roll {kind}": partial(at_rest, with_contact=kind == WITH) for kind in (OWN, WITH)
-    }
-    return roll_table(*runs.of(jobs).values())
+    return roll_table(*both(runs, "roll", at_rest).values())
 
 
 def whole_part(runs: Runs, _: Path) -> str:
     """The table of the whole deployment."""
-    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
-        f"whole {kind}": partial(deployed, with_contact=kind == WITH) for kind in (OWN, WITH)
-    }
-    return whole_table(*runs.of(jobs).values())
+    return whole_table(*both(runs, "whole", deployed).values())
 
 
 def write_arm(runs: Runs) -> None:

@@ -88,13 +88,17 @@ def shape_of(name: str, *, with_contact: bool) -> dict[str, Floats]:
     return {"shape": sim.positions}
 
 
+def both(runs: Runs, name: str, run: Callable[..., Mapping[str, Floats]]) -> dict[str, Mapping[str, Floats]]:
+    """A run without contact, and the same with it."""
+    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
+        f"{name} {kind}": partial(run, with_contact=kind == WITH) for kind in (OWN, WITH)
+    }
+    return dict(zip((OWN, WITH), runs.of(jobs).values(), strict=True))
+
+
 def arm_of(runs: Runs) -> dict[str, Floats]:
     """The shape of the first model at `SHOWN`, without and with contact."""
-    jobs: dict[str, Callable[[], Mapping[str, Floats]]] = {
-        f"arm {kind}": partial(shape_of, MODELS[0], with_contact=kind == WITH) for kind in (OWN, WITH)
-    }
-    found = runs.of(jobs).values()
-    return {kind: one["shape"] for kind, one in zip((OWN, WITH), found, strict=True)}
+    return {kind: run["shape"] for kind, run in both(runs, "arm", partial(shape_of, MODELS[0])).items()}
 
 
 def job(name: str, with_contact: bool, seed: int) -> tuple[str, Callable[[], Mapping[str, Floats]]]:

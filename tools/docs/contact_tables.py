@@ -81,9 +81,10 @@ def cost_table(found: Mapping[str, Mapping[str, Runs]]) -> str:
 
 def per_step(runs: Runs, name: str, edges: Sequence[int]) -> list[float]:
     """Median over the starts of what is spent in a step, in each window [ms]."""
-    each = ([run[name][last] - run[name][first] for run in runs] for first, last in pairwise(edges))
-    steps = ([run["steps"][last] - run["steps"][first] for run in runs] for first, last in pairwise(edges))
-    return [median(a / b for a, b in zip(*window, strict=True)) for window in zip(each, steps, strict=True)]
+    return [
+        median((run[name][last] - run[name][first]) / (run["steps"][last] - run["steps"][first]) for run in runs)
+        for first, last in pairwise(edges)
+    ]
 
 
 def times_of_step(kinds: Mapping[str, Runs], edges: Sequence[int]) -> dict[str, list[float]]:
