@@ -4,7 +4,7 @@ Shapes: n nodes, m triangles, e edges. Arrays are C-contiguous or not, of exactl
 caller's, in and out. Raises the package's own errors: MeshError, InputTypeError, InputError, UnstableError.
 """
 
-from typing import Any, final
+from typing import Any, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,24 +81,24 @@ def integrators() -> list[MethodFacts]:
 class Crossings:
     """Pairs of triangles by what they have in common."""
 
-    pairs: NDArray[np.int64]  # The first pairs that cross, (k, 2), ascending.
-    count: int  # Of all that cross: inner points in common, in two planes.
-    overlapping: int  # Of those with inner points in common in one plane.
-    touching: int  # Of those without a common node that have no common point inside of both.
-    candidates: int  # Of those whose bounding boxes have common points.
+    pairs: Final[NDArray[np.int64]]  # The first pairs that cross, (k, 2), ascending.
+    count: Final[int]  # Of all that cross: inner points in common, in two planes.
+    overlapping: Final[int]  # Of those with inner points in common in one plane.
+    touching: Final[int]  # Of those without a common node that have no common point inside of both.
+    candidates: Final[int]  # Of those whose bounding boxes have common points.
 
 @final
 class MethodFacts:
     """What is known of a method of time integration."""
 
-    name: str  # The name that scenes use.
-    order: int  # Of the error after a given time.
-    evaluations_per_step: int  # Of the forces.
-    evaluations_at_start: int  # Of the forces, before the first step.
-    conserves_energy: bool  # Whether the energy of an undamped motion stays bounded.
-    is_adaptive: bool  # Whether it can choose its own step.
-    imaginary_limit: float  # Largest stable omega dt of an undamped oscillation.
-    real_limit: float  # Largest stable rate times dt of a pure decay.
+    name: Final[str]  # The name that scenes use.
+    order: Final[int]  # Of the error after a given time.
+    evaluations_per_step: Final[int]  # Of the forces.
+    evaluations_at_start: Final[int]  # Of the forces, before the first step.
+    conserves_energy: Final[bool]  # Whether the energy of an undamped motion stays bounded.
+    is_adaptive: Final[bool]  # Whether it can choose its own step.
+    imaginary_limit: Final[float]  # Largest stable omega dt of an undamped oscillation.
+    real_limit: Final[float]  # Largest stable rate times dt of a pure decay.
 
 @final
 class EnergyBalance:
@@ -144,76 +144,76 @@ class EnergyBalance:
 class StepLimit:
     """The limit of the step at some positions."""
 
-    dt: float  # The largest stable step [s]; infinite where nothing is stiff.
-    largest_frequency: float  # [rad/s].
-    law: str  # The law that sets the limit.
-    node: int  # The node that moves most in the limiting mode.
-    part: str  # Law and node in words.
+    dt: Final[float]  # The largest stable step [s]; infinite where nothing is stiff.
+    largest_frequency: Final[float]  # [rad/s].
+    law: Final[str]  # The law that sets the limit.
+    node: Final[int]  # The node that moves most in the limiting mode.
+    part: Final[str]  # Law and node in words.
 
 @final
 class NewtonStatistics:
     """What an implicit method has spent; zeros of others."""
 
-    iterations: int  # Corrections of Newton's method.
-    factorisations: int  # Of the tangent.
-    fallbacks: int  # Steps, or parts of steps, that were halved.
+    iterations: Final[int]  # Corrections of Newton's method.
+    factorisations: Final[int]  # Of the tangent.
+    fallbacks: Final[int]  # Steps, or parts of steps, that were halved.
 
 @final
 class ContactStatistics:
     """What contact between layers has spent since the core was made; zeros without it."""
 
-    looked_at: int  # Pairs, over all steps.
-    near: int  # Of these, such as would have come too near.
-    pressed: int  # Of these, with an impulse.
-    rigid: int  # Steps in which nodes moved as a rigid body.
-    checks: int  # Exact checks for crossings.
-    list_time: float  # Elapsed on lists of pairs [s].
-    look_time: float  # On looking at pairs [s].
-    impulse_time: float  # On impulses, and all that is not listed [s].
-    check_time: float  # On exact checks [s].
+    looked_at: Final[int]  # Pairs, over all steps.
+    near: Final[int]  # Of these, such as would have come too near.
+    pressed: Final[int]  # Of these, with an impulse.
+    rigid: Final[int]  # Steps in which nodes moved as a rigid body.
+    checks: Final[int]  # Exact checks for crossings.
+    list_time: Final[float]  # Elapsed on lists of pairs [s].
+    look_time: Final[float]  # On looking at pairs [s].
+    impulse_time: Final[float]  # On impulses, and all that is not listed [s].
+    check_time: Final[float]  # On exact checks [s].
 
 @final
 class LinkReadings:
     """Readings of s links."""
 
-    strain: NDArray[np.float64]  # (s,) engineering strain.
-    tension: NDArray[np.float64]  # (s,) elastic tension, negative in compression [N].
-    buckled: NDArray[np.bool_]  # (s,) whether shorter than the critical length.
+    strain: Final[NDArray[np.float64]]  # (s,) engineering strain.
+    tension: Final[NDArray[np.float64]]  # (s,) elastic tension, negative in compression [N].
+    buckled: Final[NDArray[np.bool_]]  # (s,) whether shorter than the critical length.
 
 @final
 class FilmStates:
     """States of m triangles with e edges."""
 
-    strain: NDArray[np.float64]  # (m, 2) principal Green strains, the larger first.
-    state: NDArray[np.uint8]  # (m,) 0 taut, 1 wrinkled, 2 slack.
-    buckled: NDArray[np.bool_]  # (e,) whether shorter than flat beside a triangle that is wrinkled or slack.
+    strain: Final[NDArray[np.float64]]  # (m, 2) principal Green strains, the larger first.
+    state: Final[NDArray[np.uint8]]  # (m,) 0 taut, 1 wrinkled, 2 slack.
+    buckled: Final[NDArray[np.bool_]]  # (e,) whether shorter than flat beside a triangle that is wrinkled or slack.
 
 @final
 class FilmStress:
     """Stress of m triangles."""
 
-    principal: NDArray[np.float64]  # (m, 2) principal values, the larger first [Pa].
-    first: NDArray[np.float64]  # (m, 3) direction of the larger value.
-    second: NDArray[np.float64]  # (m, 3) direction of the smaller value.
+    principal: Final[NDArray[np.float64]]  # (m, 2) principal values, the larger first [Pa].
+    first: Final[NDArray[np.float64]]  # (m, 3) direction of the larger value.
+    second: Final[NDArray[np.float64]]  # (m, 3) direction of the smaller value.
 
 @final
 class HubMotion:
     """The motion of the hub. Vectors have components along its axes, but for `centre`."""
 
-    attitude: list[float]  # Quaternion (w, x, y, z) from components of the hub to those in space.
-    centre: list[float]  # Displacement of its centre of mass in space [m].
-    momentum: list[float]  # Angular momentum, without nodes held on it [kg m2/s]; 0 of a driven hub.
-    sail_momentum: list[float]  # Angular momentum of all nodes [kg m2/s].
-    motor_torque: float | None  # Of the motor of a free hub about its axis [N m].
-    state: list[float]  # All numbers of the motion, with which another simulation may go on.
+    attitude: Final[list[float]]  # Quaternion (w, x, y, z) from components of the hub to those in space.
+    centre: Final[list[float]]  # Displacement of its centre of mass in space [m].
+    momentum: Final[list[float]]  # Angular momentum, without nodes held on it [kg m2/s]; 0 of a driven hub.
+    sail_momentum: Final[list[float]]  # Angular momentum of all nodes [kg m2/s].
+    motor_torque: Final[float | None]  # Of the motor of a free hub about its axis [N m].
+    state: Final[list[float]]  # All numbers of the motion, with which another simulation may go on.
 
 @final
 class HubLoad:
     """What the sail exerts on the hub, in the turning frame."""
 
-    force: list[float]  # Three components [N].
-    torque: list[float]  # Three components, about the origin [N m].
-    contact: float  # Sum of the magnitudes of the forces of contact on the nodes [N].
+    force: Final[list[float]]  # Three components [N].
+    torque: Final[list[float]]  # Three components, about the origin [N m].
+    contact: Final[float]  # Sum of the magnitudes of the forces of contact on the nodes [N].
 
 @final
 class Simulation:
