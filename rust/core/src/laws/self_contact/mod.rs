@@ -194,12 +194,12 @@ impl SelfContact {
         solver.of_changed(surface, watched, changed);
         rest.clear();
         near.clear();
-        if changed.len() == 0 {
-            return;
+        if changed.len() > 0 {
+            let velocity = |node: usize| row(drift, node).into();
+            solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(velocity(changed.node)));
+            let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
+            look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
         }
-        solver.changed.iter().for_each(|changed| moving[changed.node].set_velocity(row(drift, changed.node).into()));
-        let (lines, of) = (Lines { nodes: moving, duration: dt }, (self.margin, self.coefficients.share_of_depth));
-        look_at(surface, std::slice::from_ref(changed), lines, of, self.instructions, rest, near);
         self.statistics.look_time += began.elapsed();
     }
 
