@@ -7,14 +7,12 @@
 //! those are looked at that the largest deviation so far could bring near. The first list is that of a tree of boxes
 //! around all elements and their ways; the last one is looked at in every step.
 
-use std::ops::ControlFlow;
-
 use super::Scheme;
+use super::first::{Elements, First};
 use super::look::{LEVELS, Narrow, Raise};
-use super::pairs::{Lines, Listed, Moving, Pairs};
+use super::pairs::{Lines, Moving, Pairs, Step};
 use super::surface::Surface;
 use crate::arrays::state::{NodeVectors, columns};
-use crate::contact::box_tree::{Bounds, BoxTree};
 use crate::simd::dispatch::{InstructionSet, Kernel};
 use crate::simd::lanes::{LANES, SimdF64};
 
@@ -31,20 +29,11 @@ const AS_LONG: f64 = 1.25;
 const SHORTEST: f64 = 4.0;
 const LONGEST: f64 = 4.0;
 /// Pairs of a list below which its skin doubles, up to so many times that of the scheme, and above which it halves.
-const FEW: usize = 512;
-const MANY: usize = 4096;
-const WIDEST: f64 = 16.0;
+const FEW: usize = 2048;
+const MANY: usize = 16384;
+const WIDEST: f64 = 64.0;
 /// Bounds of lists are this much larger than those of impulses, for rounding.
 const ROUNDING: f64 = 1e-6;
-
-/// Nodes that move, from now to the end of a step.
-#[derive(Clone, Copy)]
-pub(super) struct Step<'a> {
-    pub(super) time: f64,
-    pub(super) dt: f64,
-    pub(super) positions: &'a NodeVectors,
-    pub(super) velocities: &'a NodeVectors,
-}
 
 /// A list and its straight lines.
 struct List {
@@ -52,6 +41,10 @@ struct List {
     levels: [Pairs; LEVELS],
     positions: NodeVectors,
     velocities: NodeVectors,
+    /// Whether pairs are few; then their nodes, and whether each one is among them.
+    is_short: bool,
+    nodes: Vec<u32>,
+    is_node: Vec<bool>,
     begin: f64,
     horizon: f64,
     skin: f64,
@@ -85,6 +78,21 @@ impl List {
         &self.levels[..count]
     }
 
+    /// The nodes of all pairs, where these are few.
+    fn nodes(&self) -> Option<&[u32]> {
+        self.is_short.then_some(&self.nodes)
+    }
+
+    /// Finds these nodes.
+    fn find_nodes(&mut self, surface: &Surface) {
+        self.is_node.fill(false);
+        for listed in self.levels.iter().flat_map(|pairs| &pairs.0).flatten() {
+            surface.nodes(listed.pair).into_iter().for_each(|node| self.is_node[node as usize] = true);
+        }
+        self.nodes.clear();
+        self.nodes.extend((0..).zip(&self.is_node).filter(|(_, is_node)| **is_node).map(|(node, _)| node));
+    }
+
     /// How many pairs there are.
     fn len(&self) -> usize {
         self.levels.iter().map(Pairs::len).sum()
@@ -106,6 +114,9 @@ impl Lists {
             levels: Default::default(),
             positions: NodeVectors::zeros(nodes),
             velocities: NodeVectors::zeros(nodes),
+            is_short: false,
+            nodes: Vec::new(),
+            is_node: vec![false; nodes],
             begin: 0.0,
             horizon: 0.0,
             skin: 0.0,
@@ -139,13 +150,20 @@ impl Lists {
         self.made
     }
 
-    /// The pairs that may come near within a step.
-    pub(super) fn at(&mut self, step: Step<'_>, surface: &Surface, share: f64, shapes: &[NodeVectors]) -> &[Pairs] {
+    /// The pairs that may come near within a step, and their nodes where they are few.
+    pub(super) fn at(
+        &mut self,
+        step: Step<'_>,
+        surface: &Surface,
+        share: f64,
+        shapes: &[NodeVectors],
+    ) -> (&[Pairs], Option<&[u32]>) {
         let off = self.held(LISTS - 1, step).unwrap_or_else(|| {
             self.renew(step, surface, share, shapes);
             self.deviation(LISTS - 1, step)
         });
-        self.lists[LISTS - 1].within(off)
+        let list = &self.lists[LISTS - 1];
+        (list.within(off), list.nodes())
     }
 
     /// The deviation from the lines of a list that holds until the end of a step.
@@ -255,92 +273,32 @@ impl Lists {
         list.levels.iter_mut().for_each(Pairs::clear);
         // What pairs keep is not known of the first list.
         let bound = if k == 0 { self.most } else { self.margin } * (1.0 + ROUNDING);
-        let straight = Lines::of(&list.positions, &list.velocities, horizon, &mut self.moving);
         let (skin, into) = (list.skin, &mut list.levels);
         match before.last().zip(off) {
             Some((before, off)) => {
-                let from = before.within(off + 0.5 * skin);
+                let (from, of) = (before.within(off + 0.5 * skin), before.nodes());
+                let straight = Lines::of(of, lines, horizon, &mut self.moving);
                 self.instructions.dispatch(Narrow { surface, from, lines: straight, bound, skin, into });
             }
             None => {
-                let first = First { surface, lines: straight, bound, skin };
+                let first = First { surface, lines: Lines::of(None, lines, horizon, &mut self.moving), bound, skin };
                 first.find(lines, &mut self.elements, self.instructions, into);
                 for positions in shapes {
-                    let nodes = Lines::of(positions, positions, 0.0, &mut self.moving).nodes;
+                    let shape = Step { positions, velocities: positions, ..lines };
+                    let nodes = Lines::of(None, shape, 0.0, &mut self.moving).nodes;
                     self.instructions.dispatch(Raise { surface, nodes, pairs: &mut list.levels, share });
                 }
             }
         }
         // Short lists may be wide, so that they hold for longer.
         let (least, count) = (self.scheme.skins[k] * self.touching, list.len());
-        if count < FEW {
+        list.is_short = count < FEW;
+        if list.is_short {
+            list.find_nodes(surface);
             list.next_skin = (2.0 * list.skin).min(WIDEST * least);
         } else if count > MANY {
             list.next_skin = (0.5 * list.skin).max(least);
         }
-    }
-}
-
-/// Boxes around elements and their ways, their tree, and pairs of some: memory that each first list uses again.
-#[derive(Default)]
-struct Elements {
-    boxes: Vec<Bounds>,
-    tree: BoxTree,
-    found: Pairs,
-}
-
-/// The pairs that may come nearer than a bound and a skin: of elements whose boxes, around them and their ways, meet.
-struct First<'a> {
-    surface: &'a Surface,
-    lines: Lines<'a>,
-    bound: f64,
-    skin: f64,
-}
-
-impl First<'_> {
-    fn find(&self, ways: Step<'_>, of: &mut Elements, instructions: InstructionSet, into: &mut [Pairs; LEVELS]) {
-        const AT_ONCE: usize = 4096;
-        let Self { surface, lines, bound, skin } = *self;
-        let (x, v) = (columns(ways.positions), columns(ways.velocities));
-        let half = 0.5 * (bound + skin);
-        let Elements { boxes, tree, found } = of;
-        boxes.clear();
-        boxes.extend(surface.elements.iter().map(|element| {
-            let mut bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-            for node in element.corners.map(|node| node as usize) {
-                for axis in 0..3 {
-                    let now = x[axis][node];
-                    let then = now + lines.duration * v[axis][node];
-                    bounds.low[axis] = bounds.low[axis].min(now.min(then) - half);
-                    bounds.high[axis] = bounds.high[axis].max(now.max(then) + half);
-                }
-            }
-            bounds
-        }));
-        let is_finite = boxes.iter().all(|bounds| bounds.low.iter().chain(&bounds.high).all(|value| value.is_finite()));
-        if !is_finite {
-            // A motion that diverges is found by the monitor.
-            return;
-        }
-        tree.rebuild(boxes);
-        let mut narrow = |found: &mut Pairs| {
-            let from = std::slice::from_ref(&*found);
-            instructions.dispatch(Narrow { surface, from, lines, bound, skin, into: &mut *into });
-            found.clear();
-        };
-        let _: ControlFlow<()> = tree.visit_pairs(&mut |slot, leaf, mut meeting| {
-            while meeting != 0 {
-                let other = leaf + meeting.trailing_zeros() as usize;
-                meeting &= meeting - 1;
-                let [first, second] = [slot, other].map(|slot| tree.order()[slot] as usize);
-                surface.visit_pairs(first, second, &mut |pair| found.push(Listed { pair, kept: 0.0 }));
-            }
-            if found.most() >= AT_ONCE {
-                narrow(found);
-            }
-            ControlFlow::Continue(())
-        });
-        narrow(found);
     }
 }
 

@@ -30,6 +30,7 @@ mod contact;
 mod crossed;
 mod due;
 mod ends;
+mod first;
 mod history;
 mod lists;
 mod look;
@@ -48,9 +49,9 @@ use std::time::Instant as Clock;
 use nalgebra::Vector3;
 
 use self::contact::{Coefficients, Drifted, Drifting, row};
-use self::lists::{Lists, Step};
+use self::lists::Lists;
 use self::look::{Near, Watched, look_at};
-use self::pairs::{Lines, Moving, Pairs};
+use self::pairs::{Lines, Moving, Pairs, Step};
 use self::solve::{Approach, Changed, Solver};
 use self::surface::{Pair, Surface};
 use super::{
@@ -175,10 +176,11 @@ impl SelfContact {
         solver.look(drift);
         watched.clear();
         near.clear();
-        let from = lists.at(Step { time, dt, positions, velocities: drift }, surface, SHARE, shapes);
+        let step = Step { time, dt, positions, velocities: drift };
+        let (from, nodes) = lists.at(step, surface, SHARE, shapes);
         let (listed, count) = (Clock::now(), from.iter().map(Pairs::len).sum::<usize>());
         if count > 0 {
-            let lines = Lines::of(positions, drift, dt, moving);
+            let lines = Lines::of(nodes, step, dt, moving);
             let of = (self.margin, self.coefficients.share_of_depth);
             look_at(surface, from, lines, of, self.instructions, watched, near);
         }

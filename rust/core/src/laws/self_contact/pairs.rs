@@ -35,6 +35,15 @@ impl Pairs {
     }
 }
 
+/// Nodes that move, from now to the end of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) time: f64,
+    pub(super) dt: f64,
+    pub(super) positions: &'a NodeVectors,
+    pub(super) velocities: &'a NodeVectors,
+}
+
 /// Position and velocity of a node, three numbers each, in one line of the cache.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C, align(64))]
@@ -58,18 +67,22 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Those of nodes at some positions with some velocities.
-    pub(super) fn of(
-        positions: &NodeVectors,
-        velocities: &NodeVectors,
-        duration: f64,
-        nodes: &'a mut Vec<Moving>,
-    ) -> Self {
-        let ([x, y, z], [u, v, w]) = (columns(positions), columns(velocities));
+    /// Those of some nodes, or of all.
+    pub(super) fn of(some: Option<&[u32]>, of: Step<'_>, duration: f64, nodes: &'a mut Vec<Moving>) -> Self {
+        let ([x, y, z], [u, v, w]) = (columns(of.positions), columns(of.velocities));
         nodes.resize(x.len(), Moving::default());
-        let own = x.iter().zip(y).zip(z).zip(u).zip(v).zip(w);
-        for (node, (((((x, y), z), u), v), w)) in nodes.iter_mut().zip(own) {
-            *node = Moving([[*x, *y, *z, *u], [*v, *w, 0.0, 0.0]]);
+        match some {
+            Some(some) => {
+                for k in some.iter().map(|&node| node as usize) {
+                    nodes[k] = Moving([[x[k], y[k], z[k], u[k]], [v[k], w[k], 0.0, 0.0]]);
+                }
+            }
+            None => {
+                let all = x.iter().zip(y).zip(z).zip(u).zip(v).zip(w);
+                for (node, (((((x, y), z), u), v), w)) in nodes.iter_mut().zip(all) {
+                    *node = Moving([[*x, *y, *z, *u], [*v, *w, 0.0, 0.0]]);
+                }
+            }
         }
         Self { nodes, duration }
     }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::lists::{LISTS, Lists, Step};
+use super::lists::{LISTS, Lists};
+use super::pairs::Step;
 use super::surface::{Pair, Surface};
 use super::{SHARE, Scheme};
 use crate::arrays::state::{NodeVectors, columns};
@@ -142,7 +143,8 @@ fn no_list_misses_a_pair_that_comes_near() -> Result<()> {
             }
             let drift = velocities(step, nodes, vibration);
             let time = step as f64 * dt;
-            let list = lists.at(Step { time, dt, positions: &positions, velocities: &drift }, &surface, SHARE, &shapes);
+            let (list, _) =
+                lists.at(Step { time, dt, positions: &positions, velocities: &drift }, &surface, SHARE, &shapes);
             let of_levels = list.iter().flat_map(|pairs| pairs.0.iter().flatten());
             let list: BTreeMap<Pair, f64> = of_levels.map(|listed| (listed.pair, listed.kept)).collect();
             listed += list.len();
