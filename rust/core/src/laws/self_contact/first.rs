@@ -41,16 +41,12 @@ impl First<'_> {
         let Elements { boxes, tree, found } = of;
         boxes.clear();
         boxes.extend(surface.elements.iter().map(|element| {
-            let mut bounds = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-            for node in element.corners.map(|node| node as usize) {
-                for axis in 0..3 {
-                    let now = x[axis][node];
-                    let then = now + lines.duration * v[axis][node];
-                    bounds.low[axis] = bounds.low[axis].min(now.min(then) - half);
-                    bounds.high[axis] = bounds.high[axis].max(now.max(then) + half);
-                }
-            }
-            bounds
+            let [a, b, c] = element.corners.map(|node| {
+                let now: [f64; 3] = std::array::from_fn(|axis| x[axis][node as usize]);
+                [now, std::array::from_fn(|axis| now[axis] + lines.duration * v[axis][node as usize])]
+            });
+            let Bounds { low, high } = Bounds::of([a, b, c].as_flattened());
+            Bounds { low: low.map(|least| least - half), high: high.map(|most| most + half) }
         }));
         let is_finite = boxes.iter().all(|bounds| bounds.low.iter().chain(&bounds.high).all(|value| value.is_finite()));
         if !is_finite {

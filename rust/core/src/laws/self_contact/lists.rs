@@ -41,8 +41,7 @@ struct List {
     levels: [Pairs; LEVELS],
     positions: NodeVectors,
     velocities: NodeVectors,
-    /// Whether pairs are few; then their nodes, and whether each one is among them.
-    is_short: bool,
+    /// Nodes of pairs, where these are few, and whether each one is among them.
     nodes: Vec<u32>,
     is_node: Vec<bool>,
     begin: f64,
@@ -80,7 +79,7 @@ impl List {
 
     /// The nodes of all pairs, where these are few.
     fn nodes(&self) -> Option<&[u32]> {
-        self.is_short.then_some(&self.nodes)
+        (self.len() < FEW).then_some(&self.nodes)
     }
 
     /// Finds these nodes.
@@ -114,7 +113,6 @@ impl Lists {
             levels: Default::default(),
             positions: NodeVectors::zeros(nodes),
             velocities: NodeVectors::zeros(nodes),
-            is_short: false,
             nodes: Vec::new(),
             is_node: vec![false; nodes],
             begin: 0.0,
@@ -292,8 +290,7 @@ impl Lists {
         }
         // Short lists may be wide, so that they hold for longer.
         let (least, count) = (self.scheme.skins[k] * self.touching, list.len());
-        list.is_short = count < FEW;
-        if list.is_short {
+        if count < FEW {
             list.find_nodes(surface);
             list.next_skin = (2.0 * list.skin).min(WIDEST * least);
         } else if count > MANY {

@@ -50,6 +50,11 @@ pub(super) struct Step<'a> {
 pub(super) struct Moving([[f64; HALF]; 2]);
 
 impl Moving {
+    #[inline(always)]
+    fn new([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Self {
+        Self([[x, y, z, u], [v, w, 0.0, 0.0]])
+    }
+
     /// Sets its velocity.
     pub(super) fn set_velocity(&mut self, [u, v, w]: [f64; 3]) {
         let Self([first, second]) = self;
@@ -74,13 +79,13 @@ impl<'a> Lines<'a> {
         match some {
             Some(some) => {
                 for k in some.iter().map(|&node| node as usize) {
-                    nodes[k] = Moving([[x[k], y[k], z[k], u[k]], [v[k], w[k], 0.0, 0.0]]);
+                    nodes[k] = Moving::new([x[k], y[k], z[k]], [u[k], v[k], w[k]]);
                 }
             }
             None => {
                 let all = x.iter().zip(y).zip(z).zip(u).zip(v).zip(w);
                 for (node, (((((x, y), z), u), v), w)) in nodes.iter_mut().zip(all) {
-                    *node = Moving([[*x, *y, *z, *u], [*v, *w, 0.0, 0.0]]);
+                    *node = Moving::new([*x, *y, *z], [*u, *v, *w]);
                 }
             }
         }
