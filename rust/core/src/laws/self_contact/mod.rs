@@ -74,7 +74,7 @@ pub use self::statistics::ContactStatistics;
 /// eta.
 const SHARE: f64 = 0.5;
 /// Beyond d_m, up to which a pair may have an impulse, relative to d0.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 0.1;
 /// The largest approach in a step, relative to d0, of a pair that meets in it.
 const FASTEST: f64 = 16.0;
 /// Steps after which the shape counts for the distances of pairs for the first time; then after twice as many each.

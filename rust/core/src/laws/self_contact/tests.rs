@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::lists::{LISTS, Lists};
 use super::pairs::Step;
 use super::surface::{Pair, Surface};
-use super::{SHARE, Scheme};
+use super::{MARGIN, SHARE, Scheme};
 use crate::arrays::state::{NodeVectors, columns};
 use crate::assembly::Assembly;
 use crate::contact::closest::{edge_edge, node_triangle};
@@ -130,7 +130,7 @@ fn no_list_misses_a_pair_that_comes_near() -> Result<()> {
     for (scheme, vibration) in rules {
         let (assembly, surface) = surface_of(sheets(1.2e-5), true)?;
         let nodes = assembly.masses.len();
-        let (dt, margin) = (4e-6, 0.25 * TOUCHING[1]);
+        let (dt, margin) = (4e-6, MARGIN * TOUCHING[1]);
         let all = all_pairs(&assembly, &surface, true);
         let mut lists = Lists::new(&surface, SHARE, margin, nodes, assembly.instructions, scheme);
         let mut positions = assembly.numbering.internal_vectors(&assembly.model.positions);
