@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::look::{Near, RECOVERY, least_approach};
+use super::oblique::least_of_oblique;
 use super::surface::Pair;
 use crate::arrays::state::NodeVectors;
 use crate::contact::separation::comes_near;
@@ -36,8 +37,9 @@ pub(super) struct Contact {
     pub(super) side: Vector3<f64>,
     /// m_r; 0 where no node is free \[kg\].
     pub(super) mass: f64,
-    /// The distance that it keeps \[m\].
+    /// d_m, and the distance to which impulses let it come, which is less where the gap is oblique \[m\].
     pub(super) kept: f64,
+    pub(super) least: f64,
     /// Least v_n, and that below which the nodes become a rigid zone \[m/s\].
     pub(super) target: f64,
     pub(super) limit: f64,
@@ -74,8 +76,14 @@ impl Formula<3, 1> for Drifted {
 }
 
 impl Contact {
-    /// That of a pair that comes near; `None` where the distance is 0.
-    pub(super) fn of(near: &Near, of: Coefficients, inverse_masses: &[f64], drifting: &Drifting<'_>) -> Option<Self> {
+    /// That of a pair that comes near, whose gap may be oblique; `None` where the distance is 0.
+    pub(super) fn of(
+        near: &Near,
+        is_oblique: bool,
+        of: Coefficients,
+        inverse_masses: &[f64],
+        drifting: &Drifting<'_>,
+    ) -> Option<Self> {
         let gap = Vector3::from(near.gap);
         let distance = gap.norm();
         if distance <= 0.0 {
@@ -83,7 +91,10 @@ impl Contact {
         }
         let nodes = near.nodes.map(|node| node as usize);
         let (shares, mass) = shares_and_mass(near.weights, nodes, inverse_masses);
-        let [room, dt, share] = [distance - near.kept, drifting.dt, of.share_of_depth].map(F64x8::all);
+        let settled = (SETTLED[0] * near.kept / drifting.dt).min(SETTLED[1] * RECOVERY);
+        let depth = settled * drifting.dt / of.share_of_depth;
+        let least = if is_oblique { least_of_oblique(near.kept, depth) } else { near.kept };
+        let [room, dt, share] = [distance - least, drifting.dt, of.share_of_depth].map(F64x8::all);
         Some(Self {
             pair: near.pair,
             nodes,
@@ -93,9 +104,10 @@ impl Contact {
             side: gap / distance,
             mass,
             kept: near.kept,
+            least,
             target: least_approach(room, dt, share).0[0],
             limit: limit(near.kept, distance, drifting.dt),
-            settled: (SETTLED[0] * near.kept / drifting.dt).min(SETTLED[1] * RECOVERY),
+            settled,
             pressed: 0.0,
             along: Vector3::zeros(),
             turn: 0,
@@ -146,10 +158,11 @@ pub(super) fn row(vectors: &NodeVectors, node: usize) -> Vector3<f64> {
     vectors.row(node).transpose()
 }
 
-/// Whether a pair comes nearer than it keeps at any time of the drift, in straight lines. With the present closest
+/// Whether a pair comes nearer than `least` at any time of the drift, in straight lines. With the present closest
 /// points its gap becomes `then`, which may be too small while others pass at a distance.
 pub(super) fn comes_too_near(
     near: &Near,
+    least: f64,
     then: Vector3<f64>,
     positions: &NodeVectors,
     drifting: &Drifting<'_>,
@@ -157,7 +170,7 @@ pub(super) fn comes_too_near(
     let gap = Vector3::from(near.gap);
     let way = then - gap;
     let share = (-gap.dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    if (gap + way * share).norm() < near.kept {
+    if (gap + way * share).norm() < least {
         return true;
     }
     let point = |node: u32, time: f64| row(positions, node as usize) + row(drifting.velocities, node as usize) * time;
@@ -173,5 +186,5 @@ pub(super) fn comes_too_near(
             }
         }
     }
-    comes_near(&hull[..count], near.kept)
+    comes_near(&hull[..count], least)
 }

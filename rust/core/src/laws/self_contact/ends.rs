@@ -2,8 +2,9 @@
 //!
 //! Impulses act on the closest points of the start of a step, and along their gap. Where the layers move further within
 //! the step than they keep, other points come together, and the distance at the end is another one, by terms of second
-//! order. Such pairs are measured at the end: those that would be too near, or on the other side, go on with the
-//! closest points of the end and its normal n, on the side of the start,
+//! order. Pairs whose nodes do count as near whatever their closest points do, unless a direction keeps them apart
+//! (`look`). Those whose closest points do are measured at the end: where they would be too near, or on the other side,
+//! they go on with the closest points of the end and its normal n, on the side of the start,
 //!
 //!     n . sum of w_q (x_q + dt u_q) >= d_m    or   v_n >= (d_m - n . sum of w_q x_q) / dt
 //!
@@ -23,31 +24,36 @@ use crate::simd::lanes::{F64x8, LANES};
 const SOME_SIDE: f64 = 0.1;
 const SAME_SIDE: f64 = 0.5;
 /// Share of the distance that a pair keeps, below which it goes on with the closest points of the end.
-const ENOUGH: f64 = 0.9;
+pub(super) const ENOUGH: f64 = 0.9;
 
 /// The closest points of a pair and the normal of its layers, for the positions of its nodes.
-struct Ends {
-    weights: [f64; 4],
-    gap: Vector3<f64>,
-    normal: Vector3<f64>,
+pub(super) struct Ends {
+    pub(super) weights: [f64; 4],
+    pub(super) gap: Vector3<f64>,
+    pub(super) normal: Vector3<f64>,
 }
 
 impl Ends {
-    fn of(points: [Vector3<f64>; 4], has_edges: bool) -> Self {
+    pub(super) fn of(points: [Vector3<f64>; 4], has_edges: bool) -> Self {
         let x = points.map(|point| [point.x, point.y, point.z].map(|value| F64x8([value; LANES])));
         let found = if has_edges { edge_edge(x) } else { node_triangle(x) };
+        Self::with(found.weights.map(|weight| weight.0[0]), found.gap.map(|gap| gap.0[0]).into(), points, has_edges)
+    }
+
+    /// Those with these weights and this gap.
+    pub(super) fn with(weights: [f64; 4], gap: Vector3<f64>, points: [Vector3<f64>; 4], has_edges: bool) -> Self {
         let [p, a, b, c] = points;
         let normal = if has_edges { (a - p).cross(&(c - b)) } else { (b - a).cross(&(c - a)) };
-        Self { weights: found.weights.map(|weight| weight.0[0]), gap: found.gap.map(|gap| gap.0[0]).into(), normal }
+        Self { weights, gap, normal }
     }
 
     /// The distance, negative where it is on the other side of the normal.
-    fn distance(&self) -> f64 {
+    pub(super) fn distance(&self) -> f64 {
         self.normal.dot(&self.gap)
     }
 
     /// Whether the closest points are inside.
-    fn are_inner(&self) -> bool {
+    pub(super) fn are_inner(&self) -> bool {
         self.weights.iter().all(|weight| *weight != 0.0)
     }
 }
@@ -87,7 +93,7 @@ impl Contact {
             return false;
         }
         let Some(ends) = self.at_end(positions, drifting, SOME_SIDE) else { return false };
-        if ends.distance() >= ENOUGH * self.kept {
+        if ends.distance() >= ENOUGH * self.least {
             return false;
         }
         let (shares, mass) = shares_and_mass(ends.weights, self.nodes, inverse_masses);
@@ -98,7 +104,7 @@ impl Contact {
         let gap: Vector3<f64> = start.iter().zip(ends.weights).map(|(x, weight)| x * weight).sum();
         let before = ends.normal.dot(&gap);
         (self.weights, self.shares, self.normal, self.mass) = (ends.weights, shares, ends.normal, mass);
-        (self.target, self.limit) = ((self.kept - before) / dt, limit(self.kept, before, dt));
+        (self.target, self.limit) = ((self.least - before) / dt, limit(self.kept, before, dt));
         // Impulses so far are given.
         (self.pressed, self.along, self.turn) = (0.0, Vector3::zeros(), 0);
         true

@@ -34,6 +34,7 @@ mod first;
 mod history;
 mod lists;
 mod look;
+mod oblique;
 mod pairs;
 mod parameters;
 mod scheme;
@@ -223,10 +224,11 @@ impl SelfContact {
                 let (of, solver) = (self.coefficients, &mut self.solver);
                 let approach = solver.add(&self.near, &self.pressed, of, positions, &self.inverse_masses, &drifting);
                 fastest = fastest.max(approach);
+                let is_over = solver.len() == known && !solver.has_late;
                 if is_first {
-                    self.watched.append(&mut solver.passed_by);
+                    self.watched.append(&mut solver.set_aside);
                 }
-                if solver.len() == known {
+                if is_over {
                     return fastest;
                 }
                 for _ in 0..MOST_ROUNDS {

@@ -72,8 +72,11 @@ pub(super) struct Solver {
     due: Due,
     zones: Zones,
     rigid: Vec<(usize, Vector3<f64>)>,
-    /// Pairs that would come too near if they did not pass by each other.
-    pub(super) passed_by: Vec<Watched>,
+    /// Whether pairs with an oblique gap are added, and were set aside.
+    takes_oblique: bool,
+    pub(super) has_late: bool,
+    /// Pairs that would come too near if they did not pass by each other, or are for later.
+    pub(super) set_aside: Vec<Watched>,
     /// By how much impulses move each node within the drift \[m\].
     ways: Vec<f64>,
 }
@@ -97,7 +100,7 @@ impl Solver {
         for Changed { node, .. } in self.changed.drain(..) {
             (self.places[node], self.turns[node], self.ways[node]) = (UNCHANGED, 0, 0.0);
         }
-        (self.turn, self.swept) = (0, 0);
+        (self.turn, self.swept, self.takes_oblique) = (0, 0, false);
     }
 
     /// How many pairs may have an impulse.
@@ -118,16 +121,20 @@ impl Solver {
     ) -> Approach {
         let (mut last, mut largest) = (last.iter().peekable(), Approach::default());
         let known = self.contacts.len();
-        self.passed_by.clear();
+        self.set_aside.clear();
+        self.has_late = false;
         for near in near {
             while last.next_if(|(pair, _)| *pair < near.pair).is_some() {}
             if self.contacts[..known].binary_search_by_key(&near.pair, |contact| contact.pair).is_ok() {
                 continue;
             }
-            let Some(mut contact) = Contact::of(near, of, inverse_masses, drifting) else { continue };
-            if !comes_too_near(near, contact.gap_after(near, drifting), positions, drifting) {
+            let is_oblique = near.is_oblique(positions, drifting);
+            let Some(mut contact) = Contact::of(near, is_oblique, of, inverse_masses, drifting) else { continue };
+            let is_late = is_oblique && !self.takes_oblique;
+            self.has_late |= is_late;
+            if is_late || !comes_too_near(near, contact.least, contact.gap_after(near, drifting), positions, drifting) {
                 let listed = Listed { pair: near.pair, kept: near.kept };
-                self.passed_by.push(Watched { listed, room: f64::NEG_INFINITY });
+                self.set_aside.push(Watched { listed, room: f64::NEG_INFINITY });
                 continue;
             }
             if of.restitution > 0.0 {
@@ -141,6 +148,7 @@ impl Solver {
             }
             self.contacts.push(contact);
         }
+        self.takes_oblique = true;
         if known > 0 {
             self.contacts.sort_unstable_by_key(|contact| contact.pair);
         }
