@@ -1,4 +1,4 @@
-//! Contact at borders: over edges within a layer, beside free edges, and off the edge of a fold.
+//! Contact at borders: over edges within a layer, beside free edges, off the edge of a fold, and of edges that swing.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
@@ -109,4 +109,30 @@ fn a_node_on_an_edge_that_stands_upright_stays_there() {
             assert!((height - kept).abs() < 1e-3, "{dt}, {speed}: {height}");
         }
     }
+}
+
+#[test]
+fn an_edge_whose_other_end_swings_through_another_is_stopped() {
+    let mut scene = Scene::new();
+    // Its edge is along x.
+    let held = scene.add(&[[-1e-3, 0.0, 0.0], [2e-3, 0.0, 0.0], [5e-4, -3e-3, 0.0]], &[[0, 1, 2]], [0.0; 3]);
+    scene.hold(held);
+    // An edge across it at 2.75 d_m, which turns about its middle by 8 d_m a step at both ends, and slides such that
+    // the end that sinks comes above the other edge: the closest points of the start do not approach.
+    let slide = 20.0 * KEPT;
+    let ends = [[2e-4, -slide, 1.5 * KEPT], [6e-4, slide, 4.0 * KEPT], [4e-4, 0.0, 3.5e-4]];
+    let upper = scene.add(&ends, &[[0, 1, 2]], [0.0; 3]);
+    let dt = 1e-5;
+    for (node, rise) in upper.clone().zip([8.0, -8.0, 0.0]) {
+        scene.model.velocities[node] = [0.0, -0.8 * slide / dt, rise * KEPT / dt];
+    }
+    scene.dt = Some(dt);
+    let mut simulation = scene.started();
+    simulation.step(1).unwrap();
+    let x = simulation.positions();
+    let [first, second] = [x[upper.start], x[upper.start + 1]];
+    let share = first[1] / (first[1] - second[1]);
+    let height = first[2] + share * (second[2] - first[2]);
+    assert!((0.0..1.0).contains(&share) && (0.9 * KEPT..1.1 * KEPT).contains(&height), "{share}: {}", height / KEPT);
+    assert!(work(&simulation) < 0.0);
 }

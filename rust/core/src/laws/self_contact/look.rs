@@ -7,11 +7,13 @@
 //!
 //! so that what is not below a bound stays apart by it, whatever happens between.
 
+use std::array::from_fn;
+
 use super::pairs::{Eight, Lines, Listed, Moving, Pairs};
 use super::surface::{Pair, Surface};
 use crate::contact::closest::{Closest, edge_edge, node_triangle};
 use crate::simd::dispatch::{InstructionSet, Kernel};
-use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, sub};
+use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, scale, sub, sum};
 
 /// Levels of a list.
 pub(super) const LEVELS: usize = 8;
@@ -44,14 +46,15 @@ pub(super) struct Raise<'a> {
 }
 
 /// A pair that may come near within a step, and by how much more its closest points are apart at its end than they must
-/// be \[m\].
+/// be, or all points of a fast one throughout it \[m\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watched {
     pub(super) listed: Listed,
     pub(super) room: f64,
 }
 
-/// A pair that would come nearer than it keeps within a step, if its closest points stayed the same.
+/// A pair that would come nearer than it keeps within a step, if its closest points stayed the same, or a fast one that
+/// may.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Near {
     pub(super) pair: Pair,
@@ -76,14 +79,19 @@ struct Look<'a> {
     near: &'a mut Vec<Near>,
 }
 
-/// The closest points, and the least distance along the gap until the end of straight lines, times its length.
+/// The closest points.
 #[inline(always)]
-fn measure<V: SimdF64, const EDGES: bool>(x: [Vec3<V>; 4], v: [Vec3<V>; 4], duration: V) -> (Closest<V>, V) {
-    let found = if EDGES { edge_edge(x) } else { node_triangle(x) };
+fn closest<V: SimdF64, const EDGES: bool>(x: [Vec3<V>; 4]) -> Closest<V> {
+    if EDGES { edge_edge(x) } else { node_triangle(x) }
+}
+
+/// The least distance along a vector until the end of straight lines, times its length.
+#[inline(always)]
+fn least_along<V: SimdF64, const EDGES: bool>(n: Vec3<V>, x: &[Vec3<V>; 4], v: &[Vec3<V>; 4], duration: V) -> V {
     let (mut now, mut then) = ([V::zero(); 4], [V::zero(); 4]);
     for corner in 1..4 {
-        now[corner] = dot(found.gap, sub(x[corner], x[0]));
-        then[corner] = now[corner] + duration * dot(found.gap, sub(v[corner], v[0]));
+        now[corner] = dot(n, sub(x[corner], x[0]));
+        then[corner] = now[corner] + duration * dot(n, sub(v[corner], v[0]));
     }
     let mut least = V::all(f64::INFINITY);
     for along in [now, then] {
@@ -91,12 +99,13 @@ fn measure<V: SimdF64, const EDGES: bool>(x: [Vec3<V>; 4], v: [Vec3<V>; 4], dura
         let back = if EDGES { along[2].max(along[3]) } else { along[1].max(along[2]).max(along[3]) };
         least = least.min(front - back);
     }
-    (found, least)
+    least
 }
 
 /// Eight pairs on straight lines.
 struct Measured<V> {
     eight: Eight,
+    positions: [Vec3<V>; 4],
     velocities: [Vec3<V>; 4],
     found: Closest<V>,
     /// Length of the gap.
@@ -109,11 +118,29 @@ impl<V: SimdF64> Measured<V> {
     #[inline(always)]
     fn of<const EDGES: bool>(surface: &Surface, lines: Lines<'_>, bound: f64, pairs: &[Listed]) -> Self {
         let eight = Eight::of::<EDGES>(surface, pairs);
-        let [x, velocities] = eight.gather::<V>(lines.nodes);
-        let (found, least) = measure::<V, EDGES>(x, velocities, V::all(lines.duration));
+        let [positions, velocities] = eight.gather::<V>(lines.nodes);
+        let found = closest::<V, EDGES>(positions);
+        let least = least_along::<V, EDGES>(found.gap, &positions, &velocities, V::all(lines.duration));
         let length = dot(found.gap, found.gap).sqrt();
         let excess = least - (V::load(&eight.kept) + V::all(bound)) * length - V::all(TINY);
-        Self { eight, velocities, found, length, excess }
+        Self { eight, positions, velocities, found, length, excess }
+    }
+
+    /// By how much more they stay apart than each keeps, at least \[m\]: along the gap of the start, that of the end,
+    /// and their bisector.
+    #[inline(always)]
+    fn least_room<const EDGES: bool>(&self, duration: V) -> V {
+        let (x, v) = (&self.positions, &self.velocities);
+        let end = from_fn(|corner| sum(x[corner], scale(duration, v[corner])));
+        let (start, end) = (self.found.gap, closest::<V, EDGES>(end).gap);
+        let unit = |n: Vec3<V>| scale(V::all(1.0) / dot(n, n).sqrt(), n);
+        let mut room = V::all(f64::NEG_INFINITY);
+        for n in [start, end, sum(unit(start), unit(end))] {
+            let least = least_along::<V, EDGES>(n, x, v, duration) - V::all(TINY);
+            // A gap of 0 has no direction: the larger is the other of what is no number.
+            room = (least / dot(n, n).sqrt() - V::load(&self.eight.kept)).max(room);
+        }
+        room
     }
 }
 
@@ -154,7 +181,7 @@ fn raise<V: SimdF64, const EDGES: bool>(surface: &Surface, nodes: &[Moving], sha
     for pairs in pairs.chunks_mut(LANES) {
         let eight = Eight::of::<EDGES>(surface, pairs);
         let [x, _] = eight.gather::<V>(nodes);
-        let found = if EDGES { edge_edge(x) } else { node_triangle(x) };
+        let found = closest::<V, EDGES>(x);
         let length = dot(found.gap, found.gap).sqrt().lanes();
         for lane in 0..eight.count {
             let Listed { pair, kept } = &mut pairs[lane];
@@ -180,17 +207,18 @@ impl Look<'_> {
     fn of_kind<V: SimdF64, const EDGES: bool>(&mut self, pairs: &[Listed]) {
         let duration = V::all(self.lines.duration);
         for pairs in pairs.chunks(LANES) {
-            let Measured { eight, velocities: v, found, length, excess } =
-                Measured::<V>::of::<EDGES>(self.surface, self.lines, self.bound, pairs);
+            let measured = Measured::<V>::of::<EDGES>(self.surface, self.lines, self.bound, pairs);
+            let Measured { eight, velocities: v, found, length, excess, .. } = &measured;
             let (kept, mut excess) = (eight.kept, excess.lanes());
             // Most eights have none.
             if is_none_below(excess) {
                 continue;
             }
+            let fast = is_fast::<V, EDGES>(v, duration, V::load(&kept)).lanes();
             if EDGES {
-                let counts = inner_edges(&found).max(is_fast(v, duration, V::load(&kept))).lanes();
+                let counts = inner_edges(found).lanes();
                 for lane in 0..eight.count {
-                    if counts.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane].pair) {
+                    if counts.0[lane] == 0.0 && fast.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane].pair) {
                         excess.0[lane] = f64::INFINITY;
                     }
                 }
@@ -204,9 +232,17 @@ impl Look<'_> {
                     approach += found.gap[axis] * (found.weights[corner] * v[corner][axis]);
                 }
             }
-            let room = length - V::load(&kept);
-            let short = (approach - least_approach(room, duration, V::all(self.share_of_depth)) * length).lanes();
-            let length = length.lanes();
+            let beyond = *length - V::load(&kept);
+            let least = least_approach(beyond, duration, V::all(self.share_of_depth));
+            let mut room = ((approach - least * *length) / *length * duration).lanes();
+            if fast.0.iter().any(|fast| *fast != 0.0) {
+                let apart = measured.least_room::<EDGES>(duration).lanes();
+                for lane in 0..eight.count {
+                    if fast.0[lane] != 0.0 {
+                        room.0[lane] = apart.0[lane];
+                    }
+                }
+            }
             let (mut weights, mut gap) = ([F64x8::ZERO; 4], [F64x8::ZERO; 3]);
             for corner in 0..4 {
                 weights[corner] = found.weights[corner].lanes();
@@ -218,7 +254,7 @@ impl Look<'_> {
                 if excess.0[lane] >= 0.0 {
                     continue;
                 }
-                if short.0[lane] < 0.0 {
+                if room.0[lane] < 0.0 {
                     self.near.push(Near {
                         pair: pairs[lane].pair,
                         nodes: eight.nodes.map(|nodes| nodes[lane]),
@@ -228,8 +264,7 @@ impl Look<'_> {
                         touching: self.surface.touching(pairs[lane].pair),
                     });
                 } else {
-                    let room = short.0[lane] / length.0[lane] * self.lines.duration;
-                    self.watched.push(Watched { listed: pairs[lane], room });
+                    self.watched.push(Watched { listed: pairs[lane], room: room.0[lane] });
                 }
             }
         }
@@ -266,11 +301,14 @@ fn inner_edges<V: SimdF64>(found: &Closest<V>) -> V {
     inner
 }
 
-/// 1 where ends of two edges move further within a step than the pair keeps, so that other points may come together.
+/// 1 where nodes of a pair move further past each other within a step than it keeps, so that other points than the
+/// closest ones of its start may come together.
 #[inline(always)]
-fn is_fast<V: SimdF64>(v: [Vec3<V>; 4], duration: V, kept: V) -> V {
+fn is_fast<V: SimdF64, const EDGES: bool>(v: &[Vec3<V>; 4], duration: V, kept: V) -> V {
+    let of_edges: &[[usize; 2]] = &[[0, 2], [0, 3], [1, 2], [1, 3]];
+    let of_node: &[[usize; 2]] = &[[0, 1], [0, 2], [0, 3]];
     let mut square = V::zero();
-    for [first, second] in [[0, 2], [0, 3], [1, 2], [1, 3]] {
+    for &[first, second] in if EDGES { of_edges } else { of_node } {
         let apart = sub(v[first], v[second]);
         square = square.max(dot(apart, apart));
     }
