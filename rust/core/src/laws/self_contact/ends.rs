@@ -8,9 +8,9 @@
 //!
 //!     n . sum of w_q (x_q + dt u_q) >= d_m    or   v_n >= (d_m - n . sum of w_q x_q) / dt
 //!
-//! and are swept again: sequential linearisation of the constraint at the end of the step. It replaces what restitution
-//! asks for, of few pairs: what rebounds is seldom near at the end. The next step begins with the impulse of the last
-//! round alone.
+//! with less than d_m where the gap is oblique, and are swept again: sequential linearisation of the constraint at the
+//! end of the step. It replaces what restitution asks for, of few pairs: what rebounds is seldom near at the end. The
+//! next step begins with the impulse of the last round alone.
 
 use nalgebra::Vector3;
 
@@ -28,7 +28,7 @@ pub(super) const ENOUGH: f64 = 0.9;
 
 /// The closest points of a pair and the normal of its layers, for the positions of its nodes.
 pub(super) struct Ends {
-    pub(super) weights: [f64; 4],
+    weights: [f64; 4],
     pub(super) gap: Vector3<f64>,
     pub(super) normal: Vector3<f64>,
 }

@@ -214,11 +214,11 @@ impl Look<'_> {
             if is_none_below(excess) {
                 continue;
             }
-            let fast = is_fast::<V, EDGES>(v, duration, V::load(&kept)).lanes();
+            let fast = is_fast::<V, EDGES>(v, duration, V::load(&kept));
             if EDGES {
-                let counts = inner_edges(found).lanes();
+                let counts = inner_edges(found).max(fast).lanes();
                 for lane in 0..eight.count {
-                    if counts.0[lane] == 0.0 && fast.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane].pair) {
+                    if counts.0[lane] == 0.0 && !self.surface.has_cord(pairs[lane].pair) {
                         excess.0[lane] = f64::INFINITY;
                     }
                 }
@@ -234,15 +234,11 @@ impl Look<'_> {
             }
             let beyond = *length - V::load(&kept);
             let least = least_approach(beyond, duration, V::all(self.share_of_depth));
-            let mut room = ((approach - least * *length) / *length * duration).lanes();
-            if fast.0.iter().any(|fast| *fast != 0.0) {
-                let apart = measured.least_room::<EDGES>(duration).lanes();
-                for lane in 0..eight.count {
-                    if fast.0[lane] != 0.0 {
-                        room.0[lane] = apart.0[lane];
-                    }
-                }
+            let mut room = (approach - least * *length) / *length * duration;
+            if fast.lanes().0.iter().any(|fast| *fast != 0.0) {
+                room = V::zero().below(fast, measured.least_room::<EDGES>(duration), room);
             }
+            let room = room.lanes();
             let (mut weights, mut gap) = ([F64x8::ZERO; 4], [F64x8::ZERO; 3]);
             for corner in 0..4 {
                 weights[corner] = found.weights[corner].lanes();
