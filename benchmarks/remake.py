@@ -72,6 +72,11 @@ PARTS = (
         [("tools/docs/free_hub.py", "--write")],
     ),
     Part(
+        "bending",
+        "docs/bending.md: beams and plates with closed forms, and the cost of bending",
+        [("tools/docs/bending.py", "--write")],
+    ),
+    Part(
         "contact",
         "docs/contact.md: contact between layers, its cost, and what it changes",
         [("tools/docs/contact.py", "--write")],

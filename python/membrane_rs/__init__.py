@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.bodies import Cylinder, Plane
     from membrane_rs.scene.laws import (
         AirDrag,
+        Bending,
         Creases,
         Gravity,
         MassDamping,
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AirDrag",
     "AuditWarning",
+    "Bending",
     "Bridges",
     "Creases",
     "Cylinder",
@@ -134,6 +136,7 @@ _PLACES = {
     "membrane_rs.scene.bodies": ("Cylinder", "Plane"),
     "membrane_rs.scene.laws": (
         "AirDrag",
+        "Bending",
         "Creases",
         "Gravity",
         "MassDamping",

@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 
 from membrane_rs._validation import check_kind, flag_of
 from membrane_rs._warning import warn
+from membrane_rs.check.bending import form_of_bending, wrinkles_twice
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
 from membrane_rs.check.film_law import film_law
@@ -53,6 +54,8 @@ CHECKS: list[Check] = [
     touching_layers,
     laws_beside_free_hub,
     film_law,
+    form_of_bending,
+    wrinkles_twice,
     supports,
     spool,
     sail_round_spool,

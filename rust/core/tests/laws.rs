@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use common::toys::WearingFriction;
 use common::{
-    Bench, Dice, acts_by_impulses, creases, every_law, every_law_with, films, gravity, law_sets, methods, sheet,
-    simulation_of, spin,
+    Bench, Dice, acts_by_impulses, creases, every_form, every_law, every_law_with, films, gravity, law_sets, methods,
+    sheet, simulation_of, spin,
 };
 use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
@@ -143,7 +143,7 @@ fn moving() -> Model {
 fn every_law_works_with_every_method_and_restarts_with_the_same_bits() {
     // Each law of force with each film, and a law with a history outside the list.
     for (film, law) in films().flat_map(|film| {
-        let others = LawSpec::examples().into_iter().filter(|law| law.film().is_none() && !acts_by_impulses(law));
+        let others = every_form().filter(|law| law.film().is_none() && !acts_by_impulses(law));
         others.map(move |law| (film.clone(), law))
     }) {
         let laws = [film, law];

@@ -4,7 +4,7 @@
 mod common;
 
 use common::toys::SEMI_IMPLICIT_EULER;
-use common::{Dice, acts_by_impulses, films, sheet, simulation_of};
+use common::{Dice, acts_by_impulses, every_form, films, sheet, simulation_of};
 use membrane_core::arrays::blocks::{TILE, row_blocks, rows_of, tiles};
 use membrane_core::arrays::history::History;
 use membrane_core::arrays::state::{NodeVectors, State, rows, rows_mut};
@@ -121,7 +121,7 @@ fn nets_of_three_tiles() -> [Model; 2] {
 
 /// Every law of force alone; damping with each film, whose elements it has.
 fn scenes() -> impl Iterator<Item = (Model, Vec<LawSpec>)> {
-    let forces = LawSpec::examples().into_iter().filter(|law| !acts_by_impulses(law));
+    let forces = every_form().filter(|law| !acts_by_impulses(law));
     let of_film = forces.flat_map(|law| match law {
         LawSpec::SpringDamping(_) => films().map(|film| vec![film, law.clone()]).collect(),
         _ => vec![vec![law]],

@@ -5,10 +5,10 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use common::{Bench, every_law_with, film, films, law_sets, sheet};
+use common::{Bench, every_law_with, every_law_with_hinges, films, law_sets, sheet};
 use membrane_core::arrays::jacobian::{Block, JacobianBlocks};
 use membrane_core::arrays::state::{NodeVectors, State};
-use membrane_core::laws::{FilmElements, Instant, Law, Linearisation, WorkClass};
+use membrane_core::laws::{Instant, Law, Linearisation, WorkClass};
 use membrane_core::linear::tangent::{Tangent, Weights};
 use nalgebra::{DMatrix, DVector};
 
@@ -216,7 +216,7 @@ fn the_tangent_solves_as_the_dense_matrix_does() {
 #[test]
 fn the_order_of_elimination_keeps_the_factor_sparse() {
     let numbers = |side: usize| {
-        let bench = Bench::new(sheet(side, side, 0.01), &every_law_with(film(FilmElements::Links)));
+        let bench = Bench::new(sheet(side, side, 0.01), &every_law_with_hinges());
         tangent_of(&bench.laws, &bench.assembly.inverse_masses).factor_size()
     };
     // A banded factor would grow eightfold, by n^(3/2) against n log n, with 3 n^(3/2) blocks.

@@ -16,6 +16,7 @@ from membrane_rs._on_demand import OnDemand
 if TYPE_CHECKING:
     from membrane_rs.scene.law import Law
     from membrane_rs.scene.laws.air_drag import AirDrag
+    from membrane_rs.scene.laws.bending import Bending
     from membrane_rs.scene.laws.catalogue import LAWS
     from membrane_rs.scene.laws.creases import Creases
     from membrane_rs.scene.laws.gravity import Gravity
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = [
     "LAWS",
     "AirDrag",
+    "Bending",
     "Creases",
     "Gravity",
     "Law",
@@ -50,6 +52,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
         {
             "membrane_rs.scene.law": ("Law",),
             "membrane_rs.scene.laws.air_drag": ("AirDrag",),
+            "membrane_rs.scene.laws.bending": ("Bending",),
             "membrane_rs.scene.laws.catalogue": ("LAWS",),
             "membrane_rs.scene.laws.creases": ("Creases",),
             "membrane_rs.scene.laws.gravity": ("Gravity",),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from membrane_rs.scene.law import Law
 from membrane_rs.scene.laws.air_drag import AirDrag
+from membrane_rs.scene.laws.bending import Bending
 from membrane_rs.scene.laws.creases import Creases
 from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
@@ -22,6 +23,7 @@ LAWS: dict[str, type[Law]] = {
         Triangles,
         SpringDamping,
         Creases,
+        Bending,
         AirDrag,
         Spin,
         Gravity,

@@ -3,6 +3,8 @@
 
 pub(crate) mod facet;
 pub(crate) mod hinge;
+pub(crate) mod hinge_set;
+pub(crate) mod hinge_tangent;
 pub mod link;
 pub mod stress;
 pub(crate) mod triangle;

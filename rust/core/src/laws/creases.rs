@@ -5,12 +5,10 @@
 //!
 //!     kappa = beta E J L / H   [N m/rad]
 //!     u     = kappa/2 (theta - theta0)^2 + (gamma - 1) kappa/2 (min(theta, 0)^2 + max(theta - 2 pi, 0)^2)   [J]
-//!     U     = w_C w_D u,   w = (1 + c^2) A^2 / (A^2 + (c A0)^2)
+//!     U     = w_C w_D u   with the weights of `elements::hinge`
 //!
-//! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A is the present and
-//! A0 the reference area of a facet, at which w = 1: a crease of unstrained facets has exactly kappa. Without the
-//! weights w the force on an apex, u'/height, is singular as a facet collapses, and a run gains energy there.
-//! With |AB|/(4 A^2 + 4 (c A0)^2) the weighted force has no singularity.
+//! and every force is -dU/dx, so that the law conserves energy and does not resist rigid motion. A crease of unstrained
+//! facets has w = 1, and exactly kappa.
 //!
 //! theta is a signed atan2 of the normals of the facets. The sign of the fold angle gives the side to which a crease
 //! folds (valley +1, mountain -1). One that is folded against its side has more than pi, and is shut at 2 pi (`sides`).
@@ -18,7 +16,6 @@
 //! are added here.
 
 mod sides;
-mod stiffness;
 mod tangent;
 
 use std::f64::consts::TAU;
@@ -26,7 +23,6 @@ use std::f64::consts::TAU;
 use serde::Deserialize;
 
 use self::sides::Sides;
-use self::stiffness::StiffnessKernel;
 use super::{
     Context, HistoryDependent, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass,
 };
@@ -35,13 +31,12 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::hinge::{Facets, oriented};
+use crate::elements::hinge::Facets;
+use crate::elements::hinge_set::{HingeSet, HingeSize};
 use crate::error::Result;
-use crate::layout::{CHUNK, Coded, ElementSet, Entry, merged};
 use crate::model::checks::{finite, non_negative, positive};
-use crate::model::mesh;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, cross, dot, negate, scale, sum};
+use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Parameters of the creases.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -69,87 +64,15 @@ impl LawParameters for CreaseParameters {
     }
 }
 
-/// The law: all creases, in batches of eight. The nodes of an element are A, B, C, D.
+/// The law: all creases.
 struct Creases {
-    elements: ElementSet<4>,
-    parameters: Coded<Parameters>,
+    hinges: HingeSet,
     sides: Sides,
     contact_penalty: f64,
     natural_angle: f64,
     /// Whether c is zero; the force is then singular as a facet collapses.
     is_singular: bool,
     instructions: InstructionSet,
-}
-
-/// Parameters of a batch.
-#[derive(Debug, Clone, Copy)]
-struct Parameters {
-    /// +1 valley, -1 mountain.
-    sign: F64x8,
-    /// (1 + c^2)^2 kappa, with the constant factors of both weights [N m/rad].
-    stiffness: F64x8,
-    /// 4 (c A0)^2 of facet C and of facet D [m4].
-    softening: [F64x8; 2],
-}
-
-impl Entry for Parameters {
-    type Key = [[u64; LANES]; 4];
-
-    fn key(&self) -> Self::Key {
-        [self.sign, self.stiffness, self.softening[0], self.softening[1]].map(|values| values.key())
-    }
-}
-
-/// Factors of the normals of facets C and D in the forces of a batch.
-#[derive(Clone, Copy)]
-struct Factors<V> {
-    /// Of the moment, for forces normal to the facets.
-    normal: [V; 2],
-    /// Of the weights w, for forces in the planes of the facets.
-    in_plane: [V; 2],
-    /// Shares of the normal forces that B bears.
-    at_b: [V; 2],
-}
-
-impl<V: SimdF64> Factors<V> {
-    /// From u [J] and du/dtheta [N m] of creases with these facets.
-    #[inline(always)]
-    fn new(facets: &Facets<V>, parameters: &Parameters, energy: V, moment: V) -> Self {
-        let [soft_c, soft_d] = [V::load(&parameters.softening[0]), V::load(&parameters.softening[1])];
-        let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
-        // 1/(q + s) of each facet, with q the square of its normal, by one division: w = q/(q + s), up to the factor
-        // 1 + c^2 in the stiffness.
-        let (root_c, root_d) = (square_c + soft_c, square_d + soft_d);
-        let both = V::all(1.0) / (root_c * root_d);
-        let (share_c, share_d) = (root_d * both, root_c * both);
-        let (weight_c, weight_d) = (square_c * share_c, square_d * share_d);
-        // theta = pi - sign * fold angle, so that the force -M dtheta/dx is sign M d(fold angle)/dx. The gradient of
-        // the fold angle at C, times w_C, is |AB| n_C / (q_C + s_C).
-        let normal = V::load(&parameters.sign) * moment * facets.length;
-        // -u dw/dx: dw/dq = s/(q + s)^2 and dq/dP = 2 n x (opposite side, directed around the facet).
-        let in_plane = V::all(-2.0) * energy;
-        Self {
-            normal: [normal * weight_d * share_c, normal * weight_c * share_d],
-            in_plane: [
-                in_plane * weight_d * soft_c * share_c * share_c,
-                in_plane * weight_c * soft_d * share_d * share_d,
-            ],
-            at_b: facets.shares_at_b(),
-        }
-    }
-
-    /// The forces on A, B, C and D.
-    #[inline(always)]
-    fn forces(&self, facets: &Facets<V>) -> [Vec3<V>; 4] {
-        let (normal_c, normal_d) = (scale(self.normal[0], facets.normal_c), scale(self.normal[1], facets.normal_d));
-        let (in_plane_c, in_plane_d) =
-            (scale(self.in_plane[0], facets.normal_c), scale(self.in_plane[1], facets.normal_d));
-        let at_c = sum(normal_c, cross(in_plane_c, facets.e));
-        let at_d = sum(normal_d, cross(facets.e, in_plane_d));
-        let normal_b = sum(scale(self.at_b[0], normal_c), scale(self.at_b[1], normal_d));
-        let at_b = sum(normal_b, sum(cross(facets.c, in_plane_c), cross(in_plane_d, facets.d)));
-        [negate(sum(at_b, sum(at_c, at_d))), at_b, at_c, at_d]
-    }
 }
 
 impl Creases {
@@ -161,47 +84,14 @@ impl Creases {
         non_negative("collapse of the creases", collapse)?;
         length_scale.map_or(Ok(()), |length| positive("length scale of the creases [m]", length))?;
         let bending = assembly.model.film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0);
-        // L and the areas of facet C and of facet D in the reference.
-        let sizes: Vec<(f64, [f64; 2])> = assembly
-            .hinges
-            .iter()
-            .map(|hinge| {
-                let [a, b, c, d] = hinge.nodes.map(|node| assembly.mesh.reference[node as usize]);
-                let e = mesh::sub(b, a);
-                let areas = [c, d].map(|apex| {
-                    let normal = mesh::cross(e, mesh::sub(apex, a));
-                    0.5 * mesh::dot(normal, normal).sqrt()
-                });
-                (mesh::dot(e, e).sqrt(), areas)
-            })
-            .collect();
-        let (nodes, is_exchanged): (Vec<[u32; 4]>, Vec<bool>) =
-            assembly.hinges.iter().map(|hinge| oriented(hinge.nodes, &assembly.numbering)).unzip();
-        let elements = ElementSet::new(&nodes, assembly.masses.len());
-        let packed = |padding: f64, value: &dyn Fn(usize) -> f64| {
-            let values = merged((0..sizes.len()).map(value).collect());
-            elements.pack(padding, |row| values[row])
-        };
-        let softening = |facet: usize| {
-            packed(1.0, &|row| 4.0 * (collapse * sizes[row].1[facet ^ usize::from(is_exchanged[row])]).powi(2))
-        };
-        let sign = elements.pack(1.0, |row| assembly.model.creases.fold_signs[row]);
-        let stiffness = packed(0.0, &|row| {
-            let (length, areas) = sizes[row];
+        let sign = |row: usize| assembly.model.creases.fold_signs[row];
+        let hinges = HingeSet::new(assembly, &assembly.hinges, collapse, sign, |_, HingeSize { length, areas }| {
             let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
-            let at_reference = 1.0 + collapse * collapse;
-            stiffness * bending * length / height * (at_reference * at_reference)
+            stiffness * bending * length / height
         });
-        let softening = [softening(0), softening(1)];
-        let of_batch = |batch: usize| Parameters {
-            sign: sign[batch],
-            stiffness: stiffness[batch],
-            softening: [softening[0][batch], softening[1][batch]],
-        };
         Ok(Self {
-            parameters: Coded::new((0..elements.batch_count()).map(of_batch)),
-            sides: Sides::own(&elements),
-            elements,
+            sides: Sides::own(&hinges.elements),
+            hinges,
             contact_penalty,
             natural_angle,
             is_singular: collapse == 0.0,
@@ -211,8 +101,8 @@ impl Creases {
 
     /// Facets and angles [rad] of a batch.
     fn facets(&self, x: Columns<'_>, batch: usize) -> (Facets, F64x8) {
-        let facets = Facets::new(self.elements.read_any(x, batch));
-        let angle = facets.angle(self.parameters[batch].sign, self.sides.least_angles()[batch]);
+        let facets = Facets::new(self.hinges.elements.read_any(x, batch));
+        let angle = facets.angle(self.hinges.parameters[batch].sign, self.sides.least_angles()[batch]);
         (facets, angle)
     }
 
@@ -226,9 +116,7 @@ impl Creases {
     }
 }
 
-/// Adds -dU/dx to the forces, in chunks of batches. The path from the positions of a batch to its forces is a long
-/// chain of dependent operations, and the instruction window of a processor holds little more than one batch. Two
-/// stages over a chunk, first angles, roots and divisions, then vectors, have shorter chains that overlap.
+/// Adds -dU/dx of the creases of one tile to the forces.
 struct MomentKernel<'a> {
     creases: &'a Creases,
     tile: usize,
@@ -239,26 +127,16 @@ struct MomentKernel<'a> {
 impl BatchKernel for MomentKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let positions = pass.reader(self.positions);
-        let mut sums = pass.adder(&mut self.forces);
-        let parameters = self.creases.parameters.of(&pass);
-        let least_angles = pass.of(self.creases.sides.least_angles());
-        let zeros = [V::zero(); 2];
-        let mut factors = [Factors { normal: zeros, in_plane: zeros, at_b: zeros }; CHUNK];
-        for chunk in pass.chunks_of_batches() {
-            for (batch, factors) in chunk.clone().zip(&mut factors) {
-                let parameters = &parameters[batch];
-                let facets = Facets::new(positions.read::<V>(batch));
-                let angle = facets.angle(V::load(&parameters.sign), V::load(&least_angles[batch]));
-                let (energy, moment) = self.creases.potential(V::load(&parameters.stiffness), angle);
-                *factors = Factors::new(&facets, parameters, energy, moment);
-            }
-            for (batch, factors) in chunk.zip(&factors) {
-                let forces = factors.forces(&Facets::new(positions.read::<V>(batch)));
-                sums.add(batch, forces);
-            }
-        }
+        let Self { creases, tile, positions, forces } = self;
+        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
+        let least_angles = pass.of(creases.sides.least_angles());
+        creases.hinges.add_forces::<V, KIND>(pass, *positions, forces, |batch, parameters, facets| {
+            let sign = V::load(&parameters.sign);
+            let angle = facets.angle(sign, V::load(&least_angles[batch]));
+            let (energy, moment) = creases.potential(V::load(&parameters.stiffness), angle);
+            // theta = pi - sign phi.
+            (energy, sign * moment)
+        });
         V::zero()
     }
 }
@@ -273,20 +151,32 @@ struct EnergyKernel<'a> {
 impl BatchKernel for EnergyKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.creases.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let positions = pass.reader(self.positions);
-        let parameters = self.creases.parameters.of(&pass);
-        let least_angles = pass.of(self.creases.sides.least_angles());
-        let mut energy = V::zero();
-        for batch in 0..pass.len() {
-            let Parameters { sign, stiffness, softening: [soft_c, soft_d] } = &parameters[batch];
-            let facets = Facets::new(positions.read::<V>(batch));
-            let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
-            let weight = square_c / (square_c + V::load(soft_c)) * square_d / (square_d + V::load(soft_d));
-            let angle = facets.angle(V::load(sign), V::load(&least_angles[batch]));
-            energy += weight * self.creases.potential(V::load(stiffness), angle).0;
-        }
-        energy
+        let Self { creases, tile, positions } = self;
+        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
+        let least_angles = pass.of(creases.sides.least_angles());
+        creases.hinges.energy::<V, KIND>(pass, *positions, |batch, parameters, facets| {
+            let angle = facets.angle(V::load(&parameters.sign), V::load(&least_angles[batch]));
+            creases.potential(V::load(&parameters.stiffness), angle).0
+        })
+    }
+}
+
+/// Adds K p of the creases of one tile, with every crease in contact.
+struct StiffnessKernel<'a> {
+    creases: &'a Creases,
+    tile: usize,
+    positions: Columns<'a>,
+    p: Columns<'a>,
+    out: ColumnsMut<'a>,
+}
+
+impl BatchKernel for StiffnessKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Self { creases, tile, positions, p, out } = self;
+        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
+        creases.hinges.add_stiffness::<V, KIND>(pass, *positions, *p, out, creases.contact_penalty.max(1.0));
+        V::zero()
     }
 }
 
@@ -305,7 +195,7 @@ impl Law for Creases {
     }
 
     fn reach(&self, tile: usize) -> usize {
-        self.elements.reach(tile)
+        self.hinges.elements.reach(tile)
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
@@ -358,7 +248,7 @@ impl Linearisation for Creases {
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+        self.hinges.elements.each().for_each(|(.., nodes)| visit(&nodes));
     }
 
     fn add_jacobian(&self, at: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
@@ -369,15 +259,15 @@ impl Linearisation for Creases {
 impl Inspection for Creases {
     fn crease_angles(&self, at: Instant<'_>) -> Option<Vec<f64>> {
         let x = Columns::of(at.positions);
-        let angles = (0..self.elements.batch_count()).map(|batch| self.facets(x, batch).1);
-        Some(self.elements.unpack(angles))
+        let angles = (0..self.hinges.elements.batch_count()).map(|batch| self.facets(x, batch).1);
+        Some(self.hinges.elements.unpack(angles))
     }
 
     fn lanes(&self) -> [usize; 2] {
-        self.elements.lanes()
+        self.hinges.elements.lanes()
     }
 
     fn contiguous_share(&self) -> Option<f64> {
-        Some(self.elements.contiguous_share())
+        Some(self.hinges.elements.contiguous_share())
     }
 }

@@ -114,6 +114,8 @@ laws! {
     "spring_damping" SpringDamping(spring_damping::DampingParameters),
     /// Crease stiffness and contact between the two facets, eqs. (3) and (4).
     "creases" Creases(creases::CreaseParameters),
+    /// Bending stiffness of the film between its creases.
+    "bending" Bending(bending::BendingParameters),
     /// Drag of the residual air, eq. (5).
     "air_drag" AirDrag(air_drag::AirDragParameters),
     /// The frame that turns with the hub.

@@ -4,6 +4,7 @@
 //! along links, which may share a pass), `Impulses`, `Linearisation`, `Inspection`, `HistoryDependent`.
 
 mod air_drag;
+mod bending;
 mod body;
 mod body_friction;
 mod bridges;
@@ -36,6 +37,7 @@ use crate::error::Result;
 use crate::layout::Coded;
 
 pub use air_drag::AirMotion;
+pub use bending::BendingForm;
 pub use body::{BodyShape, FeltBy};
 pub use history_dependent::HistoryDependent;
 pub use impulses::Impulses;

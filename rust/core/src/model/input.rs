@@ -229,4 +229,9 @@ impl Film {
             "it lies between -1 and 0.5",
         )
     }
+
+    /// D = E h^3 / (12 (1 - nu^2)), the bending stiffness of a plate per width \[N m\].
+    pub fn bending_stiffness(&self) -> f64 {
+        self.youngs_modulus * self.thickness.powi(3) / (12.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
+    }
 }

@@ -24,6 +24,10 @@ pub struct Hinge {
     pub edge: u32,
 }
 
+/// No apex on one side of an edge, and more than one.
+const NONE: u32 = u32::MAX;
+const TWICE: u32 = u32::MAX - 1;
+
 /// Unique sorted edges of `triangles`, and the three edges of each triangle (edge k opposite corner k).
 pub fn unique_edges(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
     let sides_of = |&[a, b, c]: &[u32; 3]| [(b, c), (c, a), (a, b)].map(|(i, j)| (i.min(j), i.max(j)));
@@ -107,6 +111,26 @@ impl Mesh {
         Ok(masses)
     }
 
+    /// Apexes on the left [0] and on the right [1] of each edge, directed from its lower to its higher node.
+    fn apexes(&self) -> Vec<[u32; 2]> {
+        let mut apexes = vec![[NONE; 2]; self.edges.len()];
+        for (nodes, edges) in self.triangles.iter().zip(&self.triangle_edges) {
+            for k in 0..3 {
+                let side = usize::from(nodes[(k + 1) % 3] > nodes[(k + 2) % 3]);
+                let slot = &mut apexes[edges[k] as usize][side];
+                *slot = if *slot == NONE { nodes[k] } else { TWICE };
+            }
+        }
+        apexes
+    }
+
+    /// The hinges of all edges between two triangles of the same winding, in the order of the edges.
+    pub fn inner_hinges(&self) -> Vec<Hinge> {
+        let each = self.edges.iter().zip(self.apexes()).zip(0_u32..);
+        let inner = each.filter(|((_, apexes), _)| apexes.iter().all(|&apex| apex < TWICE));
+        inner.map(|((&[a, b], [c, d]), edge)| Hinge { nodes: [a, b, c, d], edge }).collect()
+    }
+
     /// The hinges of `creases` (node pairs in any order).
     ///
     /// # Errors
@@ -116,17 +140,7 @@ impl Mesh {
         if creases.is_empty() {
             return Ok(Vec::new());
         }
-        // Apexes on the left [0] and on the right [1] of each edge, directed from its lower to its higher node.
-        const NONE: u32 = u32::MAX;
-        const TWICE: u32 = u32::MAX - 1;
-        let mut apexes = vec![[NONE; 2]; self.edges.len()];
-        for (nodes, edges) in self.triangles.iter().zip(&self.triangle_edges) {
-            for k in 0..3 {
-                let side = usize::from(nodes[(k + 1) % 3] > nodes[(k + 2) % 3]);
-                let slot = &mut apexes[edges[k] as usize][side];
-                *slot = if *slot == NONE { nodes[k] } else { TWICE };
-            }
-        }
+        let apexes = self.apexes();
         let mut hinges = Vec::with_capacity(creases.len());
         for (crease, &[a, b]) in creases.iter().enumerate() {
             let fail = |reason| Error::NotAHinge { crease, nodes: [a as usize, b as usize], reason };
@@ -209,6 +223,14 @@ mod tests {
     fn the_left_facet_follows_the_winding() {
         let hinge = square().hinges(&[[2, 0]]).unwrap()[0];
         assert_eq!(hinge, Hinge { nodes: [0, 2, 3, 1], edge: 1 });
+    }
+
+    #[test]
+    fn inner_hinges_are_those_of_edges_between_two_triangles_of_the_same_winding() {
+        let mesh = square();
+        assert_eq!(mesh.inner_hinges(), mesh.hinges(&[[0, 2]]).unwrap());
+        let twisted = Mesh::new(mesh.reference.clone(), vec![[0, 1, 2], [0, 3, 2]]).unwrap();
+        assert!(twisted.inner_hinges().is_empty());
     }
 
     #[test]

@@ -9,8 +9,8 @@ use membrane_core::assembly::Assembly;
 use membrane_core::evaluation::plan::Plan;
 use membrane_core::integrators::{METHODS, Method};
 use membrane_core::laws::{
-    self, CreaseParameters, DampingParameters, DashpotMass, FilmElements, GravityParameters, Instant, Law, LawSpec,
-    Limited, SpinParameters,
+    self, BendingForm, BendingParameters, CreaseParameters, DampingParameters, DashpotMass, FilmElements,
+    GravityParameters, Instant, Law, LawSpec, Limited, SpinParameters,
 };
 use membrane_core::model::frame::Spin;
 use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model};
@@ -98,9 +98,33 @@ pub fn every_law_with(film: LawSpec) -> Vec<LawSpec> {
     [film].into_iter().chain(others).collect()
 }
 
-/// One of every law in the list with each film, and with dashpots that are all limited and mostly at their limit.
+/// One of every law in the list, and bending in its other form.
+pub fn every_form() -> impl Iterator<Item = LawSpec> {
+    LawSpec::examples().into_iter().flat_map(|law| match law {
+        LawSpec::Bending(parameters) => vec![law, bending_by_hinges(parameters)],
+        _ => vec![law],
+    })
+}
+
+fn bending_by_hinges(parameters: BendingParameters) -> LawSpec {
+    BendingParameters { form: BendingForm::Hinges, ..parameters }.into()
+}
+
+/// One of every law in the list with each film, with bending by hinges, and with dashpots that are all limited and
+/// mostly at their limit.
 pub fn law_sets() -> impl Iterator<Item = Vec<LawSpec>> {
-    films().map(every_law_with).chain([every_law_with_limited_dashpots()])
+    films().map(every_law_with).chain([every_law_with_hinges(), every_law_with_limited_dashpots()])
+}
+
+/// One of every law in the list, with a film of springs and bending by hinges.
+pub fn every_law_with_hinges() -> Vec<LawSpec> {
+    let mut laws = every_law();
+    for law in &mut laws {
+        if let LawSpec::Bending(parameters) = *law {
+            *law = bending_by_hinges(parameters);
+        }
+    }
+    laws
 }
 
 /// One of every law in the list, with a film of springs whose dashpots are limited, and strong.

@@ -15,14 +15,15 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{Creases, HistoryDependent, Instant, Parameters};
+use super::{Creases, HistoryDependent, Instant};
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::Columns;
 use crate::arrays::history::History;
 use crate::elements::hinge::Facets;
-use crate::layout::{Coded, ElementSet};
+use crate::elements::hinge_set::{HingeParameters, HingeSet};
+use crate::layout::ElementSet;
 use crate::simd::dispatch::BatchKernel;
-use crate::simd::lanes::{F64x8, SimdF64, dot};
+use crate::simd::lanes::{F64x8, SimdF64};
 
 /// The least angle of a crease on its own side, and on the other one \[rad\].
 const OWN: f64 = -FRAC_PI_2;
@@ -72,8 +73,7 @@ impl Sides {
 
 /// Finds the sides of the creases of one tile.
 struct SideKernel<'a> {
-    elements: &'a ElementSet<4>,
-    parameters: &'a Coded<Parameters>,
+    hinges: &'a HingeSet,
     least_angles: &'a mut [F64x8],
     tile: usize,
     positions: Columns<'a>,
@@ -82,14 +82,14 @@ struct SideKernel<'a> {
 impl BatchKernel for SideKernel<'_> {
     #[inline(always)]
     fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let pass = self.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let pass = self.hinges.elements.pass::<KIND>(self.tile, self.positions.rows());
         let positions = pass.reader(self.positions);
-        let parameters = self.parameters.of(&pass);
+        let parameters = self.hinges.parameters.of(&pass);
         let (zero, own) = (V::zero(), V::all(OWN));
         for batch in 0..pass.len() {
-            let Parameters { sign, softening: [soft_c, soft_d], .. } = &parameters[batch];
+            let HingeParameters { sign, softening: [soft_c, soft_d], .. } = &parameters[batch];
             let facets = Facets::new(positions.read::<V>(batch));
-            let (square_c, square_d) = (dot(facets.normal_c, facets.normal_c), dot(facets.normal_d, facets.normal_d));
+            let [square_c, square_d] = facets.squares();
             let least = &mut self.least_angles[pass.place(batch)];
             let by_sine = facets.sine(V::load(sign)).below(zero, V::all(OTHER), own);
             let side = facets.cosine().below(zero, by_sine, V::load(least));
@@ -103,24 +103,24 @@ impl BatchKernel for SideKernel<'_> {
 impl HistoryDependent for Creases {
     fn accept(&mut self, at: Instant<'_>) {
         let positions = Columns::of(at.positions);
-        let Self { elements, parameters, sides: Sides(least_angles), instructions, .. } = self;
+        let Self { hinges, sides: Sides(least_angles), instructions, .. } = self;
         for tile in tiles(positions.rows()) {
-            instructions.run_batches(SideKernel { elements, parameters, least_angles, tile, positions });
+            instructions.run_batches(SideKernel { hinges, least_angles, tile, positions });
         }
     }
 
     fn set_crease_angles(&mut self, angles: &[f64]) {
-        if angles.len() == self.elements.each().count() {
-            self.sides = Sides::where_other(&self.elements, |row| angles[row] > PI);
+        if angles.len() == self.hinges.elements.each().count() {
+            self.sides = Sides::where_other(&self.hinges.elements, |row| angles[row] > PI);
         }
     }
 
     fn history(&self) -> History {
-        self.sides.history(&self.elements)
+        self.sides.history(&self.hinges.elements)
     }
 
     fn restore_history(&mut self, history: History) -> bool {
-        let found = Sides::of(&history, &self.elements);
+        let found = Sides::of(&history, &self.hinges.elements);
         let fits = found.is_some();
         if let Some(sides) = found {
             self.sides = sides;

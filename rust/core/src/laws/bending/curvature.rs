@@ -1,0 +1,381 @@
+//! Bending by the curvature of each triangle, from the fold angles of its three edges.
+//!
+//! With g = s |e| / A of each edge, and c the cosine of the angle between two edges,
+//!
+//!     U = sum over pairs of edges of M_ij a_i a_j / 2,   M_ij = A D g_i g_j [(1 - nu) c_ij^2 + nu]
+//!
+//! a = w_C w_D phi being the weighted fold angles. s is 1/2; 1 where the facet on the other side is rigid; 0 on the
+//! boundary, along creases, and along edges folded at the start, across which no moment acts.
+
+use super::edges::{InnerEdge, inner_edges};
+use super::{BendingParameters, PROPERTIES, remedy};
+use crate::arrays::blocks::tiles;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
+use crate::arrays::state::NodeVectors;
+use crate::assembly::Assembly;
+use crate::elements::facet::from_lowest;
+use crate::elements::hinge::{Facets, HingeForces};
+use crate::elements::hinge_tangent::WeightedAngle;
+use crate::laws::{Inspection, Instant, Kernels, Law, Linearisation, Properties};
+use crate::layout::{Coded, ElementSet, Entry};
+use crate::model::mesh;
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, scale, sum};
+
+/// Places of M_ij among the six distinct ones.
+const PLACES: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
+
+/// The law. The nodes of an element are the corners of a triangle, the one with the lowest number first, and the apexes
+/// of the triangles beyond the edges opposite to these; where there is none, the corner itself.
+pub(super) struct CurvatureBending {
+    elements: ElementSet<6>,
+    parameters: Coded<Parameters>,
+    is_singular: bool,
+    instructions: InstructionSet,
+}
+
+/// Parameters of a batch.
+#[derive(Debug, Clone, Copy)]
+struct Parameters {
+    /// (1 + c^2)^4 M_ij, see `PLACES` \[N m\].
+    stiffness: [F64x8; 6],
+    /// 4 (c A0)^2 of the triangle, and of those beyond its edges \[m4\].
+    softening: [F64x8; 4],
+}
+
+impl Entry for Parameters {
+    type Key = [[u64; LANES]; 10];
+
+    fn key(&self) -> Self::Key {
+        std::array::from_fn(|k| if k < 6 { self.stiffness[k] } else { self.softening[k - 6] }.key())
+    }
+}
+
+/// One element.
+struct Element {
+    nodes: [u32; 6],
+    stiffness: [f64; 6],
+    softening: [f64; 4],
+}
+
+impl CurvatureBending {
+    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Self {
+        let BendingParameters { fold_limit, collapse, .. } = parameters;
+        let mut edges: Vec<Option<InnerEdge>> = vec![None; assembly.mesh.edges.len()];
+        for edge in inner_edges(assembly, fold_limit) {
+            edges[edge.hinge.edge as usize] = Some(edge);
+        }
+        let all: Vec<Element> = (0..assembly.mesh.triangles.len())
+            .filter_map(|triangle| Element::new(triangle, parameters, assembly, &edges))
+            .collect();
+        let nodes: Vec<[u32; 6]> = all.iter().map(|element| element.nodes).collect();
+        let elements = ElementSet::new(&nodes, assembly.masses.len());
+        let stiffness: [_; 6] = std::array::from_fn(|k| elements.pack(0.0, |row| all[row].stiffness[k]));
+        let softening: [_; 4] = std::array::from_fn(|k| elements.pack(1.0, |row| all[row].softening[k]));
+        let of_batch = |batch: usize| Parameters {
+            stiffness: stiffness.each_ref().map(|values| values[batch]),
+            softening: softening.each_ref().map(|values| values[batch]),
+        };
+        Self {
+            parameters: Coded::new((0..elements.batch_count()).map(of_batch)),
+            elements,
+            is_singular: collapse == 0.0,
+            instructions: assembly.instructions,
+        }
+    }
+}
+
+impl Element {
+    /// `None` for a triangle that has no stiffness.
+    fn new(
+        triangle: usize,
+        parameters: BendingParameters,
+        assembly: &Assembly,
+        edges: &[Option<InnerEdge>],
+    ) -> Option<Self> {
+        let BendingParameters { stiffness, collapse, .. } = parameters;
+        let (nodes, own_edges) = (assembly.mesh.triangles[triangle], assembly.mesh.triangle_edges[triangle]);
+        let points = nodes.map(|node| assembly.mesh.reference[node as usize]);
+        let sides: [[f64; 3]; 3] = std::array::from_fn(|k| mesh::sub(points[(k + 2) % 3], points[(k + 1) % 3]));
+        let lengths = sides.map(|side| mesh::dot(side, side).sqrt());
+        let normal = mesh::cross(sides[2], sides[0]);
+        let area = 0.5 * mesh::dot(normal, normal).sqrt();
+        let (mut apexes, mut factors, mut areas) = (nodes, [0.0; 3], [area; 3]);
+        for k in 0..3 {
+            let Some(edge) = edges[own_edges[k] as usize] else { continue };
+            let own = usize::from(edge.hinge.nodes[3] == nodes[k]);
+            apexes[k] = edge.hinge.nodes[3 - own];
+            areas[k] = edge.size.areas[1 - own];
+            if edge.bends[own] {
+                factors[k] = if edge.bends[1 - own] { 0.5 } else { 1.0 } * lengths[k] / area;
+            }
+        }
+        if factors == [0.0; 3] {
+            return None;
+        }
+        let film = assembly.model.film?;
+        let weights = (1.0 + collapse * collapse).powi(4);
+        let rigidity = stiffness * film.bending_stiffness() * area * weights;
+        let (_, places) = from_lowest(assembly.numbering.to_internal(nodes));
+        let own = |k: usize| (k + places) % 3;
+        let mut stiffness = [0.0; 6];
+        for (i, row) in PLACES.iter().enumerate() {
+            for (j, &place) in row.iter().enumerate().skip(i) {
+                let (i, j) = (own(i), own(j));
+                let cosine = mesh::dot(sides[i], sides[j]) / (lengths[i] * lengths[j]);
+                let (nu, square) = (film.poisson_ratio, if i == j { 1.0 } else { cosine * cosine });
+                stiffness[place] = rigidity * factors[i] * factors[j] * ((1.0 - nu) * square + nu);
+            }
+        }
+        let external = std::array::from_fn(|k| if k < 3 { nodes[own(k)] } else { apexes[own(k - 3)] });
+        let soft = |area: f64| 4.0 * (collapse * area).powi(2);
+        Some(Self {
+            nodes: assembly.numbering.to_internal(external),
+            stiffness,
+            softening: std::array::from_fn(|k| soft(if k == 0 { area } else { areas[own(k - 1)] })),
+        })
+    }
+}
+
+/// The corners of hinge k of an element as A, B, C, D.
+const CORNERS: [[usize; 4]; 3] = [[1, 2, 0, 3], [2, 0, 1, 4], [0, 1, 2, 5]];
+
+/// The vectors of hinge k.
+#[inline(always)]
+fn of_hinge<V: SimdF64>(vectors: &[Vec3<V>; 6], k: usize) -> [Vec3<V>; 4] {
+    let [a, b, c, d] = CORNERS[k];
+    [vectors[a], vectors[b], vectors[c], vectors[d]]
+}
+
+/// Adds the vectors of hinge k.
+#[inline(always)]
+fn add_to<V: SimdF64>(sums: &mut [Vec3<V>; 6], k: usize, vectors: [Vec3<V>; 4]) {
+    for (place, corner) in CORNERS[k].into_iter().enumerate() {
+        sums[corner] = sum(sums[corner], vectors[place]);
+    }
+}
+
+/// The triangles of a batch: per edge its fold angle, its weighted angle a, and dU/da.
+struct Bent<V> {
+    angles: [V; 3],
+    weighted: [V; 3],
+    slopes: [V; 3],
+}
+
+impl<V: SimdF64> Bent<V> {
+    #[inline(always)]
+    fn new(points: &[Vec3<V>; 6], parameters: &Parameters) -> Self {
+        let zeros = [V::zero(); 3];
+        let mut bent = Self { angles: zeros, weighted: zeros, slopes: zeros };
+        for k in 0..3 {
+            let facets = Facets::new(of_hinge(points, k));
+            bent.angles[k] = facets.fold_angle();
+            bent.weighted[k] = facets.weight(parameters.of_facets(k)) * bent.angles[k];
+        }
+        bent.slopes = parameters.product(bent.weighted);
+        bent
+    }
+}
+
+impl Parameters {
+    /// 4 (c A0)^2 of both facets of hinge k.
+    #[inline(always)]
+    fn of_facets<V: SimdF64>(&self, k: usize) -> [V; 2] {
+        [V::load(&self.softening[0]), V::load(&self.softening[k + 1])]
+    }
+
+    /// M a.
+    #[inline(always)]
+    fn product<V: SimdF64>(&self, [a, b, c]: [V; 3]) -> [V; 3] {
+        let mut product = [V::zero(); 3];
+        for (row, [at_a, at_b, at_c]) in PLACES.into_iter().enumerate() {
+            let [m_a, m_b, m_c] =
+                [V::load(&self.stiffness[at_a]), V::load(&self.stiffness[at_b]), V::load(&self.stiffness[at_c])];
+            product[row] = m_a * a + m_b * b + m_c * c;
+        }
+        product
+    }
+}
+
+/// Adds -dU/dx of the triangles of one tile to the forces.
+struct MomentKernel<'a> {
+    bending: &'a CurvatureBending,
+    tile: usize,
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
+}
+
+impl BatchKernel for MomentKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.bending.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.forces);
+        let parameters = self.bending.parameters.of(&pass);
+        for batch in 0..pass.len() {
+            let (points, parameters) = (positions.read::<V>(batch), &parameters[batch]);
+            let bent = Bent::new(&points, parameters);
+            let mut forces = [[V::zero(); 3]; 6];
+            for k in 0..3 {
+                let (facets, slope) = (Facets::new(of_hinge(&points, k)), bent.slopes[k]);
+                let of_edge = HingeForces::new(&facets, parameters.of_facets(k), bent.angles[k] * slope, -slope);
+                add_to(&mut forces, k, of_edge.on_nodes(&facets));
+            }
+            sums.add(batch, forces);
+        }
+        V::zero()
+    }
+}
+
+/// The sum of U.
+struct EnergyKernel<'a> {
+    bending: &'a CurvatureBending,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl BatchKernel for EnergyKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.bending.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let parameters = self.bending.parameters.of(&pass);
+        let mut energy = V::zero();
+        for batch in 0..pass.len() {
+            let Bent { weighted: [a, b, c], slopes: [at_a, at_b, at_c], .. } =
+                Bent::new(&positions.read::<V>(batch), &parameters[batch]);
+            energy += V::all(0.5) * (a * at_a + b * at_b + c * at_c);
+        }
+        energy
+    }
+}
+
+/// Adds K p of the triangles of one tile.
+struct StiffnessKernel<'a> {
+    bending: &'a CurvatureBending,
+    tile: usize,
+    positions: Columns<'a>,
+    p: Columns<'a>,
+    out: ColumnsMut<'a>,
+}
+
+impl BatchKernel for StiffnessKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.bending.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let (positions, p) = (pass.reader(self.positions), pass.reader(self.p));
+        let mut sums = pass.adder(&mut self.out);
+        let parameters = self.bending.parameters.of(&pass);
+        for batch in 0..pass.len() {
+            let (points, p, parameters) = (positions.read::<V>(batch), p.read::<V>(batch), &parameters[batch]);
+            let mut rotations = [V::zero(); 3];
+            for k in 0..3 {
+                let [at_a, at_b, at_c, at_d] =
+                    Facets::new(of_hinge(&points, k)).weighted_gradients(parameters.of_facets(k));
+                let [a, b, c, d] = of_hinge(&p, k);
+                rotations[k] = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
+            }
+            let moments = parameters.product(rotations);
+            let mut product = [[V::zero(); 3]; 6];
+            for k in 0..3 {
+                let [at_a, at_b, at_c, at_d] =
+                    Facets::new(of_hinge(&points, k)).weighted_gradients(parameters.of_facets(k));
+                let m = moments[k];
+                add_to(&mut product, k, [scale(m, at_a), scale(m, at_b), scale(m, at_c), scale(m, at_d)]);
+            }
+            sums.add(batch, product);
+        }
+        V::zero()
+    }
+}
+
+impl Law for CurvatureBending {
+    fn properties(&self) -> Properties {
+        PROPERTIES
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.elements.reach(tile)
+    }
+
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.instructions.run_batches(MomentKernel { bending: self, tile, positions, forces })
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let positions = Columns::of(at.positions);
+        let of_tile = |tile| self.instructions.run_batches(EnergyKernel { bending: self, tile, positions });
+        tiles(positions.rows()).map(of_tile).sum()
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        remedy(self.is_singular)
+    }
+}
+
+impl Linearisation for CurvatureBending {
+    /// The sum of M_ij g_i g_j^T, with g the gradients of the angles.
+    fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.instructions.run_batches(StiffnessKernel { bending: self, tile, positions, p, out });
+        }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        let x = Columns::of(instant.positions);
+        for (batch, lane, nodes) in self.elements.each() {
+            let Parameters { stiffness, softening } = self.parameters[batch];
+            let bent = Bent::<F64x8>::new(&self.elements.read_any(x, batch), &self.parameters[batch]);
+            let of_hinge = |k: usize| {
+                let nodes = CORNERS[k].map(|corner| nodes[corner]);
+                let points = nodes.map(|node| at(instant.positions, node));
+                let angle = WeightedAngle::new(points, [softening[0].0[lane], softening[k + 1].0[lane]]);
+                (nodes, bent.angles[k].0[lane], angle)
+            };
+            let hinges = [of_hinge(0), of_hinge(1), of_hinge(2)];
+            let gradients = hinges.each_ref().map(|(_, phi, angle)| angle.gradients(*phi, 1.0));
+            for (i, (nodes, phi, angle)) in hinges.iter().enumerate() {
+                let hessian = angle.hessian(*phi, 1.0, 0.0) * bent.slopes[i].0[lane];
+                of_differences(*nodes, &hessian, |on, of, block| jacobian.by_position(on, of, block));
+                for (j, (others, ..)) in hinges.iter().enumerate() {
+                    let m = stiffness[PLACES[i][j]].0[lane];
+                    for (on, left) in nodes.iter().zip(&gradients[i]) {
+                        for (of, right) in others.iter().zip(&gradients[j]) {
+                            jacobian.by_position(*on, *of, &(left * right.transpose() * -m));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Inspection for CurvatureBending {
+    fn lanes(&self) -> [usize; 2] {
+        self.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.elements.contiguous_share())
+    }
+}

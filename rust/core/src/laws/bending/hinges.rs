@@ -1,0 +1,218 @@
+//! Bending by hinges: one constant for each edge.
+//!
+//! On two lattices hinges represent an isotropic plate: equilateral triangles of side e, and rectangles a x b with
+//! alternating diagonals d, with
+//!
+//!     k   = 2 D / sqrt(3)                                   equilateral triangles
+//!     k_a = 8/3 D a b / (3 b^2 - a^2),  k_b alike,  k_d = 8/3 D a b / d^2     rectangles; 4/3 D on squares
+//!
+//! The cylinder has D in every direction, and Poisson's ratio of bending is -1/3: a hinge has one normal curvature, and
+//! no constants of these lattices give another ratio. A narrow strip, whose sides are free, has 8/9 D, the film's own
+//! (1 - nu^2) D at nu = 1/3.
+//!
+//! The lattice of rectangles has two kinds of nodes, where four and eight edges meet. Under a curvature those of four
+//! move out of the surface by some w, which minimises the energy: the fold angles are kappa_yy b - 2 w/b on a, likewise
+//! on b, and +-kappa_xy d - 2 w d/(a b) on the diagonals. With the constants of a surface that all nodes follow, D a/b
+//! and 2 D a b/d^2, a lattice of squares has 3/4 D only.
+//!
+//! Where the mesh is not a lattice, a b is the area of both facets of an edge, and k = D e^2 / (a b) where they are not
+//! right-angled; 3 b^2 - a^2 is at least b^2. Where one facet is rigid, the curvature belongs to the other one alone: k
+//! is larger by the ratio of both areas to its own.
+
+use super::edges::{InnerEdge, inner_edges};
+use super::{BendingParameters, PROPERTIES, remedy};
+use crate::arrays::blocks::tiles;
+use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
+use crate::arrays::state::NodeVectors;
+use crate::assembly::Assembly;
+use crate::elements::hinge::Facets;
+use crate::elements::hinge_set::HingeSet;
+use crate::elements::hinge_tangent::WeightedAngle;
+use crate::laws::{Inspection, Instant, Kernels, Law, Linearisation, Properties};
+use crate::model::mesh::{dot, sub};
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::lanes::SimdF64;
+
+/// Square of the cosine of an angle up to which it is a right one.
+const RIGHT: f64 = 1e-4;
+
+/// The law.
+pub(super) struct HingeBending {
+    hinges: HingeSet,
+    is_singular: bool,
+    instructions: InstructionSet,
+}
+
+impl HingeBending {
+    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Self {
+        let BendingParameters { stiffness, fold_limit, collapse, .. } = parameters;
+        let rigidity = stiffness * assembly.model.film.map_or(0.0, |film| film.bending_stiffness());
+        let mut edges = inner_edges(assembly, fold_limit);
+        edges.retain(|edge| edge.bends != [false; 2]);
+        let hinges: Vec<_> = edges.iter().map(|edge| edge.hinge).collect();
+        let constant = |row: usize, _| rigidity * relative_constant(&edges[row], &assembly.mesh.reference);
+        Self {
+            hinges: HingeSet::new(assembly, &hinges, collapse, |_| 1.0, constant),
+            is_singular: collapse == 0.0,
+            instructions: assembly.instructions,
+        }
+    }
+}
+
+/// k/D of an edge.
+fn relative_constant(edge: &InnerEdge, reference: &[[f64; 3]]) -> f64 {
+    let [a, b, c, d] = edge.hinge.nodes.map(|node| reference[node as usize]);
+    let is_right = |corner: [f64; 3], others: [[f64; 3]; 2]| {
+        let [u, v] = others.map(|other| sub(other, corner));
+        dot(u, v).powi(2) < RIGHT * dot(u, u) * dot(v, v)
+    };
+    let [whole, bending] = [[true; 2], edge.bends].map(|counts| {
+        edge.size.areas.into_iter().zip(counts).map(|(area, counts)| if counts { area } else { 0.0 }).sum::<f64>()
+    });
+    let square = edge.size.length * edge.size.length;
+    let other_square = whole * whole / square;
+    let constant = if [c, d].into_iter().all(|apex| is_right(apex, [a, b])) {
+        8.0 / 3.0 * whole / square
+    } else if [c, d].into_iter().all(|apex| is_right(a, [b, apex]) || is_right(b, [a, apex])) {
+        8.0 / 3.0 * whole / (3.0 * other_square - square).max(other_square)
+    } else {
+        square / whole
+    };
+    constant * whole / bending
+}
+
+/// Adds -dU/dx of the hinges of one tile to the forces.
+struct MomentKernel<'a> {
+    hinges: &'a HingeSet,
+    tile: usize,
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
+}
+
+impl BatchKernel for MomentKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Self { hinges, tile, positions, forces } = self;
+        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
+        hinges.add_forces::<V, KIND>(pass, *positions, forces, |_, parameters, facets| {
+            let angle = facets.fold_angle();
+            let moment = V::load(&parameters.stiffness) * angle;
+            (V::all(0.5) * moment * angle, -moment)
+        });
+        V::zero()
+    }
+}
+
+/// The sum of U.
+struct EnergyKernel<'a> {
+    hinges: &'a HingeSet,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl BatchKernel for EnergyKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Self { hinges, tile, positions } = self;
+        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
+        hinges.energy::<V, KIND>(pass, *positions, |_, parameters, facets| {
+            let angle = facets.fold_angle();
+            V::all(0.5) * V::load(&parameters.stiffness) * angle * angle
+        })
+    }
+}
+
+/// Adds K p of the hinges of one tile.
+struct StiffnessKernel<'a> {
+    hinges: &'a HingeSet,
+    tile: usize,
+    positions: Columns<'a>,
+    p: Columns<'a>,
+    out: ColumnsMut<'a>,
+}
+
+impl BatchKernel for StiffnessKernel<'_> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let Self { hinges, tile, positions, p, out } = self;
+        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
+        hinges.add_stiffness::<V, KIND>(pass, *positions, *p, out, 1.0);
+        V::zero()
+    }
+}
+
+impl Law for HingeBending {
+    fn properties(&self) -> Properties {
+        PROPERTIES
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.hinges.elements.reach(tile)
+    }
+
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
+        self.instructions.run_batches(MomentKernel { hinges: &self.hinges, tile, positions, forces })
+    }
+
+    fn energy(&self, at: Instant<'_>) -> f64 {
+        let (hinges, positions) = (&self.hinges, Columns::of(at.positions));
+        let of_tile = |tile| self.instructions.run_batches(EnergyKernel { hinges, tile, positions });
+        tiles(positions.rows()).map(of_tile).sum()
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        remedy(self.is_singular)
+    }
+}
+
+impl Linearisation for HingeBending {
+    /// k g g^T, with g the gradient of the angle.
+    fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
+        let (hinges, positions, p) = (&self.hinges, Columns::of(at.positions), Columns::of(p));
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            self.instructions.run_batches(StiffnessKernel { hinges, tile, positions, p, out });
+        }
+    }
+
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.hinges.elements.each().for_each(|(.., nodes)| visit(&nodes));
+    }
+
+    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        let x = Columns::of(instant.positions);
+        for (batch, lane, nodes) in self.hinges.elements.each() {
+            let parameters = self.hinges.parameters[batch];
+            let angle = Facets::new(self.hinges.elements.read_any(x, batch)).fold_angle().0[lane];
+            let stiffness = parameters.stiffness.0[lane];
+            let corners = nodes.map(|node| at(instant.positions, node));
+            let weighted = WeightedAngle::new(corners, parameters.softening.map(|lanes| lanes.0[lane]));
+            let hessian = weighted.hessian(0.5 * stiffness * angle * angle, stiffness * angle, stiffness);
+            of_differences(nodes, &hessian, |i, j, block| jacobian.by_position(i, j, block));
+        }
+    }
+}
+
+impl Inspection for HingeBending {
+    fn lanes(&self) -> [usize; 2] {
+        self.hinges.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.hinges.elements.contiguous_share())
+    }
+}
