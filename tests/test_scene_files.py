@@ -161,7 +161,7 @@ def test_mesh_files_that_are_not_there_or_no_meshes(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"own\.toml: .*9"):
         Scene.from_toml(path)
     with pytest.raises(SceneError, match="must be the path of a"):
-        Scene.from_toml(write(tmp_path, '[mesh]\nfile = "mesh.obj"\n'))
+        Scene.from_toml(write(tmp_path, '[mesh]\nfile = "mesh.txt"\n'))
 
 
 def test_folder_that_cannot_be_written(tmp_path: Path) -> None:

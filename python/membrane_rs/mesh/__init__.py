@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from membrane_rs.mesh.findings import Audit, Finding
     from membrane_rs.mesh.mesh import Mesh
     from membrane_rs.mesh.moduli import NetModuli, net_moduli
+    from membrane_rs.mesh.origin import MeshOrigin
 
-__all__ = ["Audit", "Crossings", "Finding", "Mesh", "NetModuli", "net_moduli"]
+__all__ = ["Audit", "Crossings", "Finding", "Mesh", "MeshOrigin", "NetModuli", "net_moduli"]
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
     _on_demand = OnDemand(
@@ -22,6 +23,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.mesh.findings": ("Audit", "Finding"),
             "membrane_rs.mesh.mesh": ("Mesh",),
             "membrane_rs.mesh.moduli": ("NetModuli", "net_moduli"),
+            "membrane_rs.mesh.origin": ("MeshOrigin",),
         },
     )
     __getattr__, __dir__ = _on_demand, _on_demand.names

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs._given_arrays import numeric
 from membrane_rs.errors import MeshError
 from membrane_rs.mesh.links import groups
 from membrane_rs.mesh.triangulation import Triangulation
@@ -190,3 +192,21 @@ def _lies_in_layers(mesh: Triangulation) -> Bools:
 
 def _nodes(mesh: Triangulation, crease: int) -> str:
     return " and ".join(map(str, mesh.creases[crease].tolist()))
+
+
+def given_fold_angles(mesh: Triangulation, positions: Floats, values: ArrayLike | None) -> Floats:
+    """(c,) given fold angles [rad], compared with positions, or those of positions. Raises MeshError."""
+    if values is None:
+        return fold_angles_of(mesh, positions)
+    array = numeric(values, "fold_angles", "fiu", "angles in radians", MeshError)
+    count = len(mesh.creases)
+    if array.shape != (count,):
+        raise MeshError(f"fold_angles has shape {array.shape}; it must be ({count},), one angle for each crease")
+    angles: Floats = np.array(array, dtype=np.float64)
+    bad = np.flatnonzero(~(np.abs(angles) <= np.pi + 1e-12))
+    if len(bad):
+        raise MeshError(
+            f"fold_angles[{bad[0]}] = {angles[bad[0]]} is outside -pi to pi; give it in radians, flat is zero"
+        )
+    check_fold_angles(mesh, positions, angles)
+    return angles

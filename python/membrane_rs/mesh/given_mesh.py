@@ -1,4 +1,4 @@
-"""Nodes, triangles, pairs and node sets of a mesh as users give them: checked, copied, read-only."""
+"""Nodes, triangles, pairs and named sets of a mesh as users give them: checked, copied, read-only."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from membrane_rs.mesh.queries import distinct
 from membrane_rs.mesh.triangulation import frozen
 
 LONGEST_NAME = 1000
-"""Characters of the name of a node set: archives cut longer ones than some ten thousand."""
+"""Characters of the name of a set: archives cut longer ones than some ten thousand."""
 
 
 def or_empty(pairs: ArrayLike | None) -> ArrayLike:
@@ -72,34 +72,34 @@ def indices_of(values: ArrayLike, name: str, width: int, node_count: int) -> Int
     return frozen(rows)
 
 
-def node_sets_of(sets: Mapping[str, ArrayLike], node_count: int) -> dict[str, Ints]:
-    """Node sets by name, checked."""
+def sets_of(sets: Mapping[str, ArrayLike] | None, kind: str, what: str, count: int) -> dict[str, Ints]:
+    """Sets of a `kind` ("node_sets") by name, checked: of so many nodes or triangles, which are called `what`."""
+    sets = {} if sets is None else sets
     if not isinstance(sets, Mapping) or not all(isinstance(name, str) for name in sets):
-        raise InputTypeError("node_sets must be a dict from names (str) to lists of node indices")
+        raise InputTypeError(f"{kind} must be a dict from names (str) to lists of {what} indices")
     for name in sets:
-        check_text(name, "node_sets: the name")
+        check_text(name, f"{kind}: the name")
         if not 1 <= len(name) <= LONGEST_NAME or "\0" in name:
             raise MeshError(
-                f"node_sets: the name {show(name)}: must be 1 to {LONGEST_NAME} characters without a NUL, for files"
+                f"{kind}: the name {show(name)}: must be 1 to {LONGEST_NAME} characters without a NUL, for files"
             )
-    return {name: _node_set(nodes, f"node_sets['{name}']", node_count) for name, nodes in sets.items()}
+    return {name: _set(members, f"{kind}['{name}']", what, count) for name, members in sets.items()}
 
 
-def _node_set(values: ArrayLike, name: str, node_count: int) -> Ints:
-    array = numeric(values, name, "iu", "whole numbers, node indices", MeshError)
+def _set(values: ArrayLike, name: str, what: str, count: int) -> Ints:
+    array = numeric(values, name, "iu", f"whole numbers, {what} indices", MeshError)
     if array.ndim != 1:
-        raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of node indices")
-    _check_range(array, name, node_count)
-    nodes: Ints = frozen(np.array(array, dtype=np.int64))
-    if len(distinct(nodes)) < len(nodes):
-        raise MeshError(f"{name} names a node twice; name it once")
-    return nodes
+        raise MeshError(f"{name} has shape {array.shape}; it must be (k,), a list of {what} indices")
+    _check_range(array, name, count, what)
+    members: Ints = frozen(np.array(array, dtype=np.int64))
+    if len(distinct(members)) < len(members):
+        raise MeshError(f"{name} names a {what} twice; name it once")
+    return members
 
 
-def _check_range(array: NDArray[Any], name: str, node_count: int) -> None:
-    if array.size and (array.min() < 0 or array.max() >= node_count):
-        bad = np.argwhere((array < 0) | (array >= node_count))[0]
+def _check_range(array: NDArray[Any], name: str, count: int, what: str = "node") -> None:
+    if array.size and (array.min() < 0 or array.max() >= count):
+        bad = np.argwhere((array < 0) | (array >= count))[0]
         raise MeshError(
-            f"{name}[{', '.join(map(str, bad))}] = {array[tuple(bad)]} is no node; "
-            f"indices run from 0 to {node_count - 1}"
+            f"{name}[{', '.join(map(str, bad))}] = {array[tuple(bad)]} is no {what}; indices run from 0 to {count - 1}"
         )

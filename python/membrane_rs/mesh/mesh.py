@@ -4,30 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from typing_extensions import Self
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs._files import path_of
-from membrane_rs._given_arrays import numeric
 from membrane_rs._html import Card, HasCard, Lines
-from membrane_rs.errors import InputError, MeshError
+from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh.audit import audit
 from membrane_rs.mesh.crossings import LISTED, Crossings, crossings
-from membrane_rs.mesh.file import ARRAYS, read_mesh, write_mesh
 from membrane_rs.mesh.findings import Audit
-from membrane_rs.mesh.fold_angles import check_fold_angles, fold_angles_of
-from membrane_rs.mesh.given_mesh import fitting, indices_of, node_sets_of, or_empty, points_of
+from membrane_rs.mesh.fold_angles import given_fold_angles
+from membrane_rs.mesh.given_mesh import fitting, indices_of, or_empty, points_of, sets_of
+from membrane_rs.mesh.stored import Stored
 from membrane_rs.mesh.triangulation import Triangulation, frozen
 
 
-class Mesh(HasCard, Triangulation):
+class Mesh(HasCard, Stored, Triangulation):
     """A triangulated membrane in its strain-free and in its stowed shape; it is read only, its arrays as well.
 
     Parameters
@@ -52,8 +48,10 @@ class Mesh(HasCard, Triangulation):
         Names for nodes, for instance "corners".
     bridges : (b, 2) int, optional
         Node pairs joined by stiff links of no length.
+    triangle_sets : dict of str to (k,) int, optional
+        Names for triangles, for instance "film".
     source : object, optional
-        The folding pattern that made the mesh.
+        The folding pattern that made the mesh; the `MeshOrigin` of one that `read` made.
 
     Raises
     ------
@@ -92,6 +90,7 @@ class Mesh(HasCard, Triangulation):
         fold_angles: ArrayLike | None = None,
         node_sets: Mapping[str, ArrayLike] | None = None,
         bridges: ArrayLike | None = None,
+        triangle_sets: Mapping[str, ArrayLike] | None = None,
         source: object = None,
     ) -> None:
         nodes = points_of(reference, "reference")
@@ -106,14 +105,20 @@ class Mesh(HasCard, Triangulation):
         folded = indices_of(or_empty(creases), "creases", 2, n)
         super().__init__(nodes, corners, folded, indices_of(or_empty(bridges), "bridges", 2, n))
         self.positions: Floats = stowed
-        self._node_sets = node_sets_of({} if node_sets is None else node_sets, n)
+        self._node_sets = sets_of(node_sets, "node_sets", "node", n)
+        self._triangle_sets = sets_of(triangle_sets, "triangle_sets", "triangle", len(corners))
         self._check_creases()
-        self.fold_angles: Floats = self._fold_angles(fold_angles)
+        self.fold_angles: Floats = frozen(given_fold_angles(self, stowed, fold_angles))
 
     @property
     def node_sets(self) -> Mapping[str, Ints]:
         """Node indices by name; read only."""
         return MappingProxyType(self._node_sets)
+
+    @property
+    def triangle_sets(self) -> Mapping[str, Ints]:
+        """Triangle indices by name; read only."""
+        return MappingProxyType(self._triangle_sets)
 
     def strain(self, positions: ArrayLike | None = None) -> Floats:
         """(e,) strain of each edge, by default in the stowed positions; inf for an edge of no length.
@@ -243,83 +248,10 @@ class Mesh(HasCard, Triangulation):
         """
         return fitting(positions, self.node_count)
 
-    def save(self, path: str | Path) -> None:
-        """Write the mesh into one numpy archive (.npz), whole or not at all.
-
-        `membrane_rs.mesh.file` describes the format: the arrays of this class by their names, node sets as
-        "node_set:<name>". A scene file names it as `[mesh] file = "mesh.npz"`.
-
-        Parameters
-        ----------
-        path : path
-            Of the file, which ends in .npz.
-
-        Raises
-        ------
-        InputError
-            A path that does not end in .npz.
-        OutputError
-            It cannot be written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> from pathlib import Path
-        >>> from membrane_rs import Mesh
-        >>> mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     mesh.save(Path(folder) / "mesh.npz")
-        ...     Mesh.load(Path(folder) / "mesh.npz")
-        Mesh(3 nodes, 1 triangles, 0 crease edges)
-        """
-        file = path_of(path)
-        if file.suffix != ".npz":
-            raise InputError(f"path = {str(file)!r}: must end in .npz, as a scene file needs it")
-        write_mesh(file, {name: getattr(self, name) for name in ARRAYS}, self.node_sets)
-
-    @classmethod
-    def load(cls, path: str | Path) -> Self:
-        """The mesh that `save` wrote; its `source` is None.
-
-        Parameters
-        ----------
-        path : path
-            Of the file.
-
-        Returns
-        -------
-        Mesh
-            Equal to the one that was saved.
-
-        Raises
-        ------
-        MissingFileError
-            No such file.
-        MeshError
-            A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
-        InputError, InputTypeError
-            No path.
-
-        Examples
-        --------
-        See `save`.
-
-        >>> from membrane_rs import Mesh
-        >>> Mesh.load("nowhere.npz")
-        Traceback (most recent call last):
-        membrane_rs.errors.MissingFileError: ...
-        """
-        file = path_of(path)
-        arrays, sets = read_mesh(file)
-        try:
-            return cls(arrays.pop("reference"), arrays.pop("triangles"), node_sets=sets, **arrays)
-        except InputError as error:
-            raise MeshError(f"{file}: {error}") from None
-
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Unpickle or copy; arrays are read-only again."""
         self.__dict__.update(state)
-        for value in (*state.values(), *state["_node_sets"].values()):
+        for value in (*state.values(), *self._node_sets.values(), *self._triangle_sets.values()):
             if isinstance(value, np.ndarray):
                 frozen(value)
 
@@ -339,6 +271,8 @@ class Mesh(HasCard, Triangulation):
             ("area [m2]", float(self.areas().sum())),
             ("node sets", ", ".join(self.node_sets) or "none"),
         ]
+        if self.triangle_sets:
+            rows.append(("triangle sets", ", ".join(self.triangle_sets)))
         return Card("Mesh", rows, Lines(self.reference, self.boundary_edges, self.creases))
 
     def _check_creases(self) -> None:
@@ -356,20 +290,3 @@ class Mesh(HasCard, Triangulation):
         if len(unique) < len(index):
             twice = np.setdiff1d(np.arange(len(index)), first)[0]
             raise MeshError(f"creases[{twice}] = {self.creases[twice].tolist()} is given twice; give it once")
-
-    def _fold_angles(self, values: ArrayLike | None) -> Floats:
-        """The given fold angles, compared with positions, or those of positions."""
-        if values is None:
-            return frozen(fold_angles_of(self, self.positions))
-        array = numeric(values, "fold_angles", "fiu", "angles in radians", MeshError)
-        count = len(self.creases)
-        if array.shape != (count,):
-            raise MeshError(f"fold_angles has shape {array.shape}; it must be ({count},), one angle for each crease")
-        angles: Floats = np.array(array, dtype=np.float64)
-        bad = np.flatnonzero(~(np.abs(angles) <= np.pi + 1e-12))
-        if len(bad):
-            raise MeshError(
-                f"fold_angles[{bad[0]}] = {angles[bad[0]]} is outside -pi to pi; give it in radians, flat is zero"
-            )
-        check_fold_angles(self, self.positions, angles)
-        return frozen(angles)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -21,6 +21,7 @@ from membrane_rs._quantities import KINDS, LONGEST
 from membrane_rs._renamed import new_names
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
+from membrane_rs.mesh.formats import FORMATS
 from membrane_rs.scene.bodies import BODIES
 from membrane_rs.scene.laws import LAWS
 from membrane_rs.scene.parts import PARTS
@@ -55,8 +56,6 @@ def schema() -> dict[str, Any]:
     {'exclusiveMinimum': 0, 'type': 'number'}
     """
     patterns = [_table(kind, {"pattern": {"const": name}}) for name, kind in PATTERNS.items()]
-    file = {"type": "string", "pattern": r"\.npz$", "description": "A mesh of your own, as Mesh.save wrote it."}
-    own_mesh = {"type": "object", "properties": {"file": file}, "required": ["file"], "additionalProperties": False}
     laws = {name: _table(law) for name, law in LAWS.items()}
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",
@@ -65,7 +64,10 @@ def schema() -> dict[str, Any]:
         "type": "object",
         "properties": {
             "name": {**NAME, "description": "Of the scene, for titles and folders. Default: the name of the file."},
-            "mesh": {"description": "The membrane: a folding pattern, or a file.", "oneOf": [*patterns, own_mesh]},
+            "mesh": {
+                "description": "The membrane: a folding pattern, or a file.",
+                "oneOf": [*patterns, *_mesh_files()],
+            },
             "material": _table(Material),
             "laws": {
                 "description": "An empty table takes a law with its defaults; one that is left out costs nothing.",
@@ -87,6 +89,23 @@ def schema() -> dict[str, Any]:
         **of_scene(),
         "definitions": _texts(),
     }
+
+
+def _mesh_files() -> Iterator[dict[str, Any]]:
+    """Tables that name a mesh file, by what is to be said beside it."""
+    kinds: dict[type | None, list[str]] = {}
+    for suffix, (options, _) in FORMATS.items():
+        kinds.setdefault(options, []).append(suffix.removeprefix("."))
+    for options, suffixes in kinds.items():
+        letters = ("".join(f"[{letter}{letter.upper()}]" for letter in suffix) for suffix in suffixes)
+        file = {"type": "string", "pattern": rf"\.({'|'.join(letters)})$", "description": "A mesh of your own."}
+        if options is None:
+            yield {"type": "object", "properties": {"file": file}, "required": ["file"], "additionalProperties": False}
+            continue
+        table = _table(options, {"file": file})
+        unit = {"type": "string", "pattern": r"^\s*[A-Za-zµμ]+\s*$", "description": "The unit: 'mm'."}
+        scale = table["properties"]["scale"]
+        yield {**table, "properties": {**table["properties"], "scale": {**scale, "anyOf": [*scale["anyOf"], unit]}}}
 
 
 def _list(description: str, kinds: Mapping[str, type]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Scene files: TOML to the parts of a scene, and back.
 
     name = "my-scene"
-    [mesh]            pattern = "square-sail" and its dimensions, or file = "mesh.npz"
+    [mesh]            pattern = "square-sail" and its dimensions, or file = "mesh.npz" (mesh/formats.py has all kinds)
     [material]        the fields of Material
     [laws.springs]    one table for each law; an empty table takes the law with its defaults
     [[parts]]         kind = "tethers" and its fields
@@ -24,12 +24,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
-from membrane_rs._files import read_text
+from membrane_rs._files import path_of, read_text
 from membrane_rs._validation import build, computable, nearest, show, unit_of
 from membrane_rs.errors import InputError, MissingFileError, SceneError
 from membrane_rs.folding import PATTERNS
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
+from membrane_rs.mesh.formats import FORMATS, is_mesh_file, mesh_of_file
 from membrane_rs.scene.bodies import BODIES, Body
 from membrane_rs.scene.laws import LAWS, Law
 from membrane_rs.scene.parts import PARTS, Part
@@ -215,14 +216,12 @@ def _content(table: Mapping[str, Any], path: Path) -> SceneContent:
 def _mesh(table: Mapping[str, Any], folder: Path) -> Mesh:
     values = dict(table)
     if ("pattern" in values) == ("file" in values):
-        raise SceneError(f"mesh: must hold either pattern ({', '.join(PATTERNS)}) or file (a .npz file)")
+        raise SceneError(f"mesh: must hold either pattern ({', '.join(PATTERNS)}) or file ({', '.join(FORMATS)})")
     if "file" in values:
         file = values.pop("file")
-        if not isinstance(file, str) or not file.endswith(".npz"):
-            raise SceneError(f"mesh.file = {show(file)}: must be the path of a .npz file")
-        if values:
-            raise SceneError(f"mesh.{next(iter(values))}: no such key beside file")
-        return Mesh.load(folder / file)
+        if not is_mesh_file(file):
+            raise SceneError(f"mesh.file = {show(file)}: must be the path of a mesh file ({', '.join(FORMATS)})")
+        return mesh_of_file(Mesh, folder / path_of(file, "mesh.file"), values, "mesh")
     pattern = values.pop("pattern")
     with computable("mesh"):
         mesh: Mesh = build(_known(pattern, PATTERNS, "mesh.pattern"), values, "mesh").mesh()

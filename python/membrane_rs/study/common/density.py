@@ -8,6 +8,7 @@ from dataclasses import replace
 from membrane_rs._validation import show
 from membrane_rs.errors import InputError
 from membrane_rs.folding.pattern import pattern_of
+from membrane_rs.mesh import MeshOrigin
 from membrane_rs.scene import Scene
 
 
@@ -26,7 +27,7 @@ def denser(scene: Scene, density: float) -> Scene:
         raise InputError(f"density = {show(density)}: must be a number greater than 0 and finite")
     if density == 1.0:
         return scene
-    if scene.mesh is None or scene.mesh.source is None:
+    if scene.mesh is None or scene.mesh.source is None or isinstance(scene.mesh.source, MeshOrigin):
         what = "has no mesh" if scene.mesh is None else "has a mesh of its own"
         raise InputError(
             f"density = {density:g}: scene {scene.name!r} {what}; only the mesh of a folding pattern can be made "

@@ -31,7 +31,7 @@ from membrane_rs._files import (
 )
 from membrane_rs._validation import show
 from membrane_rs.errors import MissingFileError, OutputError
-from membrane_rs.mesh.file import ARRAYS
+from membrane_rs.mesh.file import ARRAYS, SETS
 from membrane_rs.results.lock import LOCK, FolderLock
 from membrane_rs.scene import Scene
 from membrane_rs.scene.scene import SCENE_FILE
@@ -197,6 +197,8 @@ def mesh_mark(scene: Scene) -> str | None:
         digest.update(np.ascontiguousarray(getattr(scene.mesh, name)).tobytes())
     for name, nodes in sorted(scene.mesh.node_sets.items()):
         digest.update(name.encode() + np.ascontiguousarray(nodes).tobytes())
+    for name, triangles in sorted(scene.mesh.triangle_sets.items()):
+        digest.update(f"{SETS['triangle_sets']}{name}".encode() + np.ascontiguousarray(triangles).tobytes())
     return digest.hexdigest()[:16]
 
 

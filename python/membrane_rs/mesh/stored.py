@@ -1,0 +1,143 @@
+"""A mesh in a file: saved, loaded, and read from those of other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from typing_extensions import Self
+
+from membrane_rs._files import path_of
+from membrane_rs.errors import InputError
+from membrane_rs.mesh.file import read_mesh, write_mesh
+from membrane_rs.mesh.formats import built, mesh_of_file
+
+
+class Stored:
+    """What a mesh has to do with files."""
+
+    def save(self, path: str | Path) -> None:
+        """Write the mesh into one numpy archive (.npz), whole or not at all.
+
+        The file holds the arrays of this class by their names, node sets as "node_set:<name>" and triangle sets as
+        "triangle_set:<name>". A scene file names it as `[mesh] file = "mesh.npz"`.
+
+        Parameters
+        ----------
+        path : path
+            Of the file, which ends in .npz.
+
+        Raises
+        ------
+        InputError
+            A path that does not end in .npz.
+        OutputError
+            It cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from membrane_rs import Mesh
+        >>> mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     mesh.save(Path(folder) / "mesh.npz")
+        ...     Mesh.load(Path(folder) / "mesh.npz")
+        Mesh(3 nodes, 1 triangles, 0 crease edges)
+        """
+        file = path_of(path)
+        if file.suffix != ".npz":
+            raise InputError(f"path = {str(file)!r}: must end in .npz, as a scene file needs it")
+        write_mesh(file, self)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """The mesh that `save` wrote; its `source` is None.
+
+        Parameters
+        ----------
+        path : path
+            Of the file.
+
+        Returns
+        -------
+        Mesh
+            Equal to the one that was saved.
+
+        Raises
+        ------
+        MissingFileError
+            No such file.
+        MeshError
+            A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
+        InputError, InputTypeError
+            No path.
+
+        Examples
+        --------
+        See `save`.
+
+        >>> from membrane_rs import Mesh
+        >>> Mesh.load("nowhere.npz")
+        Traceback (most recent call last):
+        membrane_rs.errors.MissingFileError: ...
+        """
+        file = path_of(path)
+        return built(cls, file, read_mesh(file))
+
+    @classmethod
+    def read(
+        cls,
+        path: str | Path,
+        *,
+        scale: float | str | None = None,
+        quads: str | None = None,
+        merge: float | str | None = None,
+    ) -> Self:
+        """The mesh in a file of another program: Gmsh, OBJ, STL, VTU and others that meshio reads; or in one of `save`.
+
+        Its `source` is a `MeshOrigin`, which says what was done to make the mesh of the file.
+
+        Parameters
+        ----------
+        path : path
+            Of the file; its suffix says of which kind it is.
+        scale : float or str
+            The unit of its coordinates: "mm", or its length in metres, 0.001. Needed, but for .npz, which is in metres.
+        quads : {"alternate", "shorter"}, optional
+            How quadrilaterals are split: by diagonals that meet at every other node, or each by its shorter one.
+            Default: "alternate".
+        merge : float or str, optional
+            Nodes that are not further apart become one [m], or as a text with its unit, "1 um". Default: none do, but
+            those of an STL file with equal coordinates, which is how such a file says that triangles are joined.
+
+        Returns
+        -------
+        Mesh
+            In metres, with named groups of the file as node sets and triangle sets, without nodes that no triangle has.
+
+        Raises
+        ------
+        MissingFileError
+            No such file.
+        MeshError
+            A file that cannot be read, or holds no triangles; cells that cannot be simulated.
+        InputError, InputTypeError
+            No path, a suffix of no such file, no scale, a value outside its range.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from membrane_rs import Mesh
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = Path(folder) / "square.obj"
+        ...     _ = path.write_text("v 0 0 0\\nv 50 0 0\\nv 50 50 0\\nv 0 50 0\\nf 1 2 3 4\\n")
+        ...     mesh = Mesh.read(path, scale="mm")
+        >>> mesh.triangles.tolist(), float(mesh.reference.max())
+        ([[0, 1, 2], [0, 2, 3]], 0.05)
+        >>> mesh.source.steps[-1]
+        '1 quadrilateral split into triangles by the rule "alternate"'
+        """
+        given = {"scale": scale, "quads": quads, "merge": merge}
+        values = {name: value for name, value in given.items() if value is not None}
+        return mesh_of_file(cls, path_of(path), values, "Mesh.read")
