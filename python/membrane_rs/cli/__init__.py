@@ -10,6 +10,7 @@ from __future__ import annotations
 # A command is registered by the import of its file: one line each.
 from membrane_rs.cli import calibrate as calibrate
 from membrane_rs.cli import compare as compare
+from membrane_rs.cli import convert as convert
 from membrane_rs.cli import figures as figures
 from membrane_rs.cli import new as new
 from membrane_rs.cli import report as report

@@ -56,6 +56,7 @@ def check(
     """Report faults and risks of a scene, the stability limit and the expected cost, without running it."""
     from membrane_rs.check import audit, facts
     from membrane_rs.errors import InputError
+    from membrane_rs.mesh import MeshOrigin
     from membrane_rs.scene.staging import planned_starts
 
     wanted: dict[str, Any] = {
@@ -74,6 +75,10 @@ def check(
         say(f"  {name:<10} {count:>9,}")
     for name, words in document["facts"].items():
         say(f"  {name:<10} {words}")
+    source = None if chosen.mesh is None else chosen.mesh.source
+    if isinstance(source, MeshOrigin):
+        say(f"\nMesh     {source}")
+        document["mesh"] = source._asdict()
     found = audit(chosen)
     document |= {"ok": found.ok, "audit": [finding.as_dict() for finding in found.findings], "runs": []}
     say(f"\nAudit\n{_indented(str(found))}")

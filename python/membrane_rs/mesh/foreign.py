@@ -12,11 +12,11 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
-from membrane_rs._arrays import Floats, Ints
+from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Finite, Positive, Unit, validated
 from membrane_rs.errors import MeshError
-from membrane_rs.mesh.joined import merged, without_repeats, wound_alike
+from membrane_rs.mesh.joined import distinct_faces, merged, wound_alike
 from membrane_rs.mesh.meshio_process import BY_SUFFIX, Read, read_by_meshio
 from membrane_rs.mesh.origin import MeshOrigin
 from membrane_rs.mesh.quads import QuadRule, split_quads
@@ -35,22 +35,23 @@ class ForeignFile:
     ----------
     scale : float
         Length of the unit of its coordinates [m], 0.001 for millimetres. A scene file may name the unit: "mm".
-    quads : {"alternate", "shorter"}
-        By which diagonals quadrilaterals are split: those that meet at every other node, or each by its shorter one.
+    quads : {"shorter", "alternate"}
+        By which diagonals quadrilaterals are split: each by its shorter one, or all so that they meet at every other
+        node.
     merge : float, optional
         Nodes that are not further apart than this become one [m].
     """
 
     scale: Annotated[Finite, Ge(1e-12), Le(1e12), Unit("m")]
-    quads: QuadRule = "alternate"
+    quads: QuadRule = "shorter"
     merge: Annotated[Positive, Unit("m")] | None = field(default=None, kw_only=True)
 
 
-class _Cells(NamedTuple):
-    """Some cells of one type."""
+class _Faces(NamedTuple):
+    """Triangles and quadrilaterals in the order of a file."""
 
     corners: Ints
-    """(k, corners) nodes."""
+    """(k, 4) points; -1 as the last corner of a triangle."""
     block: Ints
     """(k,) block of each."""
     row: Ints
@@ -69,55 +70,55 @@ def read_foreign(path: Path, options: ForeignFile) -> dict[str, Any]:
 def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
     points, steps = _points(read.points)
     others = _check_types(read.cells)
+    faces = _faces(read.cells, len(points), others)
     groups = dict(_groups(read, len(points)))
-    triangles, quads = (_cells_of(read.cells, kind, len(points)) for kind in SURFACES)
-    if not len(triangles.row) + len(quads.row):
-        held = ", ".join(f"{count} {kind}" for kind, count in others.items()) or "no cells at all"
-        raise MeshError(f"holds neither triangles nor quadrilaterals, but {held}; write the surface that is the film")
     points = points * options.scale
+    place = np.arange(len(points))
     if BY_SUFFIX[path.suffix.lower()] == "stl":
-        joined = 3 * len(triangles.row) - len(points)
-        steps.append(f"{joined} of {3 * len(triangles.row)} corners merged with others of equal coordinates")
-    corners, fours = triangles.corners, quads.corners
+        steps.append(f"{3 * len(faces.row) - len(points)} of {3 * len(faces.row)} corners merged, by equal coordinates")
     if options.merge is not None:
         place, words = merged(points, options.merge)
-        corners, fours, steps = place[corners], place[fours], [*steps, words]
-    split, remarks = split_quads(points, fours, options.quads)
-    rows = np.concatenate([corners, split])
-    cells = _Cells(
-        rows,
-        np.concatenate([triangles.block, np.repeat(quads.block, 2)]),
-        np.concatenate([triangles.row, np.repeat(quads.row, 2)]),
-    )
-    order = np.lexsort((np.arange(len(rows)), cells.row, cells.block))
-    cells = _Cells(*(each[order] for each in cells))
-    found, numbers, words_of_repeats = without_repeats(cells.corners, may_collapse=options.merge is not None)
-    found, words_of_turned = wound_alike(found)
-    node_sets, triangle_sets = _sets(groups, cells, numbers, read.cells)
-    if options.merge is not None:
-        node_sets = {name: np.unique(place[nodes]) for name, nodes in node_sets.items()}
-    used = np.unique(found)
-    unused = len(np.unique(place)) - len(used) if options.merge is not None else len(points) - len(used)
-    left = [f"{unused} nodes left out, which no triangle has"] if unused else []
+        steps.append(words)
+    corners = np.where(faces.corners >= 0, place[faces.corners], -1)
+    distinct, numbers, remarks = distinct_faces(corners, may_collapse=options.merge is not None)
+    steps += remarks
+    is_quad = distinct[:, 3] >= 0
+    owner = np.repeat(np.arange(len(distinct)), 1 + is_quad)
+    triangles = distinct[owner, :3]
+    triangles[is_quad[owner]], remarks = split_quads(points, distinct[is_quad], options.quads)
+    steps += remarks
+    triangles, remarks = wound_alike(triangles)
+    steps += remarks
+    used, lowest = np.unique(triangles), np.unique(place)
+    if len(used) < len(lowest):
+        steps.append(f"{len(lowest) - len(used)} nodes left out, which no triangle has")
     index = np.full(len(points), -1, np.int64)
     index[used] = np.arange(len(used))
-    kept_sets = {name: kept for name, nodes in node_sets.items() if len(kept := _kept(index[nodes]))}
-    empty = [name for name in node_sets if name not in kept_sets]
-    if empty:
-        left.append(f"groups left out, whose nodes no triangle has: {', '.join(sorted(empty))}")
-    ignored = [f"{count} cells of type {kind!r} ignored, but for named groups" for kind, count in others.items()]
-    steps += [*remarks, *words_of_repeats, *words_of_turned, *left, *ignored]
-    if kept_sets:
-        steps.append(f"node sets of named groups: {', '.join(kept_sets)}")
-    if triangle_sets:
-        steps.append(f"triangle sets of named groups: {', '.join(triangle_sets)}")
+    node_sets = {name: _kept(index[place[each.nodes(read.cells)]]) for name, each in groups.items()}
+    chosen = {name: numbers[each.has(faces)] for name, each in groups.items()}
+    triangle_sets = {name: np.flatnonzero(np.isin(owner, _kept(rows))) for name, rows in chosen.items()}
+    steps += _words_of_cells(others) + _words_of_sets(node_sets, triangle_sets)
     return {
         "reference": points[used],
-        "triangles": index[found],
-        "node_sets": kept_sets,
-        "triangle_sets": triangle_sets,
+        "triangles": index[triangles],
+        "node_sets": {name: nodes for name, nodes in node_sets.items() if len(nodes)},
+        "triangle_sets": {name: rows for name, rows in triangle_sets.items() if len(rows)},
         "source": MeshOrigin(str(path), options.scale, tuple(steps)),
     }
+
+
+def _words_of_cells(others: Mapping[str, int]) -> list[str]:
+    """What became of points and lines."""
+    return [f"{count} cells of type {kind!r} left out" for kind, count in others.items()]
+
+
+def _words_of_sets(node_sets: Mapping[str, Ints], triangle_sets: Mapping[str, Ints]) -> list[str]:
+    """Which sets there are, and which would be empty."""
+    empty = ", ".join(name for name, nodes in node_sets.items() if not len(nodes))
+    found = ", ".join(f"{name} ({len(nodes)} nodes)" for name, nodes in node_sets.items() if len(nodes))
+    of_triangles = ", ".join(f"{name} ({len(rows)} triangles)" for name, rows in triangle_sets.items() if len(rows))
+    words = {"named groups left out, whose nodes no triangle has": empty, "node sets": found}
+    return [f"{key}: {value}" for key, value in (words | {"triangle sets": of_triangles}).items() if value]
 
 
 def _kept(nodes: Ints) -> Ints:
@@ -168,23 +169,28 @@ def _check_types(cells: list[tuple[str, NDArray[Any]]]) -> Counter[str]:
     return Counter({kind: count for kind, count in counts.items() if kind not in SURFACES and count})
 
 
-def _cells_of(cells: list[tuple[str, NDArray[Any]]], kind: str, count: int) -> _Cells:
-    """All cells of a type of surface, in the order of the file. Raises MeshError for corners that are no point."""
-    width = SURFACES[kind]
-    chosen = [(k, rows) for k, (name, rows) in enumerate(cells) if _kind(name, rows) == kind and len(rows)]
-    made = _Cells(
-        np.concatenate([np.empty((0, width), np.int64), *(rows for _, rows in chosen)]),
-        np.concatenate([np.empty(0, np.int64), *(np.full(len(rows), k) for k, rows in chosen)]),
-        np.concatenate([np.empty(0, np.int64), *(np.arange(len(rows)) for _, rows in chosen)]),
-    )
-    bad = np.argwhere((made.corners < 0) | (made.corners >= count))
-    if len(bad):
-        row, corner = bad[0]
-        raise MeshError(
-            f"corner {corner} of cell {made.row[row]} of type {kind!r}, both counted from 0, is none of its {count} "
-            "points; correct it, or write the mesh anew"
-        )
-    return made
+def _faces(cells: list[tuple[str, NDArray[Any]]], count: int, others: Mapping[str, int]) -> _Faces:
+    """All triangles and quadrilaterals. Raises MeshError where there are none, and for corners that are no point."""
+    blocks, block, row = [], [], []
+    for k, (name, rows) in enumerate(cells):
+        kind = _kind(name, rows)
+        if kind not in SURFACES:
+            continue
+        bad = np.argwhere((rows < 0) | (rows >= count))
+        if len(bad):
+            raise MeshError(
+                f"corner {bad[0, 1]} of the cell {bad[0, 0]} of type {kind!r}, both counted from 0, is none of its "
+                f"{count} points; correct it, or write the mesh anew"
+            )
+        corners = np.full((len(rows), 4), -1, np.int64)
+        corners[:, : SURFACES[kind]] = rows
+        blocks.append(corners)
+        block.append(np.full(len(rows), k))
+        row.append(np.arange(len(rows)))
+    if not sum(map(len, row)):
+        held = ", ".join(f"{count} cells of type {kind!r}" for kind, count in others.items()) or "no cells at all"
+        raise MeshError(f"holds neither triangles nor quadrilaterals, but {held}; write the surface that is the film")
+    return _Faces(np.concatenate(blocks), np.concatenate(block), np.concatenate(row))
 
 
 class _Group(NamedTuple):
@@ -193,6 +199,18 @@ class _Group(NamedTuple):
     points: list[Ints]
     cells: dict[int, Ints]
     """Rows of blocks."""
+
+    def nodes(self, blocks: list[tuple[str, NDArray[Any]]]) -> Ints:
+        """Its points, and those of its cells."""
+        corners = (blocks[k][1][rows].ravel() for k, rows in self.cells.items())
+        return np.concatenate([np.empty(0, np.int64), *self.points, *corners])
+
+    def has(self, faces: _Faces) -> Bools:
+        """(k,) which faces are its cells."""
+        found = np.zeros(len(faces.row), dtype=bool)
+        for k, rows in self.cells.items():
+            found |= (faces.block == k) & np.isin(faces.row, rows)
+        return found
 
 
 def _groups(read: Read, count: int) -> Iterator[tuple[str, _Group]]:
@@ -228,22 +246,3 @@ def _check_members(members: Ints, count: int, words: str) -> None:
         raise MeshError(
             f"{words} holds number {bad[0]}, counted from 0, of {count}; correct it, or write the mesh anew"
         )
-
-
-def _sets(
-    groups: Mapping[str, _Group], cells: _Cells, numbers: Ints, blocks: list[tuple[str, NDArray[Any]]]
-) -> tuple[dict[str, Ints], dict[str, Ints]]:
-    """Node sets and triangle sets of groups; `numbers` says which triangle became of each of the cells, -1 for none."""
-    node_sets: dict[str, Ints] = {}
-    triangle_sets: dict[str, Ints] = {}
-    for name, group in groups.items():
-        nodes, triangles = list(group.points), []
-        for k, rows in group.cells.items():
-            nodes.append(blocks[k][1][rows].ravel())
-            is_chosen = (cells.block == k) & np.isin(cells.row, rows)
-            triangles.append(numbers[is_chosen])
-        node_sets[name] = np.unique(np.concatenate(nodes)) if nodes else np.empty(0, np.int64)
-        found = _kept(np.concatenate(triangles)) if triangles else np.empty(0, np.int64)
-        if len(found):
-            triangle_sets[name] = found
-    return node_sets, triangle_sets

@@ -35,33 +35,50 @@ def merged(points: Floats, tolerance: float) -> tuple[Ints, str]:
     return lowest, f"{count} nodes merged with others within {tolerance:g} m, moved by {far:.3g} m at most"
 
 
-def without_repeats(triangles: Ints, *, may_collapse: bool) -> tuple[Ints, Ints, list[str]]:
-    """Triangles once each; for each that was given (k,) the number of it among these, -1 for none; remarks.
+def distinct_faces(faces: Ints, *, may_collapse: bool) -> tuple[Ints, Ints, list[str]]:
+    """Faces (f, 4) once each, triangles with -1 as their last corner; (k,) the number of each given one among these, -1
+    for none; remarks.
 
-    A triangle with a node twice is left out where nodes were merged (`may_collapse`), and refused elsewhere, by
-    MeshError.
+    Where nodes were merged (`may_collapse`) a quadrilateral that lost a side is a triangle, and other faces with a node
+    twice are left out; elsewhere they are refused, by MeshError.
     """
-    ordered = np.sort(triangles, axis=1)
-    is_flat = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    if may_collapse:
+        faces = _without_lost_sides(faces)
+    ordered = np.sort(faces, axis=1)
+    is_flat = ((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any(axis=1)
     if is_flat.any() and not may_collapse:
-        bad = int(np.flatnonzero(is_flat)[0])
+        bad = faces[np.flatnonzero(is_flat)[0]]
         raise MeshError(
-            f"the triangle of nodes {triangles[bad].tolist()} names a node twice ({int(is_flat.sum())} such); correct "
-            "it, or give merge, a length within which nodes become one and such triangles are left out"
+            f"the cell of points {bad[bad >= 0].tolist()}, counted from 0, names one twice "
+            f"({int(is_flat.sum())} such); correct it, or give merge, a length within which "
+            "nodes become one and such cells are left out"
         )
     whole = np.flatnonzero(~is_flat)
     if not len(whole):
         raise MeshError("no triangle is left where nodes are merged; give a shorter length of merge")
-    _, first, place = np.unique(ordered[whole], axis=0, return_index=True, return_inverse=True)
+    order = whole[np.lexsort(ordered[whole].T)]
+    is_new = np.append(True, (ordered[order[1:]] != ordered[order[:-1]]).any(axis=1))
+    first = order[is_new]  # the sort is stable, so that this is the first of its equals
     kept = np.sort(first)
-    numbers: Ints = np.full(len(triangles), -1, np.int64)
-    numbers[whole] = np.searchsorted(kept, first[place.ravel()])
+    numbers: Ints = np.full(len(faces), -1, np.int64)
+    numbers[order] = np.searchsorted(kept, first)[np.cumsum(is_new) - 1]
     remarks = []
     if is_flat.any():
-        remarks.append(f"{int(is_flat.sum())} triangles left out, whose corners were merged")
+        remarks.append(f"{int(is_flat.sum())} cells left out, whose corners were merged")
     if len(kept) < len(whole):
-        remarks.append(f"{len(whole) - len(kept)} triangles left out, which are given twice")
-    return triangles[whole[kept]], numbers, remarks
+        remarks.append(f"{len(whole) - len(kept)} cells left out, which are given twice")
+    once: Ints = faces[kept]
+    return once, numbers, remarks
+
+
+def _without_lost_sides(faces: Ints) -> Ints:
+    """Faces, those of four corners as triangles where two neighbouring corners alone are one node."""
+    is_lost = (faces == np.roll(faces, -1, axis=1)) & (faces[:, 3:] >= 0)
+    chosen = is_lost.sum(axis=1) == 1
+    found: Ints = faces.copy()
+    found[chosen, :3] = faces[chosen][~is_lost[chosen]].reshape(-1, 3)
+    found[chosen, 3] = -1
+    return found
 
 
 def wound_alike(triangles: Ints) -> tuple[Ints, list[str]]:

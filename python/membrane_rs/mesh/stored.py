@@ -103,9 +103,9 @@ class Stored:
             Of the file; its suffix says of which kind it is.
         scale : float or str
             The unit of its coordinates: "mm", or its length in metres, 0.001. Needed, but for .npz, which is in metres.
-        quads : {"alternate", "shorter"}, optional
-            How quadrilaterals are split: by diagonals that meet at every other node, or each by its shorter one.
-            Default: "alternate".
+        quads : {"shorter", "alternate"}, optional
+            How quadrilaterals are split: each by its shorter diagonal, and rectangles alternately, or all so that
+            diagonals meet at every other node. Default: "shorter".
         merge : float or str, optional
             Nodes that are not further apart become one [m], or as a text with its unit, "1 um". Default: none do, but
             those of an STL file with equal coordinates, which is how such a file says that triangles are joined.
@@ -135,8 +135,8 @@ class Stored:
         ...     mesh = Mesh.read(path, scale="mm")
         >>> mesh.triangles.tolist(), float(mesh.reference.max())
         ([[0, 1, 2], [0, 2, 3]], 0.05)
-        >>> mesh.source.steps[-1]
-        '1 quadrilateral split into triangles by the rule "alternate"'
+        >>> mesh.source.steps[0]
+        '1 quadrilateral split into triangles by the rule "shorter"'
         """
         given = {"scale": scale, "quads": quads, "merge": merge}
         values = {name: value for name, value in given.items() if value is not None}

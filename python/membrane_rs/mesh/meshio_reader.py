@@ -1,0 +1,136 @@
+"""What runs in the process that reads a file of another program: meshio, and what it has to be helped with."""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from membrane_rs._messages import in_one_line
+from membrane_rs.mesh.meshio_process import MEMORY, MEMORY_PER_BYTE, SECONDS, SECONDS_PER_BYTE, Read
+
+MOST_TAIL = 4096
+"""Bytes at the end of a file in which its last word is looked for."""
+
+
+def serve() -> None:
+    """Read one file, and write what it holds to the standard output, pickled, or why it cannot be read."""
+    sink = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what meshio prints is no answer
+    path, kind = Path(sys.argv[1]), sys.argv[2]
+    try:
+        _bound(path.stat().st_size)
+        reply: tuple[bool, Any] = (True, _read(path, kind))
+    except MemoryError:
+        reply = (False, "it asks for more memory than a file of its size may")
+    except BaseException as error:  # noqa: BLE001 - whatever meshio meets in a file, and SystemExit
+        reply = (False, in_one_line(error))
+    try:
+        pickle.dump(reply, sink)
+        sink.flush()
+    finally:
+        os._exit(0)
+
+
+def _bound(size: int) -> None:
+    """Bound the memory and the time of this process, for a file of so many bytes."""
+    import resource
+
+    for bound, value in (
+        (resource.RLIMIT_AS, MEMORY + MEMORY_PER_BYTE * size),
+        (resource.RLIMIT_CPU, int(SECONDS + SECONDS_PER_BYTE * size)),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        most = resource.getrlimit(bound)[1]
+        least = value if most == resource.RLIM_INFINITY else min(value, most)
+        resource.setrlimit(bound, (least, most))
+
+
+def _read(path: Path, kind: str) -> Read:
+    """What a file holds. Raises errors of any kind."""
+    import meshio
+
+    source: Any = path
+    groups: list[str] = []
+    if kind == "obj":
+        source, groups = _plain_obj(path)
+    else:
+        kind = _checked(path, kind)
+    # Not meshio.read: that prints, and ends the process, where a file cannot be read.
+    mesh = getattr(meshio, kind).read(source)
+    tags = mesh.cell_data.get("gmsh:physical")
+    sets = {name: blocks for name, blocks in mesh.cell_sets.items() if name != "gmsh:bounding_entities"}
+    ids = [np.asarray(each) for each in mesh.cell_data.get("obj:group_ids", ())] if groups else []
+    sets |= {name: [np.flatnonzero(_named(each, groups, name)) for each in ids] for name in groups if ids}
+    return Read(
+        points=np.asarray(mesh.points),
+        cells=[(str(block.type), _rows(block)) for block in mesh.cells],
+        tags=None if tags is None else [np.asarray(each) for each in tags],
+        names={(int(pair[1]), int(pair[0])): str(name) for name, pair in mesh.field_data.items()} if tags else {},
+        cell_sets={
+            str(name): [np.asarray([] if members is None else members, np.int64) for members in blocks]
+            for name, blocks in sets.items()
+        },
+        point_sets={str(name): np.asarray(members, np.int64) for name, members in mesh.point_sets.items()},
+    )
+
+
+def _checked(path: Path, kind: str) -> str:
+    """The module of meshio for a file. Raises ValueError for one that was cut off, which meshio takes for whole."""
+    with path.open("rb") as file:
+        first = file.read(84)
+        size = path.stat().st_size
+        file.seek(max(size - MOST_TAIL, 0))
+        tail = file.read(MOST_TAIL)
+    if kind == "gmsh" and first.startswith(b"("):
+        return "ansys"  # Fluent writes .msh as well
+    is_binary = kind == "stl" and len(first) == 84 and size == 84 + 50 * int.from_bytes(first[80:], "little")
+    if kind == "stl" and not is_binary and b"endsolid" not in tail:
+        raise ValueError("it ends before its endsolid")
+    if kind == "gmsh" and first and not tail.rsplit(b"$", 1)[-1].startswith(b"End"):
+        raise ValueError("it ends within a section")
+    return kind
+
+
+def _plain_obj(path: Path) -> tuple[io.StringIO, list[str]]:
+    """The points and faces of an OBJ file alone, by positive indices, and the names of its groups, in their order.
+
+    meshio takes neither colours of points, nor indices from the end, nor as many textures or normals as a file has.
+    """
+    lines: list[str] = []
+    groups: list[str] = []
+    count = 0
+    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    for line in text.splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            count += 1
+            lines.append(" ".join(("v", *rest[:3])))
+        elif word == "f":
+            corners = [int(corner.partition("/")[0]) for corner in rest]
+            lines.append(" ".join(("f", *(str(k if k >= 0 else count + 1 + k) for k in corners))))
+        elif word in ("g", "o"):
+            groups.append(" ".join(rest))
+            lines.append("g")
+    return io.StringIO("\n".join(lines)), groups
+
+
+def _named(ids: NDArray[Any], groups: list[str], name: str) -> NDArray[Any]:
+    """Which faces are of a group of some name, by the numbers of groups; those before the first group have -1."""
+    found: NDArray[Any] = np.isin(ids, [k for k, each in enumerate(groups) if each == name and name])
+    return found
+
+
+def _rows(block: Any) -> NDArray[Any]:
+    """(k, corners) of a block of cells; (k, 0) of cells that have different numbers of corners."""
+    try:
+        rows = np.asarray(block.data, np.int64)
+    except (ValueError, TypeError):
+        return np.empty((len(block.data), 0), np.int64)
+    return rows if rows.ndim == 2 else np.empty((len(block.data), 0), np.int64)
