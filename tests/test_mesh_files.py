@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, Material, Mesh, MeshError
 from membrane_rs.mesh import MeshOrigin, net_moduli
+from membrane_rs.mesh.file import ARRAYS, SETS
 from membrane_rs.mesh.formats import FORMATS
 from membrane_rs.mesh.meshio_process import BY_SUFFIX
 from mesh_files import GMSH_22, GMSH_41, OBJ, STL, grid, halves, text_file, write
@@ -275,3 +276,13 @@ def test_the_scale_is_asked_for_and_checked(tmp_path: Path) -> None:
         lambda: Mesh.read(tmp_path / "a.npz", scale=1.0), InputError, "no such key beside file; a .npz file says all"
     )
     assert set(FORMATS) >= {".npz", ".msh", ".obj", ".stl", ".vtu"}
+
+
+def test_the_page_lists_every_kind_of_file() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "mesh_files.md").read_text(encoding="utf-8")
+    table = page[page.index("| suffix |") : page.index("A file with another suffix")]
+    listed = {word for line in table.splitlines()[2:] if line for word in line.split("|")[1].split()}
+    assert listed == set(BY_SUFFIX)
+    arrays = page[page.index("| array |") :]
+    for name in (*ARRAYS, *(f"{prefix}NAME" for prefix in SETS.values())):
+        assert f"\n| `{name}` | " in arrays

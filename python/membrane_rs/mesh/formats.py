@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -57,7 +58,7 @@ def mesh_of_file(kind: Callable[..., M], path: Path, values: Mapping[str, Any], 
         raise InputError(
             f"{where}.{next(iter(values))}: no such key beside file; a {suffix} file says all; leave it out"
         )
-    options = None if checked is None else build(checked, _with_scale(values, where, suffix), where)
+    options = None if checked is None else build(checked, _with_scale(checked, values, where, suffix), where)
     if not path.exists():
         raise MissingFileError(f"{path}: there is no such mesh file; give the path of one")
     return built(kind, path, read(path, options))
@@ -71,13 +72,15 @@ def built(kind: Callable[..., M], path: Path, found: Mapping[str, Any]) -> M:
         raise MeshError(f"{path}: {error}") from None
 
 
-def _with_scale(values: Mapping[str, Any], where: str, suffix: str) -> dict[str, Any]:
-    """What is said beside a file, "mm" for the scale as "1 mm". Raises InputError without a scale."""
-    scale = values.get("scale")
-    if scale is None:
+def _with_scale(checked: type, values: Mapping[str, Any], where: str, suffix: str) -> dict[str, Any]:
+    """What is said beside a file, "mm" for the scale as "1 mm". Raises InputError without a scale that is needed."""
+    found, scale = dict(values), values.get("scale")
+    is_needed = any(entry.name == "scale" and entry.default is MISSING for entry in fields(checked))
+    if scale is None and is_needed:
         raise InputError(
             f"{where}.scale: is missing; a {suffix} file does not say in which unit its coordinates are: give the "
             'unit, scale = "mm", or its length in metres, scale = 0.001'
         )
-    is_unit = isinstance(scale, str) and split(scale) is None and bool(scale.strip())
-    return {**values, "scale": f"1 {scale.strip()}" if is_unit else scale}
+    if isinstance(scale, str) and scale.strip() and split(scale) is None:
+        found["scale"] = f"1 {scale.strip()}"
+    return found
