@@ -286,3 +286,23 @@ def test_the_page_lists_every_kind_of_file() -> None:
     arrays = page[page.index("| array |") :]
     for name in (*ARRAYS, *(f"{prefix}NAME" for prefix in SETS.values())):
         assert f"\n| `{name}` | " in arrays
+
+
+@pytest.mark.parametrize("text", [GMSH_22, GMSH_41])
+def test_physical_groups_that_share_a_name(text: str, tmp_path: Path) -> None:
+    path = text_file(tmp_path / "sail.msh", text.replace('"held edge"', '"film"').replace('"tip"', '"film"'))
+    mesh = Mesh.read(path, scale="mm")
+    assert mesh.node_sets.keys() == {"film", "left half", "line-9"}
+    assert mesh.node_sets["film"].tolist() == [0, 1, 2, 3, 4, 5]
+    assert mesh.triangle_sets["film"].tolist() == [0, 1, 2, 3]
+    both = text.replace('"left half"', '"held edge"')
+    mesh = Mesh.read(text_file(path, both), scale="mm")
+    assert mesh.node_sets["held edge"].tolist() == [0, 1, 3, 4]
+
+
+def test_modules_beside_a_file_are_not_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("meshio", "numpy", "resource", "pickle"):
+        text_file(tmp_path / f"{name}.py", "open('imported', 'w')")
+    assert Mesh.read(text_file(tmp_path / "a.obj", OBJ), scale=1.0).node_count == 4
+    assert not (tmp_path / "imported").exists()

@@ -36,7 +36,8 @@ MEMORY, MEMORY_PER_BYTE = 2**31, 40
 """Bytes that the process may take, and so many more for each byte of the file."""
 SECONDS, SECONDS_PER_BYTE = 30, 2e-5
 """Time that the process may take, and so much more for each byte of the file."""
-_COMMAND = "from membrane_rs.mesh.meshio_reader import serve; serve()"
+_COMMAND = "import sys; sys.path[:] = filter(None, sys.path); from membrane_rs.mesh.meshio_reader import serve; serve()"
+"""Without the present folder, in which a file may lie beside modules of others."""
 
 
 class Read(NamedTuple):
@@ -70,10 +71,11 @@ def read_by_meshio(path: Path) -> Read:
         done = subprocess.run(
             [sys.executable, "-c", _COMMAND, str(path), kind],
             stdin=subprocess.DEVNULL,
-            capture_output=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
             check=False,
             timeout=seconds,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(each for each in sys.path if each)} | _ONE_THREAD,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))} | _ONE_THREAD,
             start_new_session=True,
         )
         is_read, found = pickle.loads(done.stdout)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import pickle
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,10 @@ from membrane_rs.mesh.meshio_process import MEMORY, MEMORY_PER_BYTE, SECONDS, SE
 
 MOST_TAIL = 4096
 """Bytes at the end of a file in which its last word is looked for."""
+
+
+MOST_NAMES = 10**7
+"""Bytes at the beginning of a file in which names are looked for."""
 
 
 def serve() -> None:
@@ -72,7 +77,7 @@ def _read(path: Path, kind: str) -> Read:
         points=np.asarray(mesh.points),
         cells=[(str(block.type), _rows(block)) for block in mesh.cells],
         tags=None if tags is None else [np.asarray(each) for each in tags],
-        names={(int(pair[1]), int(pair[0])): str(name) for name, pair in mesh.field_data.items()} if tags else {},
+        names=_names(path) if tags else {},
         cell_sets={
             str(name): [np.asarray([] if members is None else members, np.int64) for members in blocks]
             for name, blocks in sets.items()
@@ -119,6 +124,14 @@ def _plain_obj(path: Path) -> tuple[io.StringIO, list[str]]:
             groups.append(" ".join(rest))
             lines.append("g")
     return io.StringIO("\n".join(lines)), groups
+
+
+def _names(path: Path) -> dict[tuple[int, int], str]:
+    """Names of physical groups of Gmsh, by dimension and number: meshio keeps one of those that share a name."""
+    with path.open("rb") as file:
+        section = file.read(MOST_NAMES).partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
+    lines = re.findall(r'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', section.decode(errors="replace"), re.MULTILINE)
+    return {(int(dimension), int(number)): name for dimension, number, name in lines}
 
 
 def _named(ids: NDArray[Any], groups: list[str], name: str) -> NDArray[Any]:
