@@ -113,6 +113,24 @@ def test_a_process_that_ends_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyP
     refused(lambda: read(path), MeshError, "a.obj: cannot be read")
 
 
+@pytest.mark.parametrize(("name", "text"), [("a.msh", GMSH_22), ("b.msh", GMSH_41), ("c.stl", STL), ("d.obj", OBJ)])
+def test_random_damage(name: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("membrane_rs.mesh.meshio_process.SECONDS", 5)
+    rng, path = np.random.default_rng(len(text)), tmp_path / name
+    refusals: list[str] = []
+    for _ in range(12):
+        content = bytearray(text.encode())
+        at, kind = int(rng.integers(len(content))), int(rng.integers(3))
+        content[at : at + int(rng.integers(1, 9))] = (b"", rng.bytes(1), b"-99999999999")[kind]
+        path.write_bytes(content)
+        try:
+            read(path)
+        except MeshError as error:
+            refusals.append(str(error))
+    assert refusals
+    assert all(str(path) in each for each in refusals)
+
+
 CELLS: list[tuple[list[tuple[str, Any]], str]] = [
     (
         [("tetra", [[0, 1, 3, 4]]), ("triangle", [[0, 1, 3]])],
