@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Mesh, MeshError, MissingFileError
-from membrane_rs.mesh.meshio_process import BY_SUFFIX, WORDS
+from membrane_rs.mesh.meshio_process import BY_SUFFIX, WORDS, Read
 from mesh_files import GMSH_22, GMSH_41, OBJ, STL, grid, text_file, write
 from small_scenes import refused
 
@@ -166,6 +166,31 @@ def test_points_that_are_not_finite(bad: float, tmp_path: Path) -> None:
     refused(
         lambda: read(write(tmp_path / "a.vtu", points, [("quad", QUADS)])), MeshError, "a.vtu: point 4, .*not finite"
     )
+
+
+@pytest.mark.parametrize(("size", "scale"), [(1e300, 1e12), (1e-200, 1e-12)])
+def test_points_beyond_all_bounds(size: float, scale: float, tmp_path: Path) -> None:
+    path = write(tmp_path / "a.vtu", size * POINTS, [("quad", QUADS)])
+    for more in ({}, {"merge": 1e-3}):
+        refused(lambda more=more: Mesh.read(path, scale=scale, **more), MeshError, r"a\.vtu: ")  # type: ignore[misc]
+
+
+def test_groups_with_members_that_are_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = (
+        GMSH_22.replace("3 1 2 2 4 1 4", "3 1 2 2 4 1 6")
+        .replace("6 20 10 0\n", "60 20 10 0\n")
+        .replace("6 3 2 3 1 2 3 6 5", "6 2 2 3 1 2 3 5")
+    )
+    refused(
+        lambda: read(text_file(tmp_path / "a.msh", lines)),
+        MeshError,
+        r"a\.msh: .*'held edge' of points holds number -1",
+    )
+    for points, cells, words in (([9], [0], "of points holds number 9"), ([0], [4], "of cells holds number 4")):
+        sets = {"HELD": [np.array(cells)]}, {"HELD": np.array(points)}
+        held = Read(POINTS, [("quad", QUADS)], None, {}, *sets)
+        monkeypatch.setattr("membrane_rs.mesh.foreign.read_by_meshio", lambda _, held=held: held)
+        refused(lambda: read(tmp_path / "a.msh"), MeshError, rf"a\.msh: the set 'HELD' {words}, counted from 0, of")
 
 
 def test_more_points_than_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

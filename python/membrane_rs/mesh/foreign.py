@@ -62,17 +62,17 @@ def read_foreign(path: Path, options: ForeignFile) -> dict[str, Any]:
     """What `Mesh` takes, by name, of a file whose suffix is one of `BY_SUFFIX`. Raises MeshError."""
     read = read_by_meshio(path)
     try:
-        return _made(path, read, options)
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
+            return _made(path, read, options)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from None
 
 
 def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
-    points, steps = _points(read.points)
+    points, steps = _points(read.points, options.scale)
     others = _check_types(read.cells)
     faces = _faces(read.cells, len(points), others)
     groups = dict(_groups(read, len(points)))
-    points = points * options.scale
     place = np.arange(len(points))
     if BY_SUFFIX[path.suffix.lower()] == "stl":
         steps.append(f"{3 * len(faces.row) - len(points)} of {3 * len(faces.row)} corners merged, by equal coordinates")
@@ -94,7 +94,7 @@ def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
         steps.append(f"{len(lowest) - len(used)} nodes left out, which no triangle has")
     index = np.full(len(points), -1, np.int64)
     index[used] = np.arange(len(used))
-    node_sets = {name: _kept(index[place[each.nodes(read.cells)]]) for name, each in groups.items()}
+    node_sets = {name: _kept(index[place[each.nodes(name, read.cells, len(points))]]) for name, each in groups.items()}
     chosen = {name: numbers[each.has(faces)] for name, each in groups.items()}
     triangle_sets = {name: np.flatnonzero(np.isin(owner, _kept(rows))) for name, rows in chosen.items()}
     steps += _words_of_cells(others) + _words_of_sets(node_sets, triangle_sets)
@@ -126,8 +126,8 @@ def _kept(nodes: Ints) -> Ints:
     return found
 
 
-def _points(points: NDArray[Any]) -> tuple[Floats, list[str]]:
-    """Points (n, 3), and whether z was added. Raises MeshError."""
+def _points(points: NDArray[Any], scale: float) -> tuple[Floats, list[str]]:
+    """Points (n, 3) [m], and whether z was added. Raises MeshError."""
     if points.size == 0:
         raise MeshError("holds no points; write the mesh of a surface")
     if points.ndim != 2 or points.shape[1] not in (2, 3) or points.dtype.kind not in "fiu":
@@ -135,10 +135,12 @@ def _points(points: NDArray[Any]) -> tuple[Floats, list[str]]:
     check_nodes(len(points), "its points", "take fewer", MeshError)
     found: Floats = np.zeros((len(points), 3))
     found[:, : points.shape[1]] = points
+    found *= scale
     bad = np.flatnonzero(~np.isfinite(found).all(axis=1))
     if len(bad):
         raise MeshError(
-            f"point {bad[0]}, counted from 0, is {found[bad[0]].tolist()}, not finite ({len(bad)} such); correct it"
+            f"point {bad[0]}, counted from 0, is {points[bad[0]].tolist()}, not finite in metres ({len(bad)} such); "
+            "correct it"
         )
     return found, ["z = 0 added to points of x and y"] if points.shape[1] == 2 else []
 
@@ -200,10 +202,12 @@ class _Group(NamedTuple):
     cells: dict[int, Ints]
     """Rows of blocks."""
 
-    def nodes(self, blocks: list[tuple[str, NDArray[Any]]]) -> Ints:
-        """Its points, and those of its cells."""
+    def nodes(self, name: str, blocks: list[tuple[str, NDArray[Any]]], count: int) -> Ints:
+        """Its points, and those of its cells. Raises MeshError for what is none of so many points."""
         corners = (blocks[k][1][rows].ravel() for k, rows in self.cells.items())
-        return np.concatenate([np.empty(0, np.int64), *self.points, *corners])
+        found = np.concatenate([np.empty(0, np.int64), *self.points, *corners])
+        _check_members(found, count, f"the group {name!r} of points")
+        return found
 
     def has(self, faces: _Faces) -> Bools:
         """(k,) which faces are its cells."""
