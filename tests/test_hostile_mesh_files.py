@@ -44,7 +44,9 @@ def test_no_kind_of_file_is_waited_for_or_read_without_end(suffix: str, tmp_path
 
 
 @pytest.mark.parametrize(
-    "content", [b"\x00" * 3000, np.random.default_rng(1).bytes(3000), b"solid v f $ # 1 2 3\n" * 30]
+    "content",
+    [b"\x00" * 3000, np.random.default_rng(1).bytes(3000), b"solid v f $ # 1 2 3\n" * 30],
+    ids=["zeros", "random", "words"],
 )
 @pytest.mark.parametrize("suffix", BY_SUFFIX)
 def test_what_is_no_mesh(suffix: str, content: bytes, tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def test_triangles_of_every_kind_of_file(suffix: str, tmp_path: Path) -> None:
     assert mesh.source == MeshOrigin(str(path), 0.001, mesh.source.steps)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("suffix", BY_SUFFIX.keys() - WITHOUT_QUADS)
+@pytest.mark.parametrize("suffix", sorted(BY_SUFFIX.keys() - WITHOUT_QUADS))
 def test_quadrilaterals_of_every_kind_of_file(suffix: str, tmp_path: Path) -> None:
     kind = "gmsh" if suffix == ".msh" else BY_SUFFIX[suffix]
     path = write(tmp_path / f"a{suffix}", POINTS, [("quad", QUADS)], kind)
