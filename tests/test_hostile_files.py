@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import InputError, MembraneError, Mesh, MeshError, MissingFileError, Scene, SceneError, Simulation
+from membrane_rs.mesh import read_fold
 from membrane_rs.plotting import compare_runs
 from membrane_rs.results import read_frame, read_history, read_pvd
 from small_scenes import hanging_strip, patch, refused
 
 READERS: list[Callable[[Any], object]] = [
-    Scene.from_toml, Mesh.load, Simulation.restore, read_history, read_frame, read_pvd,
+    Scene.from_toml, Mesh.load, read_fold, Simulation.restore, read_history, read_frame, read_pvd,
 ]  # fmt: skip
 TRIANGLE = np.array([[0, 1, 2]])
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from membrane_rs.cli import calibrate as calibrate
 from membrane_rs.cli import compare as compare
 from membrane_rs.cli import convert as convert
+from membrane_rs.cli import export as export
 from membrane_rs.cli import figures as figures
 from membrane_rs.cli import new as new
 from membrane_rs.cli import report as report

@@ -11,6 +11,7 @@ from membrane_rs._quantities import split
 from membrane_rs._validation import build, nearest
 from membrane_rs.errors import InputError, MeshError, MissingFileError
 from membrane_rs.mesh.file import read_mesh
+from membrane_rs.mesh.fold_reading import FOLD, FoldFile, read_fold_file
 from membrane_rs.mesh.foreign import ForeignFile, read_foreign
 from membrane_rs.mesh.meshio_process import BY_SUFFIX
 
@@ -28,6 +29,7 @@ class Format(NamedTuple):
 
 FORMATS: Mapping[str, Format] = {
     ".npz": Format(None, read_mesh),
+    FOLD: Format(FoldFile, read_fold_file),
     **dict.fromkeys(BY_SUFFIX, Format(ForeignFile, read_foreign)),
 }
 """The one list, by suffixes in lower case."""
@@ -58,7 +60,7 @@ def mesh_of_file(kind: Callable[..., M], path: Path, values: Mapping[str, Any], 
         raise InputError(
             f"{where}.{next(iter(values))}: no such key beside file; a {suffix} file says all; leave it out"
         )
-    options = None if checked is None else build(checked, _with_scale(checked, values, where, suffix), where)
+    options = None if checked is None else build(checked, with_scale(checked, values, where, suffix), where)
     if not path.exists():
         raise MissingFileError(f"{path}: there is no such mesh file; give the path of one")
     return built(kind, path, read(path, options))
@@ -72,7 +74,7 @@ def built(kind: Callable[..., M], path: Path, found: Mapping[str, Any]) -> M:
         raise MeshError(f"{path}: {error}") from None
 
 
-def _with_scale(checked: type, values: Mapping[str, Any], where: str, suffix: str) -> dict[str, Any]:
+def with_scale(checked: type, values: Mapping[str, Any], where: str, suffix: str) -> dict[str, Any]:
     """What is said beside a file, "mm" for the scale as "1 mm". Raises InputError without a scale that is needed."""
     found, scale = dict(values), values.get("scale")
     is_needed = any(entry.name == "scale" and entry.default is MISSING for entry in fields(checked))

@@ -9,6 +9,8 @@ from typing_extensions import Self
 from membrane_rs._files import path_of
 from membrane_rs.errors import InputError
 from membrane_rs.mesh.file import read_mesh, write_mesh
+from membrane_rs.mesh.fold_reading import FOLD, FoldFile, read_fold_file
+from membrane_rs.mesh.fold_writing import write_fold_file
 from membrane_rs.mesh.formats import built, mesh_of_file
 
 
@@ -16,20 +18,20 @@ class Stored:
     """What a mesh has to do with files."""
 
     def save(self, path: str | Path) -> None:
-        """Write the mesh into one numpy archive (.npz), whole or not at all.
+        """Write the mesh into one file, whole or not at all: a numpy archive (.npz), or FOLD (.fold).
 
-        The file holds the arrays of this class by their names, node sets as "node_set:<name>" and triangle sets as
-        "triangle_set:<name>". A scene file names it as `[mesh] file = "mesh.npz"`.
+        The archive holds the arrays of this class by their names, node sets as "node_set:<name>" and triangle sets as
+        "triangle_set:<name>"; `write_fold` describes the other. A scene file names it as `[mesh] file = "mesh.npz"`.
 
         Parameters
         ----------
         path : path
-            Of the file, which ends in .npz.
+            Of the file, which ends in .npz or .fold.
 
         Raises
         ------
         InputError
-            A path that does not end in .npz.
+            A path with another ending; a mesh that FOLD cannot hold.
         OutputError
             It cannot be written.
 
@@ -45,8 +47,11 @@ class Stored:
         Mesh(3 nodes, 1 triangles, 0 crease edges)
         """
         file = path_of(path)
+        if file.suffix == FOLD:
+            write_fold_file(file, self)
+            return
         if file.suffix != ".npz":
-            raise InputError(f"path = {str(file)!r}: must end in .npz, as a scene file needs it")
+            raise InputError(f"path = {str(file)!r}: must end in .npz or {FOLD}, as a scene file needs it")
         write_mesh(file, self)
 
     @classmethod
@@ -82,7 +87,8 @@ class Stored:
         membrane_rs.errors.MissingFileError: ...
         """
         file = path_of(path)
-        return built(cls, file, read_mesh(file))
+        found = {**read_fold_file(file, FoldFile()), "source": None} if file.suffix == FOLD else read_mesh(file)
+        return built(cls, file, found)
 
     @classmethod
     def read(
@@ -92,8 +98,9 @@ class Stored:
         scale: float | str | None = None,
         quads: str | None = None,
         merge: float | str | None = None,
+        frame: int | None = None,
     ) -> Self:
-        """The mesh in a file of another program: Gmsh, OBJ, STL, VTU and others that meshio reads; or in one of `save`.
+        """The mesh in a file of another program: FOLD, Gmsh, OBJ, STL, VTU and others that meshio reads; or of `save`.
 
         Its `source` is a `MeshOrigin`, which says what was done to make the mesh of the file.
 
@@ -102,13 +109,16 @@ class Stored:
         path : path
             Of the file; its suffix says of which kind it is.
         scale : float or str
-            The unit of its coordinates: "mm", or its length in metres, 0.001. Needed, but for .npz, which is in metres.
+            The unit of its coordinates: "mm", or its length in metres, 0.001. Needed, but for .npz, which is in metres,
+            and for FOLD files that name their unit.
         quads : {"shorter", "alternate"}, optional
             How quadrilaterals are split: each by its shorter diagonal, and rectangles alternately, or all so that
             diagonals meet at every other node. Default: "shorter".
         merge : float or str, optional
             Nodes that are not further apart become one [m], or as a text with its unit, "1 um". Default: none do, but
             those of an STL file with equal coordinates, which is how such a file says that triangles are joined.
+        frame : int, optional
+            Of a FOLD file: the frame whose coordinates are the positions. See `read_fold`.
 
         Returns
         -------
@@ -138,6 +148,6 @@ class Stored:
         >>> mesh.source.steps[0]
         '1 quadrilateral split into triangles by the rule "shorter"'
         """
-        given = {"scale": scale, "quads": quads, "merge": merge}
+        given = {"scale": scale, "quads": quads, "merge": merge, "frame": frame}
         values = {name: value for name, value in given.items() if value is not None}
         return mesh_of_file(cls, path_of(path), values, "Mesh.read")
