@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from example_of import example_of
-from fold_specification import apart, check_specification, folded, frames_of, points_of
+from fold_specification import apart, check_same, check_specification, folded, frames_of, points_of
 from membrane_rs import InputError, Mesh, MeshError, OutputError, Scene, SceneError, scenes
 from membrane_rs.folding import PATTERNS, SquareSail
 from membrane_rs.mesh import MeshOrigin, read_fold, write_fold
@@ -24,18 +24,6 @@ def mesh_of(name: str) -> Mesh:
     mesh = scenes.load(name).mesh
     assert mesh is not None
     return mesh
-
-
-def check_same(mesh: Mesh, other: Mesh) -> None:
-    """Two meshes have the same arrays, to the bit, and the same node sets."""
-    for name in ("reference", "triangles", "positions", "creases", "fold_angles", "bridges"):
-        one, two = getattr(mesh, name), getattr(other, name)
-        assert one.shape == two.shape, name
-        assert one.tobytes() == two.tobytes(), name
-    for kind in ("node_sets", "triangle_sets"):
-        one, two = getattr(mesh, kind), getattr(other, kind)
-        assert list(one) == list(two)
-        assert all(one[name].tolist() == two[name].tolist() for name in one)
 
 
 @pytest.mark.parametrize("name", WITH_MESH)

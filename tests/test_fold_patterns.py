@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fold_specification import check_specification, frames_of
+from fold_specification import check_same, check_specification, frames_of
 from membrane_rs import Mesh, MeshError
+from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.mesh import read_fold
 from small_scenes import refused
 
@@ -203,3 +204,36 @@ def test_cuts_part_the_film(tmp_path: Path) -> None:
     mesh.save(tmp_path / "again.fold")
     for frame in frames_of(tmp_path / "again.fold"):
         check_specification(frame)
+
+
+@pytest.mark.parametrize(
+    "pattern", [Disc(0.1, 4), Disc(0.1, 6, 0.05), SquareSail(rows=8), Strip(0.1, 0.02, 4)], ids=str
+)
+def test_faces_between_the_edges_of_a_mesh_are_its_triangles(pattern: Any, tmp_path: Path) -> None:
+    mesh = pattern.mesh()
+    mesh.save(tmp_path / "whole.fold")
+    table = json.loads((tmp_path / "whole.fold").read_text())
+    for key in ("faces_vertices", "faces_edges", "file_frames"):
+        table.pop(key, None)
+    traced = Mesh.load(written(tmp_path, table))
+    turned = [[min(np.roll(row, k).tolist() for k in range(3)) for row in each.triangles] for each in (traced, mesh)]
+    assert sorted(turned[0]) == sorted(turned[1])
+    assert traced.creases.tobytes() == mesh.creases.tobytes()
+    assert traced.fold_angles.tobytes() == mesh.fold_angles.tobytes()
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {**SQUARE, "file_frames": [FOLDED]},
+        {**GRID, "frame_unit": "in", "edges_assignment": [*"BBCVBBBMBBMB"], "edges_foldAngle": [0] * 12},
+        {**SQUARE, "edges_foldAngle": [0, 0, 0, 0, 71.3], "faces_vertices": [[0, 2, 1], [3, 0, 2]]},
+    ],
+    ids=["frames", "cut", "angle"],
+)
+def test_files_of_others_come_back_as_they_were_read(table: Table, tmp_path: Path) -> None:
+    mesh = Mesh.load(written(tmp_path, table))
+    mesh.save(tmp_path / "again.fold")
+    for frame in frames_of(tmp_path / "again.fold"):
+        check_specification(frame)
+    check_same(Mesh.load(tmp_path / "again.fold"), mesh)

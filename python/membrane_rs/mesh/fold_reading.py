@@ -10,6 +10,7 @@ from annotated_types import Ge, Le
 
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._validation import Finite, Unit, Whole, show, validated
+from membrane_rs.errors import MeshError
 from membrane_rs.mesh.fold_creases import SIGNS, Creases, creases_of, fold_angles_of
 from membrane_rs.mesh.fold_frames import Frame, chosen_frame, read_frames
 from membrane_rs.mesh.origin import MeshOrigin
@@ -125,6 +126,8 @@ def _triangles(flat: Frame, points: Floats, polygons: list[list[int]], key: str)
     except PolygonError as error:
         face = of_triangle[error.index]
         flat.fail(f"{key}[{face}]", f" = {show(polygons[face])}: {error}")
+    except MeshError as error:
+        flat.fail(key, f": {error}")
 
 
 def _between_edges(flat: Frame, points: Floats, edges: Ints) -> list[list[int]]:

@@ -11,7 +11,7 @@ from membrane_rs._arrays import Floats, Ints
 
 AT_ONCE = 2**20
 """Pairs of edges in one part of the search for crossings."""
-MOST_PAIRS = 2**31
+MOST_PAIRS = 2**29
 """Pairs of edges with overlapping boxes along one axis that are looked at, at most."""
 MOST_PIECES = 10_000
 """Pieces without connection, at most."""
@@ -44,23 +44,26 @@ def faces_between(points: Floats, edges: Ints) -> list[list[int]]:
     if crossing is not None:
         raise NoFacesError("cross or touch each other elsewhere than at a common vertex", crossing)
     loops = _loops(points, edges)
-    faces, outsides = [], []
-    for halves in loops:
-        loop = edges[halves // 2, halves % 2]
-        alone, sides = np.unique(halves // 2, return_counts=True)
-        if sides.max() > 1:
-            raise NoFacesError("has the same face, or the outside, on both sides", (int(alone[sides > 1][0]),))
-        if _twice_area(points[loop]) < 0.0:
-            outsides.append(loop)
-            continue
-        nodes, count = np.unique(loop, return_counts=True)
-        if count.max() > 1:
-            meets = nodes[count > 1][0]
-            words = f"is part of a face whose boundary meets itself in vertex {meets}"
-            raise NoFacesError(words, (int(halves[0] // 2),))
-        faces.append(loop.tolist())
-    _check_apart(points, edges, outsides)
-    return faces
+    if len(loops) == 0:
+        return []
+    halves, loop = np.concatenate(loops), np.repeat(np.arange(len(loops)), [len(each) for each in loops])
+    loop_of = np.empty(len(halves), dtype=np.int64)
+    loop_of[halves] = loop
+    for k in np.flatnonzero(loop_of[::2] == loop_of[1::2])[:1]:
+        raise NoFacesError("has the same face, or the outside, on both sides", (int(k),))
+    node = edges[halves // 2, halves % 2]
+    end = edges[halves // 2, 1 - halves % 2]
+    first = node[np.searchsorted(loop, loop)]  # from a node of the loop areas are as exact as they can be
+    to, beyond = points[node] - points[first], points[end] - points[first]
+    is_face = np.bincount(loop, to[:, 0] * beyond[:, 1] - to[:, 1] * beyond[:, 0]) >= 0.0
+    key, count = np.unique((loop * len(points) + node)[is_face[loop]], return_counts=True)
+    for each in key[count > 1][:1]:
+        meets, at_fault = int(each % len(points)), halves[loop == each // len(points)]
+        words = f"is part of a face whose boundary meets itself in vertex {meets}"
+        raise NoFacesError(words, (int(at_fault[0] // 2),))
+    corners = np.split(node, np.flatnonzero(np.diff(loop)) + 1)
+    _check_apart(points, edges, [corners[k] for k in np.flatnonzero(~is_face)])
+    return [corners[k].tolist() for k in np.flatnonzero(is_face)]
 
 
 def first_crossing(points: Floats, edges: Ints) -> tuple[int, int] | None:
@@ -150,12 +153,6 @@ def _loops(points: Floats, edges: Ints) -> list[Ints]:
         if loop:
             loops.append(np.array(loop, dtype=np.int64))
     return loops
-
-
-def _twice_area(loop: Floats) -> float:
-    """Twice the area within a closed line (k, 2), positive if it runs counter-clockwise."""
-    x, y = (loop - loop[0]).T
-    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
 
 
 def _check_apart(points: Floats, edges: Ints, outsides: list[Ints]) -> None:

@@ -7,8 +7,10 @@ import heapq
 import numpy as np
 
 from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs.errors import MeshError
 from membrane_rs.mesh.joined import wound_alike
 from membrane_rs.mesh.links import groups
+from membrane_rs.mesh.quads import split_quads
 
 MOST_SIDES = 10_000
 """Sides of a polygon, at most: the search for ears takes time with the square of their number."""
@@ -30,8 +32,8 @@ class PolygonError(ValueError):
 def triangulated(points: Floats, polygons: list[list[int]]) -> tuple[Ints, Ints]:
     """Triangles (m, 3) of polygons among points (n, 3), and the polygon of each, (m,).
 
-    A quadrilateral is cut along its shorter diagonal that lies inside; a larger polygon by ears, those with the
-    shortest cut first. Polygons that are not flat are cut as they look along their mean normal.
+    A quadrilateral is cut by its shorter diagonal, rectangles alternately, as `split_quads` does; a larger polygon by
+    ears, those with the shortest cut first. Polygons that are not flat are cut as they look along their mean normal.
 
     Raises
     ------
@@ -39,17 +41,30 @@ def triangulated(points: Floats, polygons: list[list[int]]) -> tuple[Ints, Ints]
         A polygon that crosses itself or has no area, or one of more than 10,000 sides.
     """
     sides = np.array([len(polygon) for polygon in polygons])
-    if (sides == 3).all():
-        return np.array(polygons, dtype=np.int64), np.arange(len(polygons))
-    triangles: list[list[int]] = []
-    for index, polygon in enumerate(polygons):
-        if len(polygon) > MOST_SIDES:
-            words = f"has {len(polygon)} sides, and at most {MOST_SIDES} are cut into triangles"
+    of_triangle = np.repeat(np.arange(len(polygons)), sides - 2)
+    triangles = np.empty((len(of_triangle), 3), dtype=np.int64)
+    triangles[sides[of_triangle] == 3] = _with(polygons, sides == 3, 3)
+    quads = _with(polygons, sides == 4, 4)
+    try:
+        triangles[sides[of_triangle] == 4] = split_quads(points, quads, "shorter")[0]
+    except MeshError:
+        for index in np.flatnonzero(sides == 4).tolist():
+            _ears(points[polygons[index]], index)  # says which
+        raise
+    begin = np.cumsum(sides - 2) - (sides - 2)
+    for index in np.flatnonzero(sides > 4).tolist():
+        if sides[index] > MOST_SIDES:
+            words = f"has {sides[index]} sides, and at most {MOST_SIDES} are cut into triangles"
             raise PolygonError(words, index)
-        corners = np.array(polygon)
-        ears = _ears(points[corners], index) if len(polygon) > 3 else [(0, 1, 2)]
-        triangles += [[polygon[k] for k in ear] for ear in ears]
-    return np.array(triangles, dtype=np.int64), np.repeat(np.arange(len(polygons)), sides - 2)
+        corners = np.array(polygons[index])
+        triangles[begin[index] : begin[index] + sides[index] - 2] = corners[_ears(points[corners], index)]
+    return triangles, of_triangle
+
+
+def _with(polygons: list[list[int]], is_wanted: Bools, sides: int) -> Ints:
+    """(k, sides) polygons of so many sides."""
+    rows = [polygons[k] for k in np.flatnonzero(is_wanted).tolist()]
+    return np.array(rows, dtype=np.int64).reshape(-1, sides)
 
 
 def _in_plane(corners: Floats) -> Floats:
@@ -65,16 +80,18 @@ def _in_plane(corners: Floats) -> Floats:
     return mirrored
 
 
-def _ears(corners: Floats, index: int) -> list[tuple[int, int, int]]:
-    """Triangles of a polygon of corners (k, 3)."""
+def _ears(corners: Floats, index: int) -> Ints:
+    """(k - 2, 3) triangles of a polygon of corners (k, 3)."""
     points, count = _in_plane(corners), len(corners)
     before, after = np.roll(np.arange(count), 1), np.roll(np.arange(count), -1)
     is_left = np.ones(count, dtype=bool)
+    # No other corner lies in an ear unless one does at which the polygon turns right or goes straight on.
+    is_reflex = np.array([_height(points[before[k]], points[k], points[after[k]]) <= FLAT for k in range(count)])
     cuts: list[tuple[float, int, int, int]] = []
 
     def look(corner: int) -> None:
         a, c = int(before[corner]), int(after[corner])
-        if _is_ear(points, a, corner, c, is_left):
+        if _is_ear(points, a, corner, c, is_left & is_reflex):
             heapq.heappush(cuts, (float(((corners[c] - corners[a]) ** 2).sum()), corner, a, c))
 
     for corner in range(count):
@@ -95,7 +112,7 @@ def _ears(corners: Floats, index: int) -> list[tuple[int, int, int]]:
     last = np.flatnonzero(is_left)
     if _height(*points[last]) <= FLAT:
         raise PolygonError(NO_AREA, index)
-    return [*found, (int(last[0]), int(last[1]), int(last[2]))]
+    return np.array([*found, last])
 
 
 def _height(a: Floats, b: Floats, c: Floats) -> float:
@@ -105,15 +122,16 @@ def _height(a: Floats, b: Floats, c: Floats) -> float:
     return float(twice / longest) if longest > 0.0 else 0.0
 
 
-def _is_ear(points: Floats, a: int, corner: int, c: int, is_left: Bools) -> bool:
-    """Whether the polygon turns left at a corner, and none of its other nodes lies in the triangle that is cut off."""
+def _is_ear(points: Floats, a: int, corner: int, c: int, others: Bools) -> bool:
+    """Whether the polygon turns left at a corner, and none of some others lies in the triangle that is cut off."""
     if _height(points[a], points[corner], points[c]) <= FLAT:
         return False
-    others = is_left.copy()
-    others[[a, corner, c]] = False
-    inside = np.ones(np.count_nonzero(others), dtype=bool)
+    rest = np.setdiff1d(np.flatnonzero(others), (a, corner, c))
+    if not len(rest):
+        return True
+    inside = np.ones(len(rest), dtype=bool)
     for start, end in ((a, corner), (corner, c), (c, a)):
-        along, to = points[end] - points[start], points[others] - points[start]
+        along, to = points[end] - points[start], points[rest] - points[start]
         inside &= along[0] * to[:, 1] - along[1] * to[:, 0] >= 0.0
     return not inside.any()
 
