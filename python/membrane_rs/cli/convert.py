@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from membrane_rs.cli.application import SCENES, Json, command, print_json
+from membrane_rs.cli.options import count_option
 
 
 def _number_or_text(text: str) -> Any:
@@ -38,6 +39,9 @@ def convert(
         Any,
         typer.Option(parser=_number_or_text, metavar="LENGTH", help="Nodes no further apart become one [m]: 1um."),
     ] = None,
+    frame: Annotated[
+        int | None, count_option(help="Of a FOLD file: the frame that is the shape at the start; 0 is the key frame.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", help="The mesh file, NAME.npz. Default: beside FILE, by its name.")
     ] = None,
@@ -52,7 +56,7 @@ def convert(
     if target.exists() and not overwrite:
         raise InputError(f"{target}: is there already; choose another name by --out, or replace it by --overwrite")
     try:
-        mesh = Mesh.read(file, scale=scale, quads=quads, merge=merge)
+        mesh = Mesh.read(file, scale=scale, quads=quads, merge=merge, frame=frame)
     except InputError as error:
         raise type(error)(str(error).replace("Mesh.read.", "--")) from error
     mesh.save(target)
