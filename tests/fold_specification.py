@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from membrane_rs import Mesh
 from numpy.typing import NDArray
 
 Frame = dict[str, Any]
@@ -127,15 +126,3 @@ def apart(one: Points, other: Points, *, mirrored: bool = False) -> float:
     u, _, v = np.linalg.svd(a.T @ b)
     sign = np.linalg.det(u @ v) * (-1.0 if mirrored else 1.0)
     return float(np.linalg.norm(a @ u @ np.diag([1.0, 1.0, sign]) @ v - b, axis=1).max())
-
-
-def check_same(mesh: Mesh, other: Mesh) -> None:
-    """Two meshes have the same arrays, to the bit, and the same node sets."""
-    for name in ("reference", "triangles", "positions", "creases", "fold_angles", "bridges"):
-        one, two = getattr(mesh, name), getattr(other, name)
-        assert one.shape == two.shape, name
-        assert one.tobytes() == two.tobytes(), name
-    for kind in ("node_sets", "triangle_sets"):
-        one, two = getattr(mesh, kind), getattr(other, kind)
-        assert list(one) == list(two)
-        assert all(one[name].tolist() == two[name].tolist() for name in one)

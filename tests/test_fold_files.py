@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 from example_of import example_of
-from fold_specification import apart, check_same, check_specification, folded, frames_of, points_of
+from fold_specification import apart, check_specification, folded, frames_of, points_of
 from membrane_rs import InputError, Mesh, MeshError, OutputError, Scene, SceneError, scenes
 from membrane_rs.folding import PATTERNS, SquareSail
 from membrane_rs.mesh import MeshOrigin, read_fold, write_fold
+from same_mesh import check_same
 from small_scenes import patch, refused
 
 SAILS = (SquareSail(join="bridge"), SquareSail(stowage="wound"), SquareSail(stowage="wound", join="bridge"))

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fold_specification import check_same, check_specification, frames_of
+from fold_specification import check_specification, frames_of
 from membrane_rs import Mesh, MeshError
 from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.mesh import read_fold
+from same_mesh import check_same
 from small_scenes import refused
 
 Table = dict[str, Any]

@@ -87,7 +87,7 @@ class Stored:
         membrane_rs.errors.MissingFileError: ...
         """
         file = path_of(path)
-        found = {**read_fold_file(file, FoldFile()), "source": None} if file.suffix == FOLD else read_mesh(file)
+        found = {**read_fold_file(file, FoldFile()), "source": None} if file.suffix.lower() == FOLD else read_mesh(file)
         return built(cls, file, found)
 
     @classmethod
