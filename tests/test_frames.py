@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from membrane_rs import AirDrag, Creases, Gravity, Scene, Simulation, Spin, SpringDamping, Springs
+from membrane_rs import AirDrag, Creases, Gravity, Scene, Simulation, SolarPressure, Spin, SpringDamping, Springs
 from membrane_rs.folding import Strip
 from membrane_rs.scene.laws import Law
 from small_scenes import RUBBER, Floats, rates, rotation, turned
 
 AXIS = np.array([0.0, 0.0, 1.0])
 OMEGA = 2 * np.pi * 3.0
+LIGHT = SolarPressure(0.84, 0.04, (1.0, 0.5, 2.0), 2e8, back_specular=0.3, front_emissivity=0.1, back_emissivity=0.6)
+"""Of 2.5 Pa, about as strong as the weight of the strip."""
 
 
 def free_strip(laws: list[Law], turn: Floats | None = None, dt: float | None = None) -> Simulation:
@@ -26,7 +28,7 @@ def free_strip(laws: list[Law], turn: Floats | None = None, dt: float | None = N
 
 def from_both_frames(dt: float, steps: int) -> float:
     """Largest difference of positions [m] after `steps` in the turning and in the resting frame."""
-    everywhere: list[Law] = [Gravity((3.0, 1.0, -9.0)), AirDrag(pressure=1e4)]
+    everywhere: list[Law] = [Gravity((3.0, 1.0, -9.0)), AirDrag(pressure=1e4), LIGHT]
     turning = free_strip([Spin(OMEGA / (2 * np.pi)), *everywhere], dt=dt)
     resting = free_strip(everywhere, dt=dt)
     resting.velocities = turning.velocities + OMEGA * np.cross(AXIS, turning.positions)

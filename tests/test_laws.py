@@ -14,6 +14,7 @@ from membrane_rs import (
     Mesh,
     Scene,
     Simulation,
+    SolarPressure,
     Spin,
     SpoolContact,
     SpringDamping,
@@ -52,6 +53,7 @@ def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulat
         Spin(frequency=2.0),
         Gravity((1.0, 2.0, -9.0)),
         SpoolContact(radius=0.06, stiffness=50.0, half_height=0.03, membrane=True),
+        SolarPressure(0.7, 0.1, sun=(0.3, -0.5, 1.2), distance=1e9, back_diffuse=0.3, back_emissivity=0.2),
         MassDamping(rate=3.0),
     ]
     strong = {law.kind: law for law in chosen}

@@ -20,6 +20,7 @@ from membrane_rs import (
     Scene,
     Schedule,
     Simulation,
+    SolarPressure,
     Spin,
     SpringDamping,
     Springs,
@@ -113,6 +114,7 @@ LOADS: dict[str, tuple[Any, ...]] = {
     "air at rest": (AirDrag(pressure=1e6),),
     "air that turns": (AirDrag(pressure=1e6, air="turning"),),
     "pressure": (Pressure(0.5),),
+    "sunlight": (SolarPressure(0.84, 0.04, (1.0, 0.5, 2.0), 4e8, back_specular=0.3),),
 }
 
 
@@ -128,7 +130,7 @@ def test_energy_in_inertial_space_is_that_of_motor_and_loads(load: str, method: 
         start, outside, powers = energy_in_space(sim, rate_of(sim, UP)), 0.0, []
         for k in range(round(0.1 / dt) + 1):
             sim.reach(k * dt)
-            powers.append(_torque_of_air(sim, load) * rate_of(sim, UP))
+            powers.append(_torque_from_outside(sim, load) * rate_of(sim, UP))
         # By Simpson's rule, between steps of the method.
         outside = dt / 3.0 * (powers[0] + powers[-1] + 4.0 * sum(powers[1:-1:2]) + 2.0 * sum(powers[2:-1:2]))
         ledger = sim.ledger()
@@ -141,15 +143,15 @@ def test_energy_in_inertial_space_is_that_of_motor_and_loads(load: str, method: 
     assert errors[1] < 2e-5 * sizes[1] or math.log2(errors[0] / errors[1]) > min(ORDER[method], 4) - 1.0
 
 
-def _torque_of_air(sim: Simulation, load: str) -> float:
-    law = {"air at rest": "air_drag", "pressure": "pressure"}.get(load)
+def _torque_from_outside(sim: Simulation, load: str) -> float:
+    law = {"air at rest": "air_drag", "pressure": "pressure", "sunlight": "solar_pressure"}.get(load)
     if law is None:
         return 0.0
     (x, y, _), (f, g, _) = sim.positions.T, sim.forces(law).T
     return float(np.sum(x * g - y * f))
 
 
-@pytest.mark.parametrize("load", ["nothing", "weight across the axis", "air at rest", "pressure"])
+@pytest.mark.parametrize("load", ["nothing", "weight across the axis", "air at rest", "pressure", "sunlight"])
 def test_it_is_the_torque_on_the_hub_times_its_rate(load: str) -> None:
     """Summed by Simpson's rule over the steps; friction of the frame is no load on the hub."""
     dt, count = 5e-5, 2000

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 import pytest
-from membrane_rs import Cylinder, MassDamping, Scene, Schedule, Spin, Stage, TipMasses, scenes
+from membrane_rs import Cylinder, Scene, Schedule, Spin, Stage, TipMasses, scenes
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
 from small_scenes import cord, hanging_strip, patch, refused
@@ -90,7 +90,8 @@ def test_laws_are_added_and_left_out() -> None:
     assert scene.with_values({"laws.creases": False}).to_toml() == scene.to_toml()
     assert scene.with_values({"parts.0": False}).parts == ()
     for kind, law in LAWS.items():
-        needed = {"rate": 1.0} if law is MassDamping else {"pressure": 1.0} if kind == "pressure" else {}
+        known: Any = law
+        needed = {name: 0.5 for name, info in known.__pydantic_fields__.items() if info.is_required()}
         rest = {"laws.springs": False} if law.is_film else {}
         added = scene.with_values({**rest, f"laws.{kind}": needed or True}).law(kind)
         assert added == law(**needed)

@@ -51,6 +51,8 @@ _FIELDS = {
     "spin": {"": "rotation hub centrifugal omega"},
     "gravity": {"": "weight g"},
     "air_drag": {"": "air wind"},
+    "solar_pressure": {"": "srp sunlight light solar radiation_pressure light_pressure solar_radiation_pressure"},
+    "sun": {"": "sun_direction direction_to_sun sun_vector"},
     "self_contact": {"": "self_collision collision collisions layers layer_contact"},
     "springs": {"": "film membrane bars"},
     "tether": {"": "cable rope cord string"},

@@ -60,6 +60,7 @@ bar = 1e5 * pascal
 atmosphere = 101325 * pascal = atm
 torr = atmosphere / 760 = Torr = mmHg
 micron = 1e-6 * meter = microns
+astronomical_unit = 149597870700 * meter = au
 inch = 0.0254 * meter = in = inches
 foot = 12 * inch = ft = feet
 mil = 0.001 * inch
@@ -98,9 +99,9 @@ KINDS = {
 }
 """What is measured in a unit of this package, and an example of a text for it."""
 USUAL = (
-    "m", "mm", "um", "cm", "nm", "km", "in", "ft", "mil", "kg", "g", "mg", "s", "ms", "us", "min", "h", "K", "degC",
-    "rad", "deg", "Hz", "rpm", "N", "mN", "kN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "J", "mJ", "W", "%", "lb",
-    "lbf", "turn",
+    "m", "mm", "um", "cm", "nm", "km", "in", "ft", "mil", "au", "kg", "g", "mg", "s", "ms", "us", "min", "h", "K",
+    "degC", "rad", "deg", "Hz", "rpm", "N", "mN", "kN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "J", "mJ", "W", "%",
+    "lb", "lbf", "turn",
 )  # fmt: skip
 """Names among which that of an unknown unit is looked for."""
 LONGEST, LONGEST_UNIT, MOST_FACTORS, HIGHEST = 200, 60, 8, 9

@@ -11,7 +11,8 @@ use common::{Dice, sheet, springs};
 use hub::{body, momentum, on_axis};
 use membrane_core::error::Error;
 use membrane_core::laws::{
-    AirDragParameters, AirMotion, GravityParameters, LawSpec, MassDampingParameters, SpinParameters,
+    AirDragParameters, AirMotion, GravityParameters, LawParameters, LawSpec, MassDampingParameters,
+    SolarPressureParameters, SpinParameters,
 };
 use membrane_core::model::input::{Bridges, Model};
 use membrane_core::model::schedule::Schedule;
@@ -161,6 +162,33 @@ fn air_at_rest_takes_momentum_and_its_work_balances_the_energy() {
 }
 
 #[test]
+fn sunlight_changes_momentum_by_its_torque_and_its_work_balances_the_energy() {
+    // At 1 kPa, so that it stands out beside the motion at the start.
+    let light = SolarPressureParameters { sun: [1.0, 0.3, 0.4], distance: 1e7, ..SolarPressureParameters::example() };
+    for integrator in ["leapfrog", "rk4"] {
+        let laws = [springs(), light.clone().into(), on_axis(60.0, 1e-5).into()];
+        let mut simulation = taut(&laws, integrator, 2.5e-7);
+        let (start, terms) = (momentum(&simulation).z, simulation.energy_terms());
+        let mut impulse = 0.0;
+        for part in 0..=8000 {
+            if part > 0 {
+                simulation.step(1).unwrap();
+            }
+            let (places, forces) = (simulation.positions(), simulation.forces(Some("solar_pressure")).unwrap());
+            let torque: f64 = places.iter().zip(&forces).map(|(x, f)| x[0] * f[1] - x[1] * f[0]).sum();
+            // By Simpson's rule.
+            let weight = if part % 8000 == 0 { 1.0 } else { f64::from(2 + 2 * (part % 2)) };
+            impulse += weight * torque * 2.5e-7 / 3.0;
+        }
+        let change = momentum(&simulation).z - start;
+        assert!(change.abs() > 1e-8 && (change / impulse - 1.0).abs() < 1e-8, "{integrator}: {change} {impulse}");
+        let work: f64 = simulation.ledger().of_laws().iter().sum();
+        let gained = simulation.energy_terms().total() - terms.total();
+        assert!(work.abs() > 1e-5 && (gained / work - 1.0).abs() < 1e-4, "{integrator}: {gained} {work}");
+    }
+}
+
+#[test]
 fn a_run_goes_on_with_the_same_bits_in_pieces_at_every_width_and_past_outputs() {
     let torque = Schedule::new(vec![0.0, 1.03e-4, 1.03e-4, 2e-4], vec![1e-4, 1e-4, -2e-4, 0.0], 0.0).unwrap();
     for spin in [on_axis(20.0, 1e-5), body(20.0, 0.02, [0.6e-5, 1e-5])] {
@@ -253,6 +281,7 @@ fn what_does_not_go_with_a_free_hub_is_refused() {
         (with(weight([0.0, 1.0, 0.0]), &axis), "rk4", Settings::default(), "the law gravity"),
         (with(weight([0.0, 0.0, 1.0]), &free), "rk4", Settings::default(), "the law gravity"),
         (with(air.clone(), &free), "rk4", Settings::default(), "the law air_drag"),
+        (with(SolarPressureParameters::example().into(), &free), "rk4", Settings::default(), "the law solar_pressure"),
         (with(MassDampingParameters { rate: 1.0 }.into(), &free), "rk4", Settings::default(), "the law mass_damping"),
         (
             alone(SpinParameters { inertia: Some(0.0), ..axis.clone() }),

@@ -305,7 +305,8 @@ fn the_turning_frame_gives_the_motion_of_the_fixed_one() {
     let mut model = sheet(3, 2, 0.01);
     model.positions.iter_mut().for_each(|p| *p = [1.001 * p[0] + 0.05, 1.001 * p[1], 0.2 * p[0]]);
     model.velocities = Dice(5).vectors(model.positions.len(), 0.1);
-    let laws = [common::springs(), creases(2.0), gravity([1.0, -2.0, -9.81])];
+    let light = LawSpec::examples().into_iter().find(|law| law.kind() == "solar_pressure").unwrap();
+    let laws = [common::springs(), creases(2.0), gravity([1.0, -2.0, -9.81]), light];
     let run = |model: &Model, laws: &[LawSpec]| {
         let mut simulation = Simulation::new(model.clone(), laws, "rk4", Some(1e-7), Settings::default()).unwrap();
         simulation.step(2000).unwrap();

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws.mass_damping import MassDamping
     from membrane_rs.scene.laws.pressure import Pressure
     from membrane_rs.scene.laws.self_contact import SelfContact
+    from membrane_rs.scene.laws.solar_pressure import SolarPressure
     from membrane_rs.scene.laws.spin import Spin
     from membrane_rs.scene.laws.spool_contact import SpoolContact
     from membrane_rs.scene.laws.spring_damping import SpringDamping
@@ -39,6 +40,7 @@ __all__ = [
     "MassDamping",
     "Pressure",
     "SelfContact",
+    "SolarPressure",
     "Spin",
     "SpoolContact",
     "SpringDamping",
@@ -59,6 +61,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.scene.laws.mass_damping": ("MassDamping",),
             "membrane_rs.scene.laws.pressure": ("Pressure",),
             "membrane_rs.scene.laws.self_contact": ("SelfContact",),
+            "membrane_rs.scene.laws.solar_pressure": ("SolarPressure",),
             "membrane_rs.scene.laws.spin": ("Spin",),
             "membrane_rs.scene.laws.spool_contact": ("SpoolContact",),
             "membrane_rs.scene.laws.spring_damping": ("SpringDamping",),

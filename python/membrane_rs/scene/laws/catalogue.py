@@ -10,6 +10,7 @@ from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
 from membrane_rs.scene.laws.pressure import Pressure
 from membrane_rs.scene.laws.self_contact import SelfContact
+from membrane_rs.scene.laws.solar_pressure import SolarPressure
 from membrane_rs.scene.laws.spin import Spin
 from membrane_rs.scene.laws.spool_contact import SpoolContact
 from membrane_rs.scene.laws.spring_damping import SpringDamping
@@ -28,6 +29,7 @@ LAWS: dict[str, type[Law]] = {
         Spin,
         Gravity,
         Pressure,
+        SolarPressure,
         SpoolContact,
         SelfContact,
         MassDamping,

@@ -44,9 +44,7 @@ struct Gravity {
 impl Gravity {
     /// g in the turning frame [m/s2].
     fn in_frame(&self, frame: Frame) -> [f64; 3] {
-        let (sine, cosine) = frame.angle.sin_cos();
-        let [x, y, z] = self.acceleration;
-        [cosine * x + sine * y, cosine * y - sine * x, z]
+        frame.components_of(self.acceleration)
     }
 
     /// sum m x [kg m].

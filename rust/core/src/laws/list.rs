@@ -124,6 +124,8 @@ laws! {
     "gravity" Gravity(gravity::GravityParameters),
     /// Uniform pressure on the film, a follower load.
     "pressure" Pressure(pressure::PressureParameters),
+    /// Pressure of sunlight on the film, by its optical properties.
+    "solar_pressure" SolarPressure(solar_pressure::SolarPressureParameters),
     /// Contact of nodes with the spool.
     "spool_contact" SpoolContact(spool_contact::SpoolContactParameters),
     /// Contact with a body of prescribed motion.

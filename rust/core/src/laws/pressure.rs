@@ -10,20 +10,18 @@
 //!
 //!     dF/dx1 = -(p/6) [x2 - x0]x,      dF/dx2 = (p/6) [x1 - x0]x,      dF/dx0 = -(dF/dx1 + dF/dx2)
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
+use super::facet_load::{FacetLoad, LoadedFacets};
 use super::{
     Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass,
 };
-use crate::arrays::columns::{Columns, ColumnsMut};
-use crate::arrays::jacobian::{JacobianBlocks, at, cross_matrix};
+use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::NodeVectors;
-use crate::elements::facet::{FacetSet, normal};
 use crate::error::Result;
 use crate::model::checks::finite;
-use crate::model::frame::Frame;
-use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{SimdF64, dot, scale, sum};
+use crate::simd::lanes::{SimdF64, Vec3, scale};
 
 /// Parameters of the load.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -36,8 +34,7 @@ pub struct PressureParameters {
 impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
-        let (facets, instructions) = (FacetSet::new(context.assembly), context.assembly.instructions);
-        Ok(Box::new(Pressure { facets, sixth: self.pressure / 6.0, torque: 0.0, instructions }))
+        Ok(Box::new(Pressure { film: LoadedFacets::new(context.assembly), sixth: self.pressure / 6.0 }))
     }
 
     fn example() -> Self {
@@ -45,68 +42,27 @@ impl LawParameters for PressureParameters {
     }
 }
 
-/// The law: all facets, in batches of eight.
+/// The law.
 struct Pressure {
-    facets: FacetSet,
+    film: LoadedFacets,
     /// p/6 [Pa].
     sixth: f64,
-    /// See `Law::outside_torque`.
-    torque: f64,
-    instructions: InstructionSet,
 }
 
-/// Adds the load on the facets of one tile; the result is its power.
-struct LoadKernel<'a> {
-    load: &'a Pressure,
-    tile: usize,
-    positions: Columns<'a>,
-    velocities: Columns<'a>,
-    forces: ColumnsMut<'a>,
+/// The load at an instant.
+struct Load {
+    /// p/6 [Pa].
+    sixth: f64,
 }
 
-impl BatchKernel for LoadKernel<'_> {
+impl FacetLoad for Load {
     #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Pressure { facets, sixth, .. } = self.load;
-        let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let positions = pass.reader(self.positions);
-        let velocities = pass.reader(self.velocities);
-        let mut sums = pass.adder(&mut self.forces);
-        let presence = facets.presence.of(&pass);
-        let mut power = V::zero();
-        for batch in 0..pass.len() {
-            let corners = positions.read::<V>(batch);
-            let [u, v, w] = velocities.read::<V>(batch);
-            let force = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
-            power += dot(force, sum(u, sum(v, w)));
-            sums.add(batch, [force; 3]);
-        }
-        power
+    fn on_node<V: SimdF64>(&self, presence: V, normal: Vec3<V>) -> Vec3<V> {
+        scale(V::all(self.sixth) * presence, normal)
     }
-}
 
-/// The torque of the load on the facets of one tile about the axis \[N m\].
-struct TorqueKernel<'a> {
-    load: &'a Pressure,
-    tile: usize,
-    positions: Columns<'a>,
-}
-
-impl BatchKernel for TorqueKernel<'_> {
-    #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Pressure { facets, sixth, .. } = self.load;
-        let pass = facets.elements.pass::<KIND>(self.tile, self.positions.rows());
-        let positions = pass.reader(self.positions);
-        let presence = facets.presence.of(&pass);
-        let mut torque = V::zero();
-        for batch in 0..pass.len() {
-            let corners = positions.read::<V>(batch);
-            let [x, y, _] = sum(corners[0], sum(corners[1], corners[2]));
-            let [fx, fy, _] = scale(V::all(*sixth) * V::load(&presence[batch]), normal(&corners));
-            torque += x * fy - y * fx;
-        }
-        torque
+    fn change(&self, _normal: &Vector3<f64>, by: &Block) -> Block {
+        by * self.sixth
     }
 }
 
@@ -121,21 +77,15 @@ impl Law for Pressure {
     }
 
     fn reach(&self, tile: usize) -> usize {
-        self.facets.elements.reach(tile)
+        self.film.facets.elements.reach(tile)
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-        let forces = ColumnsMut::of(forces);
-        self.torque = match at.frame {
-            Frame { rate: 0.0, hub: None, .. } => 0.0,
-            _ => self.instructions.run_batches(TorqueKernel { load: self, tile, positions }),
-        };
-        self.instructions.run_batches(LoadKernel { load: self, tile, positions, velocities, forces })
+        self.film.add_to_tile(&Load { sixth: self.sixth }, tile, at, forces)
     }
 
     fn outside_torque(&self) -> Option<f64> {
-        Some(self.torque)
+        Some(self.film.torque)
     }
 
     fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
@@ -158,28 +108,20 @@ impl Law for Pressure {
 /// Without stiffness: the limit of the step is that of the other laws.
 impl Linearisation for Pressure {
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.facets.elements.each().for_each(|(.., nodes)| visit(&nodes));
+        self.film.visit_couplings(visit);
     }
 
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        for (_, _, nodes) in self.facets.elements.each() {
-            let [a, b, c] = nodes.map(|node| at(instant.positions, node));
-            let (by_b, by_c) = (cross_matrix(&(c - a)) * -self.sixth, cross_matrix(&(b - a)) * self.sixth);
-            for node in nodes {
-                jacobian.by_position(node, nodes[1], &by_b);
-                jacobian.by_position(node, nodes[2], &by_c);
-                jacobian.by_position(node, nodes[0], &-(by_b + by_c));
-            }
-        }
+        self.film.add_jacobian(&Load { sixth: self.sixth }, instant, jacobian);
     }
 }
 
 impl Inspection for Pressure {
     fn lanes(&self) -> [usize; 2] {
-        self.facets.elements.lanes()
+        self.film.facets.elements.lanes()
     }
 
     fn contiguous_share(&self) -> Option<f64> {
-        Some(self.facets.elements.contiguous_share())
+        Some(self.film.facets.elements.contiguous_share())
     }
 }

@@ -48,6 +48,13 @@ impl Frame {
     pub fn angle_rate(&self) -> f64 {
         if self.is_frozen { 0.0 } else { self.rate }
     }
+
+    /// The components in this frame, which has turned about z, of a vector that is fixed in inertial space.
+    #[inline]
+    pub fn components_of(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (sine, cosine) = self.angle.sin_cos();
+        [cosine * x + sine * y, cosine * y - sine * x, z]
+    }
 }
 
 impl Spin {

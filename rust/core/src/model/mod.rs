@@ -1,6 +1,7 @@
 //! The model of a simulation in external order, and the checks of each value.
 
 pub mod checks;
+pub mod factor;
 pub mod frame;
 pub mod graph;
 pub mod hub;

@@ -1,0 +1,285 @@
+//! Pressure of sunlight on the film, by its optical properties:
+//!
+//!     F = -P A cos a [(1 - r_s) s + (2 r_s cos a + 2/3 r_d + k) n]   [N],   P = 4.56e-6 Pa (1 au / r)^2
+//!     k = (1 - r_s - r_d) (e_l B_l - e_d B_d) / (e_l + e_d)
+//!
+//! on a triangle of area A, a third on each node; s is the direction to the sun, fixed in inertial space, n the normal
+//! of the side that is lit, cos a = n . s >= 0. The lit side reflects the share r_s as a mirror and r_d as Lambert's law
+//! has it; the film absorbs the rest and emits it at once from both sides, lit and dark, of one temperature, with the
+//! emissivities e and the shares B of emitted momentum along the normal. Source: McInnes, Solar Sailing (1999), chapter
+//! 2; P is his 1368 W/m2 over the speed of light. (The total irradiance of Kopp and Lean (2011), 1360.8 W/m2, makes it
+//! 4.54e-6 Pa.)
+//!
+//! With N twice the vector area of the triangle, on its front, q = N . s, and c = q/|N|, each node bears
+//!
+//!     F = -(P/6) [(1 - r_s) |q| s + (2 r_s |c| + 2/3 r_d + k) c N]
+//!
+//! by the coefficients of the front where q > 0, of the back where q < 0. F is continuous, and 0 edge-on; there, its
+//! derivative jumps, but for a mirror on both sides. With u = N/|N| and b = 2/3 r_d + k it is
+//!
+//!     dF/dN = -(P/6) [(1 - r_s) sign(q) s s^T + (2 r_s |c| + b) c I + u ((4 r_s |c| + b) s - (4 r_s |c| + b) c u)^T]
+//!
+//! No shadows: each triangle is lit as if it were alone. The load has no potential; its work is external.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use super::facet_load::{FacetLoad, LoadedFacets};
+use super::{
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass,
+};
+use crate::arrays::jacobian::{Block, JacobianBlocks};
+use crate::arrays::state::NodeVectors;
+use crate::error::Result;
+use crate::model::checks::{finite, positive, within};
+use crate::model::factor::Factor;
+use crate::simd::lanes::{SimdF64, Vec3, dot, scale, sum};
+
+/// P at one astronomical unit \[Pa\].
+const PRESSURE: f64 = 4.56e-6;
+/// An astronomical unit \[m\].
+const ASTRONOMICAL_UNIT: f64 = 149_597_870_700.0;
+
+/// Parameters of the load.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SolarPressureParameters {
+    /// A vector towards the sun in inertial space, of any length \[-\].
+    pub sun: [f64; 3],
+    /// r, from the sun \[m\].
+    pub distance: f64,
+    /// r_s of the side of the normals, which is the front.
+    pub front_specular: f64,
+    /// r_d of the front.
+    pub front_diffuse: f64,
+    /// e of the front.
+    pub front_emissivity: f64,
+    /// B of the front.
+    pub front_lambert: f64,
+    /// r_s of the back.
+    pub back_specular: f64,
+    /// r_d of the back.
+    pub back_diffuse: f64,
+    /// e of the back.
+    pub back_emissivity: f64,
+    /// B of the back.
+    pub back_lambert: f64,
+    /// Of the load.
+    #[serde(default)]
+    pub factor: Factor,
+}
+
+/// What a side does with the light that falls on it.
+#[derive(Clone, Copy)]
+struct Side {
+    /// 1 - r_s.
+    along_sun: f64,
+    /// 2 r_s.
+    mirrored: f64,
+    /// 2/3 r_d + k.
+    scattered: f64,
+}
+
+impl SolarPressureParameters {
+    fn check(&self) -> Result<()> {
+        for component in self.sun {
+            finite("direction to the sun", component)?;
+        }
+        within("direction to the sun", 0.0, self.sun != [0.0; 3], "it must not be 0; (0, 0, 1) is along the axis")?;
+        positive("distance from the sun [m]", self.distance)?;
+        let shares = [
+            ("specular share of the front", self.front_specular),
+            ("diffuse share of the front", self.front_diffuse),
+            ("emissivity of the front", self.front_emissivity),
+            ("Lambert coefficient of the front", self.front_lambert),
+            ("specular share of the back", self.back_specular),
+            ("diffuse share of the back", self.back_diffuse),
+            ("emissivity of the back", self.back_emissivity),
+            ("Lambert coefficient of the back", self.back_lambert),
+        ];
+        for (what, share) in shares {
+            within(what, share, (0.0..=1.0).contains(&share), "it must be 0 to 1")?;
+        }
+        let both = [
+            ("reflected share of the front", self.front_specular + self.front_diffuse),
+            ("reflected share of the back", self.back_specular + self.back_diffuse),
+        ];
+        for (what, share) in both {
+            within(what, share, share <= 1.0 + f64::EPSILON, "specular and diffuse share together are at most 1")?;
+        }
+        let emitted = self.front_emissivity + self.back_emissivity;
+        within("emissivity of both sides", emitted, emitted > 0.0, "one must emit what the film absorbs")
+    }
+
+    /// Front and back.
+    fn sides(&self) -> [Side; 2] {
+        let emissivity = self.front_emissivity + self.back_emissivity;
+        let to_back = self.front_emissivity * self.front_lambert - self.back_emissivity * self.back_lambert;
+        let side = |specular: f64, diffuse: f64, recoil: f64| Side {
+            along_sun: 1.0 - specular,
+            mirrored: 2.0 * specular,
+            scattered: 2.0 / 3.0 * diffuse + (1.0 - specular - diffuse) * recoil / emissivity,
+        };
+        [side(self.front_specular, self.front_diffuse, to_back), side(self.back_specular, self.back_diffuse, -to_back)]
+    }
+}
+
+impl LawParameters for SolarPressureParameters {
+    fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
+        self.check()?;
+        let [x, y, z] = self.sun;
+        // Divided by the largest component first, so that no square of it overflows or vanishes.
+        let largest = x.abs().max(y.abs()).max(z.abs());
+        let [x, y, z] = [x / largest, y / largest, z / largest];
+        let length = (x * x + y * y + z * z).sqrt();
+        let distance = self.distance / ASTRONOMICAL_UNIT;
+        let sixth = PRESSURE / distance / distance / 6.0;
+        finite("pressure of sunlight at its distance [Pa]", sixth)?;
+        Ok(Box::new(SolarPressure {
+            film: LoadedFacets::new(context.assembly),
+            sun: [x / length, y / length, z / length],
+            sixth,
+            sides: self.sides(),
+            factor: self.factor.clone(),
+        }))
+    }
+
+    fn example() -> Self {
+        Self {
+            sun: [0.3, -0.5, 1.2],
+            distance: 1e-3 * ASTRONOMICAL_UNIT,
+            front_specular: 0.7,
+            front_diffuse: 0.1,
+            front_emissivity: 0.05,
+            front_lambert: 0.8,
+            back_specular: 0.2,
+            back_diffuse: 0.3,
+            back_emissivity: 0.6,
+            back_lambert: 0.5,
+            factor: Factor::default(),
+        }
+    }
+}
+
+/// The law.
+struct SolarPressure {
+    film: LoadedFacets,
+    /// s in inertial space.
+    sun: [f64; 3],
+    /// P/6 [Pa].
+    sixth: f64,
+    /// Front and back.
+    sides: [Side; 2],
+    factor: Factor,
+}
+
+/// The load at an instant.
+struct Light {
+    /// s in the frame.
+    sun: [f64; 3],
+    /// P/6 [Pa].
+    sixth: f64,
+    sides: [Side; 2],
+}
+
+impl FacetLoad for Light {
+    #[inline(always)]
+    fn on_node<V: SimdF64>(&self, presence: V, normal: Vec3<V>) -> Vec3<V> {
+        let (sun, [front, back]) = (self.sun.map(V::all), self.sides);
+        let flow = dot(normal, sun);
+        let of_side = |front: f64, back: f64| flow.below(V::zero(), V::all(back), V::all(front));
+        let along_sun = of_side(front.along_sun, back.along_sun);
+        let mirrored = of_side(front.mirrored, back.mirrored);
+        let scattered = of_side(front.scattered, back.scattered);
+        let length = dot(normal, normal).sqrt().max(V::all(f64::MIN_POSITIVE));
+        let cosine = flow / length;
+        let along_normal = (mirrored * cosine.abs() + scattered) * cosine;
+        let strength = V::all(-self.sixth) * presence;
+        scale(strength, sum(scale(along_sun * flow.abs(), sun), scale(along_normal, normal)))
+    }
+
+    fn change(&self, normal: &Vector3<f64>, by: &Block) -> Block {
+        let sun = Vector3::from(self.sun);
+        let unit = normal / normal.norm().max(f64::MIN_POSITIVE);
+        let cosine = unit.dot(&sun);
+        let (side, sign) = if normal.dot(&sun) < 0.0 { (self.sides[1], -1.0) } else { (self.sides[0], 1.0) };
+        let along_normal = (side.mirrored * cosine.abs() + side.scattered) * cosine;
+        let steepness = 2.0 * side.mirrored * cosine.abs() + side.scattered;
+        let by_normal = sun * sun.transpose() * (side.along_sun * sign)
+            + Block::identity() * along_normal
+            + unit * (sun - unit * cosine).transpose() * steepness;
+        by_normal * by * -self.sixth
+    }
+}
+
+impl SolarPressure {
+    fn at(&self, at: Instant<'_>) -> Light {
+        let sixth = self.sixth * self.factor.value(at.time);
+        Light { sun: at.frame.components_of(self.sun), sixth, sides: self.sides }
+    }
+}
+
+impl Law for SolarPressure {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::External;
+        Properties { name: "solar_pressure", work_class, depends_on_velocity: false, is_internal: false }
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.film.facets.elements.reach(tile)
+    }
+
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
+        let light = self.at(at);
+        self.film.add_to_tile(&light, tile, at, forces)
+    }
+
+    fn outside_torque(&self) -> Option<f64> {
+        Some(self.film.torque)
+    }
+
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        is_body.then_some(OF_AXIS_ALONE)
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        self.factor.jumps()
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        "use a smaller dt, or check the distance from the sun"
+    }
+}
+
+/// Without stiffness: the limit of the step is that of the other laws.
+impl Linearisation for SolarPressure {
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.film.visit_couplings(visit);
+    }
+
+    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        self.film.add_jacobian(&self.at(instant), instant, jacobian);
+    }
+}
+
+impl Inspection for SolarPressure {
+    fn lanes(&self) -> [usize; 2] {
+        self.film.facets.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.film.facets.elements.contiguous_share())
+    }
+}

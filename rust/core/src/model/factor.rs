@@ -1,0 +1,38 @@
+//! The factor of a load as a function of time.
+
+use serde::Deserialize;
+
+use super::schedule::Schedule;
+
+/// By what a load is multiplied: 1, or a schedule.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub struct Factor(Option<Schedule>);
+
+impl From<Schedule> for Factor {
+    fn from(schedule: Schedule) -> Self {
+        Self(Some(schedule))
+    }
+}
+
+impl Factor {
+    /// Its value at `time`.
+    pub fn value(&self, time: f64) -> f64 {
+        self.0.as_ref().map_or(1.0, |schedule| schedule.value(time))
+    }
+
+    /// The derivative of its value at `time` \[1/s\].
+    pub fn rate(&self, time: f64) -> f64 {
+        self.0.as_ref().map_or(0.0, |schedule| schedule.rate(time))
+    }
+
+    /// The times at which it jumps \[s\].
+    pub fn jumps(&self) -> Vec<f64> {
+        self.0.iter().flat_map(Schedule::jumps).collect()
+    }
+
+    /// Whether it depends on time.
+    pub fn varies(&self) -> bool {
+        self.0.is_some()
+    }
+}
