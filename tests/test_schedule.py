@@ -145,3 +145,47 @@ def test_delay_that_merges_times_is_refused() -> None:
     """Times so late that they cannot be told apart."""
     with pytest.raises(InputError, match=r"times\[1\]"):
         Schedule([0, 1], [0, 1]).delayed(1e300)
+
+
+def test_a_sampled_function_is_met_at_its_times_and_nearly_between_them() -> None:
+    """Every bit at the knots; T^2/8 between them, so that half the spacing leaves a quarter of the error."""
+    calls: list[float] = []
+
+    def wave(time: float) -> float:
+        calls.append(time)
+        return math.sin(3.0 * time)
+
+    errors = []
+    for count in (11, 21):
+        times = np.linspace(0.0, 1.0, count)
+        schedule = Schedule.sampled(wave, times)
+        assert calls == times.tolist()
+        assert [schedule.at(time) for time in times] == [math.sin(3.0 * time) for time in times]
+        errors.append(max(abs(schedule.at(time) - math.sin(3.0 * time)) for time in np.linspace(0.0, 1.0, 1001)))
+        assert errors[-1] <= 9.0 / 8.0 / (count - 1) ** 2
+        assert len(calls) == count  # `at` calls no function
+        calls.clear()
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.3)
+    assert Schedule.sampled(abs, [-1, 2]) == Schedule((-1.0, 2.0), (1.0, 2.0))
+    assert Schedule.sampled(lambda _: np.float32(0.5), (0.0,)).last == 0.5
+
+
+@pytest.mark.parametrize(
+    ("function", "times", "error", "words"),
+    [
+        (math.sqrt, (-0.0, 1.0, math.inf), InputError, r"Schedule\.times\[2\] = inf: must be finite \(s\)"),
+        (abs, (1.0, 0.0), InputError, r"Schedule\.times\[1\] = 0\.0: must not be below the time before, 1\.0"),
+        (abs, (), InputError, r"Schedule\.times: holds 0 times"),
+        (abs, 3.0, InputTypeError, r"Schedule\.times = 3\.0: must be a list of numbers"),
+        (2.0, (0.0, 1.0), InputTypeError, r"Schedule\.sampled: function = 2\.0: must be a function of the time"),
+        (lambda _: math.inf, (0.0, 1.0), InputError, r"function\(0\.0\) = inf: must be finite"),
+        (lambda t: math.nan if t > 0.5 else t, (0.0, 1.0), InputError, r"function\(1\.0\) = nan: must be finite"),
+        (lambda _: "1", (0.25,), InputTypeError, r"function\(0\.25\) = '1': must be a number"),
+        (lambda _: None, (0.25,), InputTypeError, r"function\(0\.25\) = None: must be a number"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused_by_name_and_time(
+    function: Any, times: Any, error: type[InputError], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        Schedule.sampled(function, times)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Annotated
 
 from annotated_types import Le
 
-from membrane_rs._validation import NonNegative, Numbers, OuterUnit, Unit, number_of, show, validated
-from membrane_rs.errors import InputError
+from membrane_rs._arrays import Floats
+from membrane_rs._validation import NonNegative, Numbers, OuterUnit, Unit, is_list, number_of, show, validated
+from membrane_rs.errors import InputError, InputTypeError
 
 MOST_KNOTS = 10_000
 """More would be a table of a motion's every step."""
@@ -90,6 +92,49 @@ class Schedule:
             if not all(map(math.isfinite, (length, area, self._steepest(change, length)))):
                 what = f"the value changes from {show(self.values[k - 1])} to {show(self.values[k])} in {length:g} s"
                 raise InputError(f"{where}: {what}, which is too much to compute with; give SI units (s)")
+
+    @classmethod
+    def sampled(cls, function: Callable[[float], float], times: Sequence[float] | Floats) -> Schedule:
+        """A linear schedule through the values of a function at some times.
+
+        The function is called here, once for each time, in their order; no step of a run calls it. The schedule costs
+        what one of as many knots does, and goes into scene files. Between the times it is linear: from a smooth
+        function it differs by at most T^2/8 times the largest second derivative, with T the time between two knots,
+        an error of second order in T. Its rate jumps at the knots, as that of any linear schedule.
+
+        Parameters
+        ----------
+        function : callable
+            Of a time [s]; gives the value, in the unit of the field that the schedule stands in.
+        times : sequence of float
+            Of the knots [s], as those of the class; before the first and after the last one the value is constant.
+
+        Returns
+        -------
+        Schedule
+            With these times and ease 0.
+
+        Raises
+        ------
+        InputError
+            A value that is not finite, with its time; times as the class refuses them.
+        InputTypeError
+            What is no function or no list of numbers; a value that is no number, with its time.
+
+        Examples
+        --------
+        >>> from math import sin
+        >>> from membrane_rs import Schedule
+        >>> wave = Schedule.sampled(sin, [0.0, 0.5, 1.0])
+        >>> wave.at(0.5) == sin(0.5), round(wave.at(0.25), 3)
+        (True, 0.24)
+        """
+        if not callable(function):
+            raise InputTypeError(f"Schedule.sampled: function = {show(function)}: must be a function of the time")
+        count = len(times) if is_list(times) else 1
+        knots = cls(times, [0.0] * count).times  # type: ignore[arg-type]
+        name = "Schedule.sampled: function"
+        return cls(knots, [number_of(f"{name}({time!r})", function(time), "") for time in knots])
 
     @property
     def last(self) -> float:
