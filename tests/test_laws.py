@@ -12,6 +12,7 @@ from membrane_rs import (
     Gravity,
     MassDamping,
     Mesh,
+    Pressure,
     Scene,
     Simulation,
     SolarPressure,
@@ -53,6 +54,7 @@ def crowd(seed: int, film: Law = FILMS[0], *, contact: float = 100.0) -> Simulat
         Spin(frequency=2.0),
         Gravity((1.0, 2.0, -9.0)),
         SpoolContact(radius=0.06, stiffness=50.0, half_height=0.03, membrane=True),
+        Pressure(2.0),
         SolarPressure(0.7, 0.1, sun=(0.3, -0.5, 1.2), distance=1e9, back_diffuse=0.3, back_emissivity=0.2),
         MassDamping(rate=3.0),
     ]

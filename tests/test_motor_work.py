@@ -107,6 +107,8 @@ def test_hub_at_rest_has_no_motor_work() -> None:
     assert sim.ledger()["motor_work"] == 0.0
 
 
+RISING = Schedule((0.0, 0.06, 0.2), (0.2, 1.5, -1.0), 0.5)
+"""Of a load [s, -]."""
 LOADS: dict[str, tuple[Any, ...]] = {
     "nothing": (),
     "weight across the axis": (Gravity((0.5, -0.3, -1.0)),),
@@ -114,8 +116,18 @@ LOADS: dict[str, tuple[Any, ...]] = {
     "air at rest": (AirDrag(pressure=1e6),),
     "air that turns": (AirDrag(pressure=1e6, air="turning"),),
     "pressure": (Pressure(0.5),),
+    "weight that rises": (Gravity((0.5, -0.3, -1.0), factor=RISING),),
     "sunlight": (SolarPressure(0.84, 0.04, (1.0, 0.5, 2.0), 4e8, back_specular=0.3),),
 }
+
+
+OUTSIDE = {
+    "air at rest": "air_drag",
+    "pressure": "pressure",
+    "sunlight": "solar_pressure",
+    "weight that rises": "gravity",
+}
+"""The law of a load whose work in space is that in the frame and that of its torque."""
 
 
 @pytest.mark.parametrize("load", LOADS)
@@ -134,7 +146,8 @@ def test_energy_in_inertial_space_is_that_of_motor_and_loads(load: str, method: 
         # By Simpson's rule, between steps of the method.
         outside = dt / 3.0 * (powers[0] + powers[-1] + 4.0 * sum(powers[1:-1:2]) + 2.0 * sum(powers[2:-1:2]))
         ledger = sim.ledger()
-        works = math.fsum(work for law, work in ledger["work_by_law"].items() if law not in ("spin", "gravity"))
+        by_law, weight = ledger["work_by_law"], OUTSIDE.get(load) == "gravity"
+        works = math.fsum(work for law, work in by_law.items() if law != "spin" and (weight or law != "gravity"))
         gained = energy_in_space(sim, rate_of(sim, UP)) - start
         errors.append(abs(gained - works - outside - ledger["motor_work"]))
         sizes.append(abs(gained))
@@ -144,14 +157,16 @@ def test_energy_in_inertial_space_is_that_of_motor_and_loads(load: str, method: 
 
 
 def _torque_from_outside(sim: Simulation, load: str) -> float:
-    law = {"air at rest": "air_drag", "pressure": "pressure", "sunlight": "solar_pressure"}.get(load)
+    law = OUTSIDE.get(load)
     if law is None:
         return 0.0
     (x, y, _), (f, g, _) = sim.positions.T, sim.forces(law).T
     return float(np.sum(x * g - y * f))
 
 
-@pytest.mark.parametrize("load", ["nothing", "weight across the axis", "air at rest", "pressure", "sunlight"])
+@pytest.mark.parametrize(
+    "load", ["nothing", "weight across the axis", "air at rest", "pressure", "sunlight", "weight that rises"]
+)
 def test_it_is_the_torque_on_the_hub_times_its_rate(load: str) -> None:
     """Summed by Simpson's rule over the steps; friction of the frame is no load on the hub."""
     dt, count = 5e-5, 2000

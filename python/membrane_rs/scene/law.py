@@ -59,8 +59,8 @@ class Law:
     Examples
     --------
     >>> from membrane_rs.scene.laws import LAWS
-    >>> LAWS["gravity"]().core_parameters()
-    {'acceleration': (0.0, 0.0, -9.81)}
+    >>> LAWS["mass_damping"](3.0).core_parameters()
+    {'rate': 3.0}
     """
 
     kind: ClassVar[str]

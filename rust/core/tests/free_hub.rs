@@ -272,7 +272,7 @@ fn what_does_not_go_with_a_free_hub_is_refused() {
     let with = |more: LawSpec, spin: &SpinParameters| vec![springs(), more, spin.clone().into()];
     let alone = |spin: SpinParameters| vec![springs(), spin.into()];
     let air: LawSpec = AirDragParameters { pressure: 4.5, temperature: 293.0, air: AirMotion::Still }.into();
-    let weight = |g: [f64; 3]| LawSpec::from(GravityParameters { acceleration: g });
+    let weight = |g: [f64; 3]| LawSpec::from(GravityParameters { acceleration: g, ..Default::default() });
     let cases = [
         (alone(axis.clone()), "dopri5", Settings::default(), "the method dopri5"),
         (alone(axis.clone()), "generalized_alpha", Settings::default(), "the method generalized_alpha"),

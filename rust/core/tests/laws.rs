@@ -13,8 +13,13 @@ use common::{
 use membrane_core::arrays::state::{NodeVectors, State};
 use membrane_core::assembly::Assembly;
 use membrane_core::integrators::METHODS;
-use membrane_core::laws::{CreaseParameters, Kernels, Law, LawSpec, NodalLaw, Properties, WorkClass, spin_of};
+use membrane_core::laws::{
+    CreaseParameters, GravityParameters, Kernels, Law, LawParameters, LawSpec, NodalLaw, PressureParameters,
+    Properties, SolarPressureParameters, WorkClass, spin_of,
+};
+use membrane_core::model::factor::Factor;
 use membrane_core::model::input::{Bridges, Model};
+use membrane_core::model::schedule::Schedule;
 use membrane_core::simulation::{Settings, Setup, Simulation};
 
 /// The sum of |a| |b|, component by component.
@@ -326,5 +331,39 @@ fn the_turning_frame_gives_the_motion_of_the_fixed_one() {
     for simulation in [&fixed, &turning] {
         let error = simulation.ledger().error(&simulation.energy_terms());
         assert!(error.abs() < 1e-3, "energy balance {error:e}");
+    }
+}
+
+#[test]
+fn the_balance_closes_where_loads_change_with_time_by_themselves_and_at_jumps() {
+    // A hanging sheet off the axis of a hub that speeds up; the factor rises, jumps, and falls.
+    let film = films().next().unwrap();
+    let mut model = sheet(4, 3, 0.01);
+    model.positions.iter_mut().for_each(|p| *p = [1.01 * p[0] + 0.03, 1.01 * p[1], 0.2 * p[0]]);
+    (model.cords, model.bridges) = (Vec::new(), Bridges::default());
+    model.fixed = vec![0, 1, 2, 3, 4, 20];
+    let schedule = Schedule::new(vec![0.0, 4e-5, 4e-5, 1e-4], vec![0.5, 1.0, -2.0, 3.0], 0.2).unwrap();
+    let factor = Factor::from(schedule);
+    let loads: [LawSpec; 3] = [
+        GravityParameters { acceleration: [3e3, -2e3, -4e3], factor: factor.clone() }.into(),
+        PressureParameters { pressure: 500.0, factor: factor.clone() }.into(),
+        SolarPressureParameters { distance: 1e7, factor, ..SolarPressureParameters::example() }.into(),
+    ];
+    for load in loads {
+        for method in METHODS {
+            let laws = [film.clone(), load.clone(), spin(30.0, 400.0)];
+            let run = |dt: f64| {
+                let settings = Settings { loss_tolerance: 1.0, energy_tolerance: 1.0, ..Settings::default() };
+                let mut simulation = Simulation::new(model.clone(), &laws, method.name, Some(dt), settings).unwrap();
+                simulation.reach(1e-4, u64::MAX).unwrap();
+                let now = simulation.energy_terms();
+                (simulation.ledger().error(&now).abs(), simulation.ledger().work[1], simulation.ledger().changes[2])
+            };
+            let ((coarse, ..), (fine, work, change)) = (run(2e-7), run(1e-7));
+            let name = format!("{}, {}", load.kind(), method.name);
+            assert!(work.abs() > 1e-5, "{name}: {work:e}");
+            assert_eq!(change != 0.0, load.kind() == "gravity", "{name}: {change:e}");
+            assert!(fine < 3e-5 && fine < 0.9 * coarse, "{name}: {coarse:e} {fine:e}");
+        }
     }
 }

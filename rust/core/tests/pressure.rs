@@ -15,7 +15,7 @@ use membrane_core::simulation::{Settings, Simulation};
 const FILM: Film = Film { youngs_modulus: 1e6, poisson_ratio: 0.3, density: 1000.0, thickness: 1e-4 };
 
 fn pressure(pressure: f64) -> LawSpec {
-    PressureParameters { pressure }.into()
+    PressureParameters { pressure, ..Default::default() }.into()
 }
 
 /// A surface with these corners and triangles, and random displacements of `size`.

@@ -30,7 +30,7 @@ fn the_work_of_a_pressure_is_that_on_velocities_after_impulses() {
     for substeps in [1, 4] {
         let mut scene = above_a_floor(6e-6, 0.0);
         scene.specs = vec![springs(), LawSpec::SpringDamping(0.02.into())];
-        scene.specs.push(PressureParameters { pressure: -2000.0 }.into());
+        scene.specs.push(PressureParameters { pressure: -2000.0, ..Default::default() }.into());
         (scene.settings.substeps, scene.dt) = (substeps, Some(1e-6 * f64::from(substeps)));
         let mut simulation = scene.started();
         simulation.step(1000).unwrap();

@@ -135,7 +135,7 @@ fn a_load_independent_of_velocity_needs_no_forces_of_its_own() {
     let held = |integrator: &str, pressure: Option<f64>| {
         let (before, model) = (HELD.get(), sail::sail(4));
         let nodes = model.positions.len() as isize;
-        let load = pressure.map(|pressure| PressureParameters { pressure }.into());
+        let load = pressure.map(|pressure| PressureParameters { pressure, ..Default::default() }.into());
         let laws: Vec<LawSpec> = sail::laws().into_iter().chain(load).collect();
         let simulation = Simulation::new(model, &laws, integrator, Some(1e-7), Settings::default()).unwrap();
         let held = HELD.get() - before;

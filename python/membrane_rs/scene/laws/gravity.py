@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import field
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Unit, Vector, validated
 from membrane_rs.scene.law import Law, Surroundings
+from membrane_rs.scene.laws._factor import largest_factor
 from membrane_rs.scene.plausible import Doubt, implausible
+from membrane_rs.scene.schedule import Schedule
 
 STRONGEST = 30.0
 """A little more than at the surface of Jupiter, 24.8 m/s2; the Sun's is 274."""
@@ -24,6 +27,9 @@ class Gravity(Law):
     ----------
     acceleration : tuple of float
         g (x, y, z) [m/s2].
+    factor : Schedule or None
+        By which g is multiplied, as a function of time [-]. None: 1. By keyword alone. Its change of the potential is
+        work of gravity in the ledger.
 
     Raises
     ------
@@ -35,15 +41,19 @@ class Gravity(Law):
     >>> from membrane_rs import Gravity
     >>> Gravity().acceleration
     (0.0, 0.0, -9.81)
+    >>> from membrane_rs import Schedule
+    >>> Gravity(factor=Schedule([0.0, 0.5], [0.0, 1.0])).factor.at(0.25)
+    0.5
     """
 
     kind: ClassVar[str] = "gravity"
     accelerates_all: ClassVar[bool] = True
     acceleration: Annotated[Vector, Unit("m/s2")] = (0.0, 0.0, -9.81)
+    factor: Schedule | None = field(default=None, kw_only=True)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """No planet's gravity is stronger than `STRONGEST`, and hardly anything has a thousandth of the Earth's."""
-        size = math.hypot(*self.acceleration)
+        size = math.hypot(*self.acceleration) * largest_factor(self.factor)
         reason = f"gravity of more than {STRONGEST:g} m/s2 is that of no planet, and 9.81 m/s2 that of the Earth"
         units = {"cm/s2": 0.01, "mm/s2": 0.001}
         least = 0.0
@@ -54,4 +64,6 @@ class Gravity(Law):
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A field of no strength."""
-        return None if any(self.acceleration) else "its acceleration is 0"
+        if not any(self.acceleration):
+            return "its acceleration is 0"
+        return "its factor is 0" if largest_factor(self.factor) == 0.0 else None

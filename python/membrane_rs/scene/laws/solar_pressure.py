@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar
 from membrane_rs._validation import Fraction, Positive, Unit, Vector, show, validated
 from membrane_rs.errors import InputError
 from membrane_rs.scene.law import Law, Surroundings
+from membrane_rs.scene.laws._factor import largest_factor
 from membrane_rs.scene.plausible import Doubt, implausible
 from membrane_rs.scene.schedule import Schedule
 
@@ -133,6 +134,6 @@ class SolarPressure(Law):
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """No light, or nothing to fall on."""
-        if self.factor is not None and not any(self.factor.values):
+        if largest_factor(self.factor) == 0.0:
             return "its factor is 0"
         return "there is no film" if scene.mesh is None else None

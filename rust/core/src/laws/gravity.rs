@@ -1,7 +1,9 @@
 //! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
 //!
 //! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the
-//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
+//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system. With a factor
+//! f of time, g = f g_1, its derivative -f' sum m g_1 . x is power too. That is none of the hub's turning: the torque
+//! about the axis, which is the rest of the power over -Omega, is then named beside it as that of a load from outside.
 
 use std::ops::Range;
 
@@ -11,14 +13,18 @@ use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, OF_AXIS_ALO
 use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
+use crate::model::factor::Factor;
 use crate::model::frame::Frame;
 
 /// Parameters of weight.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GravityParameters {
     /// g in inertial space \[m/s2\].
     pub acceleration: [f64; 3],
+    /// Of g.
+    #[serde(default)]
+    pub factor: Factor,
 }
 
 impl LawParameters for GravityParameters {
@@ -26,11 +32,12 @@ impl LawParameters for GravityParameters {
         for component in self.acceleration {
             finite("acceleration of gravity [m/s2]", component)?;
         }
-        Ok(Box::new(Gravity { acceleration: self.acceleration, masses: context.assembly.masses.clone() }))
+        let (masses, factor) = (context.assembly.masses.clone(), self.factor.clone());
+        Ok(Box::new(Gravity { acceleration: self.acceleration, masses, factor, torque: 0.0 }))
     }
 
     fn example() -> Self {
-        Self { acceleration: [1.0, -2.0, -9.81] }
+        Self { acceleration: [1.0, -2.0, -9.81], factor: Factor::example() }
     }
 }
 
@@ -39,12 +46,26 @@ struct Gravity {
     /// g in inertial space [m/s2].
     acceleration: [f64; 3],
     masses: Vec<f64>,
+    factor: Factor,
+    /// See `Law::outside_torque`.
+    torque: f64,
 }
 
 impl Gravity {
-    /// g in the turning frame [m/s2].
-    fn in_frame(&self, frame: Frame) -> [f64; 3] {
+    /// g in the turning frame without its factor [m/s2].
+    fn of_factor_one(&self, frame: Frame) -> [f64; 3] {
         frame.components_of(self.acceleration)
+    }
+
+    /// g in the turning frame [m/s2].
+    fn at(&self, at: Instant<'_>) -> [f64; 3] {
+        let factor = self.factor.value(at.time);
+        self.of_factor_one(at.frame).map(|g| g * factor)
+    }
+
+    /// f' where time passes [1/s].
+    fn factor_rate(&self, at: Instant<'_>) -> f64 {
+        if at.frame.is_frozen { 0.0 } else { self.factor.rate(at.time) }
     }
 
     /// sum m x [kg m].
@@ -60,18 +81,26 @@ fn moment(column: &[f64], masses: &[f64]) -> f64 {
 
 impl NodalLaw for Gravity {
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, forces: [&mut [f64]; 3]) -> f64 {
-        let (g, masses) = (self.in_frame(at.frame), &self.masses[range.clone()]);
+        let (g, masses) = (self.at(at), &self.masses[range.clone()]);
         for (column, g) in forces.into_iter().zip(g) {
             for (force, mass) in column.iter_mut().zip(masses) {
                 *force += mass * g;
             }
         }
-        let rate = at.frame.angle_rate();
-        if rate == 0.0 || (g[0] == 0.0 && g[1] == 0.0) {
-            return 0.0;
+        let places = rows(at.positions, range);
+        let (rate, factor_rate) = (at.frame.angle_rate(), self.factor_rate(at));
+        let mut power = 0.0;
+        self.torque = 0.0;
+        if rate != 0.0 && (g[0] != 0.0 || g[1] != 0.0) {
+            let torque = g[0] * moment(places[1], masses) - g[1] * moment(places[0], masses);
+            (self.torque, power) = (-torque, rate * torque);
         }
-        let [x, y, _] = rows(at.positions, range);
-        rate * (g[0] * moment(y, masses) - g[1] * moment(x, masses))
+        if factor_rate != 0.0 {
+            let [x, y, z] = self.of_factor_one(at.frame);
+            let [mx, my, mz] = places.map(|column| moment(column, masses));
+            power -= factor_rate * (x * mx + y * my + z * mz);
+        }
+        power
     }
 }
 
@@ -109,8 +138,16 @@ impl Law for Gravity {
         (!is_along_axis).then_some("a weight along the axis alone has no torque about it")
     }
 
+    fn outside_torque(&self) -> Option<f64> {
+        self.factor.varies().then_some(self.torque)
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        self.factor.jumps()
+    }
+
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let (g, moment) = (self.in_frame(at.frame), self.moment(at.positions));
+        let (g, moment) = (self.at(at), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
     }
 

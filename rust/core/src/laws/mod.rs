@@ -166,7 +166,7 @@ pub trait Law: Send + Sync {
 
     /// Of a load from outside, such as that of air at rest: its torque about the axis \[N m\], the sum of x F_y - y F_x
     /// over what the last `add_to_tile` or `add_to_rows` added. `None` for forces between nodes, for those that the hub
-    /// or what turns with it exerts, and for inertial laws.
+    /// or what turns with it exerts, and for inertial laws whose power is that of the turning frame alone.
     fn outside_torque(&self) -> Option<f64> {
         None
     }

@@ -21,24 +21,29 @@ use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::NodeVectors;
 use crate::error::Result;
 use crate::model::checks::finite;
+use crate::model::factor::Factor;
 use crate::simd::lanes::{SimdF64, Vec3, scale};
 
 /// Parameters of the load.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PressureParameters {
     /// p, the difference of the pressures on both sides; a negative one acts against the normal \[Pa\].
     pub pressure: f64,
+    /// Of p.
+    #[serde(default)]
+    pub factor: Factor,
 }
 
 impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
-        Ok(Box::new(Pressure { film: LoadedFacets::new(context.assembly), sixth: self.pressure / 6.0 }))
+        let (film, sixth) = (LoadedFacets::new(context.assembly), self.pressure / 6.0);
+        Ok(Box::new(Pressure { film, sixth, factor: self.factor.clone() }))
     }
 
     fn example() -> Self {
-        Self { pressure: 2.0 }
+        Self { pressure: 2.0, factor: Factor::example() }
     }
 }
 
@@ -47,6 +52,13 @@ struct Pressure {
     film: LoadedFacets,
     /// p/6 [Pa].
     sixth: f64,
+    factor: Factor,
+}
+
+impl Pressure {
+    fn at(&self, time: f64) -> Load {
+        Load { sixth: self.sixth * self.factor.value(time) }
+    }
 }
 
 /// The load at an instant.
@@ -81,7 +93,8 @@ impl Law for Pressure {
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        self.film.add_to_tile(&Load { sixth: self.sixth }, tile, at, forces)
+        let load = self.at(at.time);
+        self.film.add_to_tile(&load, tile, at, forces)
     }
 
     fn outside_torque(&self) -> Option<f64> {
@@ -90,6 +103,10 @@ impl Law for Pressure {
 
     fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
         is_body.then_some(OF_AXIS_ALONE)
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        self.factor.jumps()
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -112,7 +129,7 @@ impl Linearisation for Pressure {
     }
 
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.film.add_jacobian(&Load { sixth: self.sixth }, instant, jacobian);
+        self.film.add_jacobian(&self.at(instant.time), instant, jacobian);
     }
 }
 

@@ -156,7 +156,7 @@ impl LawParameters for SolarPressureParameters {
             back_diffuse: 0.3,
             back_emissivity: 0.6,
             back_lambert: 0.5,
-            factor: Factor::default(),
+            factor: Factor::example(),
         }
     }
 }

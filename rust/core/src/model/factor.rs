@@ -16,6 +16,11 @@ impl From<Schedule> for Factor {
 }
 
 impl Factor {
+    /// One that changes with time, for tests.
+    pub(crate) fn example() -> Self {
+        Self(Schedule::new(vec![0.0, 1.0], vec![1.0, 1.5], 0.2).ok())
+    }
+
     /// Its value at `time`.
     pub fn value(&self, time: f64) -> f64 {
         self.0.as_ref().map_or(1.0, |schedule| schedule.value(time))

@@ -160,7 +160,7 @@ pub fn spin(rate: f64, acceleration: f64) -> LawSpec {
 }
 
 pub fn gravity(acceleration: [f64; 3]) -> LawSpec {
-    GravityParameters { acceleration }.into()
+    GravityParameters { acceleration, ..Default::default() }.into()
 }
 
 /// The methods in the list, and one outside it.
