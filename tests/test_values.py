@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 import pytest
+from example_of import needed
 from membrane_rs import Cylinder, Scene, Schedule, Spin, Stage, TipMasses, scenes
 from membrane_rs.errors import InputError, InputTypeError, SceneError
 from membrane_rs.scene.laws import LAWS
@@ -90,11 +91,10 @@ def test_laws_are_added_and_left_out() -> None:
     assert scene.with_values({"laws.creases": False}).to_toml() == scene.to_toml()
     assert scene.with_values({"parts.0": False}).parts == ()
     for kind, law in LAWS.items():
-        known: Any = law
-        needed = {name: 0.5 for name, info in known.__pydantic_fields__.items() if info.is_required()}
+        own = {name: value for name, value in needed(law).items() if not isinstance(value, Schedule)}
         rest = {"laws.springs": False} if law.is_film else {}
-        added = scene.with_values({**rest, f"laws.{kind}": needed or True}).law(kind)
-        assert added == law(**needed)
+        added = scene.with_values({**rest, f"laws.{kind}": own or True}).law(kind)
+        assert added == law(**own)
 
 
 def test_a_value_stands_in_place_of_others() -> None:

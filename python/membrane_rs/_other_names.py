@@ -52,6 +52,8 @@ _FIELDS = {
     "gravity": {"": "weight g"},
     "air_drag": {"": "air wind"},
     "solar_pressure": {"": "srp sunlight light solar radiation_pressure light_pressure solar_radiation_pressure"},
+    "point_forces": {"": "forces nodal_forces node_forces loads point_loads thrust"},
+    "force": {"in N, on each node": "load total_force"},
     "sun": {"": "sun_direction direction_to_sun sun_vector"},
     "self_contact": {"": "self_collision collision collisions layers layer_contact"},
     "springs": {"": "film membrane bars"},

@@ -50,7 +50,7 @@ energy_balance        reference_energy [J]; error at the end, lowest_error (loss
                       changes of stage and jumps of schedules have put in [J], by name, where there were any
 momentum_error        where the hub turns freely: error of the angular momentum of hub and sail about the axis, the
                       largest change less the impulse of the torque on the hub, over the largest part, of hub or sail;
-                      null while air, pressure or sunlight exert a torque too
+                      null while air, pressure, sunlight or point forces exert a torque too
 curves                of the deployment rate [-]: initial_rate, final_rate, highest_rate, first_peak_rate,
                       first_peak_time [s]; of the phase difference: final_phase_deg [deg], phase_trough_deg [deg],
                       phase_trough_time [s], zero_crossing_time [s], zero_crossing_rate [-]; null where there is none

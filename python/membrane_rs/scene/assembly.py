@@ -33,6 +33,8 @@ class Assembly(Component):
         Nodes that carry a mass of their own beside those of film and cords; a node may stand there twice.
     fixed : (k,) int
         Nodes held at rest, or moved as prescribed, ascending.
+    loaded : (k,) int
+        Nodes on which point forces act, ascending.
     cords : Cords
         Segments of all cords.
     bridges : Links
@@ -62,6 +64,7 @@ class Assembly(Component):
     extra_masses: Floats
     tips: Ints
     fixed: Ints
+    loaded: Ints
     cords: Cords
     bridges: Links
     contacts: ContactSet

@@ -71,6 +71,7 @@ class Builder:
         self._masses: list[tuple[Ints, float]] = []
         self._contacts: list[Ints] = []
         self._layers: Ints = np.zeros(0, np.int64)
+        self._loaded: Ints = np.zeros(0, np.int64)
         self._bridge_stiffness = 0.0
 
     def nodes(self, wanted: str | Sequence[int], where: str, *, of_mesh: bool = False, field: str = "nodes") -> Ints:
@@ -207,6 +208,10 @@ class Builder:
         """Let these triangles, ascending, not pass through each other."""
         self._layers = triangles
 
+    def load(self, nodes: Ints) -> None:
+        """Let point forces act on these nodes."""
+        self._loaded = np.unique(nodes)
+
     def link_bridges(self, stiffness: float, where: str) -> None:
         """Give the links of the mesh their stiffness [N/m]. Raises SceneError where they have one already."""
         if self._bridge_stiffness:
@@ -245,6 +250,7 @@ class Builder:
             extra_masses=self._extra_masses(),
             tips=np.concatenate([np.zeros(0, np.int64), *(nodes for nodes, mass in self._masses if mass > 0.0)]),
             fixed=np.unique(np.array(self._fixed, np.int64)),
+            loaded=self._loaded,
             cords=self._segments(),
             bridges=Links(
                 nodes=none if mesh is None else np.array(mesh.bridges, np.int64), stiffness=self._bridge_stiffness

@@ -44,6 +44,8 @@ class Nodes(Component):
     """(N,) masses beside the film's [kg]."""
     fixed: Ints
     """(k,) nodes held at rest, or moved as prescribed, ascending."""
+    loaded: Ints
+    """(k,) nodes on which point forces act, ascending."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -208,7 +208,7 @@ class Law:
         return None
 
     def add_contacts(self, builder: Builder) -> None:
-        """Name the nodes, and the triangles, at which contact is detected.
+        """Name the nodes and the triangles that it acts on, where it does not act on all.
 
         Parameters
         ----------

@@ -113,6 +113,7 @@ def model_of(scene: Scene, assembly: Assembly) -> Model:
             velocities=np.zeros_like(assembly.positions),
             extra_masses=assembly.extra_masses,
             fixed=assembly.fixed,
+            loaded=assembly.loaded,
         ),
         surface=Surface(reference=np.zeros((0, 3)) if mesh is None else mesh.reference, triangles=assembly.triangles),
         film=_film_of(scene),

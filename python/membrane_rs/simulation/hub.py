@@ -26,7 +26,8 @@ class HubLoad:
         - sum over all nodes of the forces of contact with spool and bodies,
 
     so that it balances the rate of change of the sail's momentum and of its angular momentum in an inertial frame,
-    less the loads from outside: gravity, air, pressure, sunlight and mass damping; friction on bodies is contact.
+    less the loads from outside: gravity, air, pressure, sunlight, point forces and mass damping; friction on bodies
+    is contact.
 
     Attributes
     ----------

@@ -144,6 +144,7 @@ fn forces_do_not_depend_on_the_external_order() {
     other.triangles.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
     other.creases.nodes.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
     other.bridges.nodes.iter_mut().for_each(|nodes| *nodes = nodes.map(renamed));
+    other.loaded.iter_mut().for_each(|node| *node = renamed(*node));
     other.cords.iter_mut().for_each(|cord| cord.nodes = cord.nodes.map(renamed));
     let new = |model| Simulation::new(model, &every_law(), "rk4", Some(1e-6), Settings::default()).unwrap();
     let (mut plain, mut other) = (new(plain), new(other));

@@ -56,6 +56,7 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         velocities: nodes.array("velocities", rows)?,
         extra_masses: nodes.array("extra_masses", numbers)?,
         fixed: nodes.array("fixed", indices)?,
+        loaded: nodes.array("loaded", indices)?,
         motions: motions_of(&model)?,
         reference: surface.array("reference", rows)?,
         triangles: surface.array("triangles", index_rows)?,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws.creases import Creases
     from membrane_rs.scene.laws.gravity import Gravity
     from membrane_rs.scene.laws.mass_damping import MassDamping
+    from membrane_rs.scene.laws.point_forces import PointForces
     from membrane_rs.scene.laws.pressure import Pressure
     from membrane_rs.scene.laws.self_contact import SelfContact
     from membrane_rs.scene.laws.solar_pressure import SolarPressure
@@ -38,6 +39,7 @@ __all__ = [
     "Gravity",
     "Law",
     "MassDamping",
+    "PointForces",
     "Pressure",
     "SelfContact",
     "SolarPressure",
@@ -59,6 +61,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.scene.laws.creases": ("Creases",),
             "membrane_rs.scene.laws.gravity": ("Gravity",),
             "membrane_rs.scene.laws.mass_damping": ("MassDamping",),
+            "membrane_rs.scene.laws.point_forces": ("PointForces",),
             "membrane_rs.scene.laws.pressure": ("Pressure",),
             "membrane_rs.scene.laws.self_contact": ("SelfContact",),
             "membrane_rs.scene.laws.solar_pressure": ("SolarPressure",),

@@ -8,6 +8,7 @@ from membrane_rs.scene.laws.bending import Bending
 from membrane_rs.scene.laws.creases import Creases
 from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
+from membrane_rs.scene.laws.point_forces import PointForces
 from membrane_rs.scene.laws.pressure import Pressure
 from membrane_rs.scene.laws.self_contact import SelfContact
 from membrane_rs.scene.laws.solar_pressure import SolarPressure
@@ -30,6 +31,7 @@ LAWS: dict[str, type[Law]] = {
         Gravity,
         Pressure,
         SolarPressure,
+        PointForces,
         SpoolContact,
         SelfContact,
         MassDamping,

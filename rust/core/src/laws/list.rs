@@ -126,6 +126,8 @@ laws! {
     "pressure" Pressure(pressure::PressureParameters),
     /// Pressure of sunlight on the film, by its optical properties.
     "solar_pressure" SolarPressure(solar_pressure::SolarPressureParameters),
+    /// Forces on nodes, fixed in the turning frame or in inertial space.
+    "point_forces" PointForces(point_forces::PointForcesParameters),
     /// Contact of nodes with the spool.
     "spool_contact" SpoolContact(spool_contact::SpoolContactParameters),
     /// Contact with a body of prescribed motion.

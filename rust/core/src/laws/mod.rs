@@ -21,6 +21,7 @@ mod list;
 mod mass_damping;
 mod moved;
 mod nodal;
+mod point_forces;
 mod pressure;
 mod rotating_frame;
 mod self_contact;
@@ -50,6 +51,7 @@ pub use list::*;
 pub use moved::Moved;
 pub(crate) use moved::Prescribed;
 pub use nodal::NodalLaw;
+pub use point_forces::ForceFrame;
 pub use self_contact::{ContactStatistics, Scheme, SelfContact};
 pub use spring_damping::{DashpotMass, Limited};
 

@@ -92,6 +92,8 @@ pub struct Model {
     pub extra_masses: Vec<f64>,
     /// Held nodes.
     pub fixed: Vec<u32>,
+    /// Nodes on which point forces act.
+    pub loaded: Vec<u32>,
     /// Motions of nodes that move as prescribed, which are held otherwise.
     pub motions: Vec<Motion>,
     /// Stress-free positions of the mesh's nodes \[m\].
@@ -130,6 +132,7 @@ impl Model {
         check_finite("the position", &self.positions)?;
         check_finite("the velocity", &self.velocities)?;
         check_indices("fixed node", &each_alone(&self.fixed), n)?;
+        check_indices("loaded node", &each_alone(&self.loaded), n)?;
         self.check_motions()?;
         self.creases.check()?;
         self.contacts.check(n)?;

@@ -68,6 +68,7 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
         cords: vec![Cord { nodes: [last, 0], stiffness: 50.0, rest_length: 0.6 * size, strain_limit: 1e9 }],
         bridges: Bridges { nodes: vec![[0, node(columns, rows)]], stiffness: 3.0 },
         contacts: ContactSet { nodes: vec![last] },
+        loaded: vec![3, 1],
         ..Model::default()
     }
 }
