@@ -9,7 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import InputError, Mesh, Scene, Simulation, SpringDamping, Springs, TipMasses, Triangles, scenes
+from membrane_rs import (
+    Bending,
+    InputError,
+    Mesh,
+    Scene,
+    Simulation,
+    SpringDamping,
+    Springs,
+    TipMasses,
+    Triangles,
+    scenes,
+)
 from membrane_rs.folding import EquilateralLattice, SquareSail, Strip
 from membrane_rs.scene.laws import Creases, Law
 from membrane_rs.study import FORMS, LengthScales, agreeing
@@ -172,3 +183,9 @@ def test_lengths_set_what_each_law_takes() -> None:
     slack = FORMS["tension"].of(film).laws[0]
     assert isinstance(slack, Triangles)
     assert (slack.buckling, slack.buckling_on_creases) == (0.0, 0.0)
+    plate, *_, bending = FORMS["bending"].of(film).laws
+    assert isinstance(plate, Triangles)
+    assert (plate.buckling, plate.buckling_on_creases) == (1.0, 1.0)
+    assert bending == Bending()
+    own = replace(film, laws=[*film.laws, Bending(stiffness=2.0)])
+    assert FORMS["bending"].of(own).law(Bending) == Bending(stiffness=2.0)

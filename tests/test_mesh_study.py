@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from membrane_rs import InputError, OutputError, Scene, Springs, scenes
 from membrane_rs.cli import app
-from membrane_rs.study import jobs_of, match_scene, mesh_study, write_mesh_study
+from membrane_rs.study import FORMS, jobs_of, match_scene, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, limit, orders, overall_order, steps
 from membrane_rs.study.mesh import MeshRun, kept
 from membrane_rs.study.mesh_report import report
@@ -142,7 +142,7 @@ def test_the_command_and_its_other_name(words: list[str], tmp_path: Path) -> Non
     result = CliRunner().invoke(app, given)
     assert result.exit_code == 0, result.output
     assert "| physical | 22 | 580 | 1 |" in result.output
-    assert len(list((tmp_path / "study" / "runs").iterdir())) == 4
+    assert len(list((tmp_path / "study" / "runs").iterdir())) == len(FORMS)
     wrong = CliRunner().invoke(app, [*given, "--rows", "8.5"])
     assert wrong.exit_code == 2
     assert "--rows = 8.5: must be whole numbers from 1 on" in wrong.output

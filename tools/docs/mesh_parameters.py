@@ -1,4 +1,4 @@
-"""Dependence of the parameters on the mesh: both sails of the paper on up to four meshes, in four forms.
+"""Dependence of the parameters on the mesh: both sails of the paper on up to four meshes, in four forms, and bending.
 
 Finished runs are kept in the folder `out` and read again; remove it to repeat all runs, which takes some twenty minutes
 on two cores. With `--write` the tables and pictures of docs/mesh_parameters.md are replaced.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,11 +23,14 @@ from membrane_rs.study import MeshRun, SceneMatch, agreeing, jobs_of, match_scen
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.length_scales import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
+from mesh_bending import bent, by_alpha
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
+NAMES = ("lengths", "forms", "bending", "compression", "moduli", "triangles")
+BENT = {"bending-1": MODELS[0], "bending-2": MODELS[1]}
 PARTS = {
     name: MarkedPart(DOCS / "mesh_parameters.md", name)
-    for name in ("lengths", *MODELS, "compression", "moduli", "triangles")
+    for name in ("lengths", *MODELS, "compression", "moduli", "triangles", *BENT, "alpha")
 }
 PAPERS_ROWS, FINEST = 16, 64
 STARTS = {8: 4, 16: 4, 32: 2}
@@ -44,28 +47,56 @@ def main() -> None:
     parser.add_argument("--kept", action="store_true", help="tables of the kept runs of the sails; make no run")
     parser.add_argument("--jobs", type=int, help="number of parallel runs; default: one on each core")
     parser.add_argument("--out", type=Path, default=Path("out/mesh-parameters"), help="folder of the results")
+    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="some parts")
     parser.add_argument("--write", action="store_true", help="write into docs/")
     options = parser.parse_args()
     began = time.perf_counter()
 
-    texts = {"lengths": lengths()}
+    makers: dict[str, Callable[[argparse.Namespace], dict[str, str]]] = {
+        "lengths": lambda _: {"lengths": lengths()},
+        "forms": forms,
+        "bending": bending,
+        "compression": lambda options: {"compression": compression(options.until)},
+        "moduli": lambda _: {"moduli": moduli()},
+        "triangles": lambda options: {"triangles": calibrated(options.until, options.out / "runs", options.jobs)},
+    }
+    for maker in options.only:
+        for name, text in makers[maker](options).items():
+            print(f"\n{name}\n\n{text}", flush=True)
+            if options.write:
+                PARTS[name].write(text)
+    print(f"\n{time.perf_counter() - began:.0f} s")
+
+
+def forms(options: argparse.Namespace) -> dict[str, str]:
+    """Both models in each form."""
+    texts = {}
     for model in MODELS:
         scene, jobs = scenes.load(model), planned(model, options.until)
         jobs = kept(scene, jobs, options.out / "runs") if options.kept else jobs
         runs = mesh_study(scene, jobs, options.out / "runs", workers=options.jobs, tell=tell)
-        folder = options.out / model
-        tables = write_mesh_study(runs, folder)
+        tables = published(runs, options.out / model, f"mesh_parameters-{model[-1]}.png", write=options.write)
         texts[model] = f"{tables.rstrip()}\n\n{on_the_papers_mesh(runs)}"
-        if options.write:
-            shutil.copy(folder / "mesh-study.png", DOCS / f"mesh_parameters-{model[-1]}.png")
-    texts["compression"] = compression(options.until)
-    texts["moduli"] = moduli()
-    texts["triangles"] = calibrated(options.until, options.out / "runs", options.jobs)
-    for name, text in texts.items():
-        print(f"\n{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
-    print(f"\n{time.perf_counter() - began:.0f} s")
+    return texts
+
+
+def bending(options: argparse.Namespace) -> dict[str, str]:
+    """Both models with a film that bends, and model 1 without, by alpha."""
+    texts, folder = {}, options.out / "runs"
+    for part, model in BENT.items():
+        runs = bent(model, folder, until=options.until, only_kept=options.kept, jobs=options.jobs, tell=tell)
+        texts[part] = published(runs, options.out / part, f"mesh_parameters-{part}.png", write=options.write)
+        if model == MODELS[0]:
+            texts["alpha"] = by_alpha(model, folder, runs, until=options.until, jobs=options.jobs, tell=tell)
+    return texts
+
+
+def published(runs: Sequence[MeshRun], folder: Path, picture: str, *, write: bool) -> str:
+    """The tables of runs; where `write`, their picture goes into docs/."""
+    tables = write_mesh_study(runs, folder)
+    if write:
+        shutil.copy(folder / "mesh-study.png", DOCS / picture)
+    return tables
 
 
 def planned(model: str, until: float | None) -> list[Job]:

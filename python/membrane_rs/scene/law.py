@@ -358,4 +358,19 @@ class Law:
         Law
             Of the same kind.
         """
+        return self.with_buckling(0.0)
+
+    def with_buckling(self, buckling: float) -> Law:
+        """The law of a film that buckles with this parameter, on creases as elsewhere.
+
+        Parameters
+        ----------
+        buckling : float
+            alpha [-].
+
+        Returns
+        -------
+        Law
+            Of the same kind.
+        """
         return self

@@ -3,7 +3,8 @@
 Four of the paper's quantities contain a length of the mesh: the critical strain (alpha pi^2 h^2 / (12 L^2)), the force
 at which a crease buckles (k times alpha_c pi^2 h^2 / (12 L)), the stiffness of a crease per length (beta E J / H), and
 the dashpots (2 zeta sqrt(k m), where m is proportional to L^2). On a finer mesh each has another value. With length
-scales of their own they are properties of the film; docs/mesh_parameters.md shows to which degree.
+scales of their own they are properties of the film; docs/mesh_parameters.md shows to which degree. So is the bending
+stiffness of the film, which resists the wrinkles that a mesh resolves.
 """
 
 from __future__ import annotations
@@ -16,7 +17,10 @@ from membrane_rs._renamed import Renamed
 from membrane_rs._validation import Flag, Positive, check_kind, validated
 from membrane_rs.errors import InputError
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import SpringDamping, Springs
+from membrane_rs.scene.laws import Bending, SpringDamping, Springs
+
+PLATE = 1.0
+"""alpha of a film that bends, near the plate's own 1/(1 - nu^2) [-]."""
 
 
 @validated
@@ -35,6 +39,9 @@ class LengthScales:
         Of the dashpots [m]: `SpringDamping.length`.
     tension_only : bool
         The film bears no compression, alpha = alpha_c = 0: a tension field.
+    bending : bool
+        The film has the bending stiffness of a plate (`Bending`), and buckles as a plate between the nodes does,
+        alpha = alpha_c = 1.
 
     Raises
     ------
@@ -54,6 +61,7 @@ class LengthScales:
     facet: Positive | None = None
     damping: Positive | None = None
     tension_only: Flag = False
+    bending: Flag = False
 
     wing = Renamed("facet")
 
@@ -78,7 +86,11 @@ class LengthScales:
         check_kind(scene, Scene, "scene", "a Scene")
         lengths = {"buckling": self.buckling, "crease": self.crease, "facet": self.facet, "damping": self.damping}
         laws = [law.with_lengths(lengths) for law in scene.laws]
-        return replace(scene, laws=[law.without_compression() for law in laws] if self.tension_only else laws)
+        if self.tension_only:
+            laws = [law.without_compression() for law in laws]
+        if self.bending:
+            laws = [law.with_buckling(PLATE) for law in laws] + ([] if scene.law(Bending) else [Bending()])
+        return replace(scene, laws=laws)
 
 
 PAPER = LengthScales()
@@ -89,7 +101,9 @@ PHYSICAL = LengthScales(buckling=0.012, crease=0.010, facet=0.011, damping=0.011
 """`agreeing` for the paper's model 1, in whole millimetres."""
 TENSION = LengthScales(facet=0.011, damping=0.011, tension_only=True)
 """A film that wrinkles at zero compressive stress."""
-FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL, "tension": TENSION}
+BENDING = LengthScales(facet=0.011, damping=0.011, bending=True)
+"""A film that bends."""
+FORMS = {"paper": PAPER, "strain": STRAIN, "physical": PHYSICAL, "tension": TENSION, "bending": BENDING}
 """The forms of a mesh study, by name."""
 
 

@@ -29,9 +29,9 @@ class BucklingFilm(Law):
         """k (L - l_cr), the force beyond buckling, is proportional to E alpha."""
         return _with(self, buckling=factor * self.buckling, buckling_on_creases=factor * self.buckling_on_creases)
 
-    def without_compression(self: F) -> F:
-        """A film that buckles at once."""
-        return _with(self, buckling=0.0, buckling_on_creases=0.0)
+    def with_buckling(self: F, buckling: float) -> F:
+        """One parameter for all edges."""
+        return _with(self, buckling=buckling, buckling_on_creases=buckling)
 
     def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
         """Those at which creases buckle; edges, where there are no creases."""
