@@ -20,7 +20,9 @@ SOFTENING, SUBSTEPS, SEGMENTS = 10.0, 4, 5
 FILMS: dict[str, Springs | Triangles] = {"springs": Springs(), "triangles": Triangles()}
 WITHOUT = replace(BENDING, bending=False)
 ALPHAS = (1.0, 3.0, 10.0, 30.0, 100.0)
-ROWS, FINEST, PAPERS = (32, 16, 8), 64, 16
+ROWS, FINEST, VERY_FINE, PAPERS = (32, 16, 8), 64, 128, 16
+ONCE_FINER = ("okuizumi-model-1", "springs")
+"""What has a mesh more, which takes half an hour."""
 FINEST_UNTIL = 0.45
 """After the trough of the phase [s]."""
 
@@ -36,11 +38,12 @@ def quick(model: str, film: str, buckling: float | None = None) -> Scene:
     return with_softening(scene, SOFTENING)
 
 
-def planned(until: float | None) -> list[Job]:
+def planned(model: str, film: str, until: float | None) -> list[Job]:
     """The meshes of one film that bends, the long runs first."""
     if until is not None:
         return jobs_of([8, PAPERS], {"bending": BENDING}, until=until)
-    jobs = jobs_of([FINEST], {"bending": BENDING}, until=FINEST_UNTIL)
+    fine = [FINEST, VERY_FINE] if (model, film) == ONCE_FINER else [FINEST]
+    jobs = jobs_of(fine, {"bending": BENDING}, until=FINEST_UNTIL)
     return jobs + jobs_of(ROWS, {"bending": BENDING}, {PAPERS: 2, 32: 2})
 
 
@@ -50,7 +53,7 @@ def bent(
     """The runs of both films, which stand for the forms of a study."""
     runs: list[MeshRun] = []
     for film in FILMS:
-        scene, wanted = quick(model, film), planned(until)
+        scene, wanted = quick(model, film), planned(model, film, until)
         wanted = kept(scene, wanted, folder) if only_kept else wanted
         made = mesh_study(scene, wanted, folder, workers=jobs, tell=tell) if wanted else []
         runs += [replace(run, form=f"bending, {film}") for run in made]
