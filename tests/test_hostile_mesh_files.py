@@ -94,6 +94,47 @@ def test_files_that_declare_more_than_memory_holds(text: str, tmp_path: Path) ->
     assert time.monotonic() - began < 25.0
 
 
+def test_time_goes_with_the_size_of_a_file_and_not_with_the_square_of_its_groups(tmp_path: Path) -> None:
+    lines, names, last = [], [f"part {k}" for k in range(2000)], 0
+    for k, name in enumerate(names):
+        lines += [f"o {name}", f"v {k} 0 0", f"v {k}.5 0 0", f"v {k}.5 1 0", f"v {k} 1 0"]
+        lines += [
+            f"f {last + 1} {last + 2} {last + 3} {last + 4}",
+            f"g side {k % 2}",
+            f"f {last + 2} {last + 1} {last + 4}",
+        ]
+        last += 4
+    path = text_file(tmp_path / "a.obj", "\n".join(lines) + "\n")
+    began = time.monotonic()
+    mesh = read(path)
+    assert time.monotonic() - began < 15.0
+    assert {name: len(rows) for name, rows in mesh.triangle_sets.items()} == {
+        **dict.fromkeys(names, 2), **dict.fromkeys(("side 0", "side 1"), 1000),
+    }  # fmt: skip
+    assert mesh.triangle_sets["part 7"].tolist() == [21, 22]
+    assert mesh.triangle_sets["side 1"][:2].tolist() == [5, 11]
+
+
+@pytest.mark.parametrize(
+    "system",
+    ["sys.modules['resource'] = None", "import resource\ndef no(*_): raise ValueError\nresource.setrlimit = no"],
+    ids=["Windows", "macOS"],
+)
+def test_systems_without_bounds_of_memory(system: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from membrane_rs.mesh import meshio_process
+
+    command = meshio_process._COMMAND.replace("; ", "\n")
+    monkeypatch.setattr(meshio_process, "_COMMAND", command.replace("import sys", f"import sys\n{system}", 1))
+    assert read(text_file(tmp_path / "a.obj", OBJ)).node_count == 4
+
+
+def test_nothing_is_imported_from_the_folder_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "meshio.py").write_text("raise SystemExit('imported')\n")
+    text_file(tmp_path / "a.obj", OBJ)
+    code = "from membrane_rs import Mesh; Mesh.read('a.obj', scale=1.0)"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
+
+
 def test_a_file_that_is_not_read_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("membrane_rs.mesh.meshio_process.SECONDS", 1)
     endless = GMSH_22 + f"$NodeData\n0\n{10**14}\n$EndNodeData\n"
@@ -189,7 +230,7 @@ def test_groups_with_members_that_are_not_there(tmp_path: Path, monkeypatch: pyt
         r"a\.msh: .*'held edge' of points holds number -1",
     )
     for points, cells, words in (([9], [0], "of points holds number 9"), ([0], [4], "of cells holds number 4")):
-        sets = {"HELD": [np.array(cells)]}, {"HELD": np.array(points)}
+        sets = {"HELD": {0: np.array(cells)}}, {"HELD": np.array(points)}
         held = Read(POINTS, [("quad", QUADS)], None, {}, *sets)
         monkeypatch.setattr("membrane_rs.mesh.foreign.read_by_meshio", lambda _, held=held: held)
         refused(lambda: read(tmp_path / "a.msh"), MeshError, rf"a\.msh: the set 'HELD' {words}, counted from 0, of")

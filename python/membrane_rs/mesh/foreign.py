@@ -12,7 +12,7 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
-from membrane_rs._arrays import Bools, Floats, Ints
+from membrane_rs._arrays import Floats, Ints
 from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Finite, Positive, Unit, validated
 from membrane_rs.errors import MeshError
@@ -52,10 +52,8 @@ class _Faces(NamedTuple):
 
     corners: Ints
     """(k, 4) points; -1 as the last corner of a triangle."""
-    block: Ints
-    """(k,) block of each."""
-    row: Ints
-    """(k,) row in that block."""
+    first: dict[int, int]
+    """The first of each block that has some."""
 
 
 def read_foreign(path: Path, options: ForeignFile) -> dict[str, Any]:
@@ -75,7 +73,9 @@ def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
     groups = dict(_groups(read, len(points)))
     place = np.arange(len(points))
     if BY_SUFFIX[path.suffix.lower()] == "stl":
-        steps.append(f"{3 * len(faces.row) - len(points)} of {3 * len(faces.row)} corners merged, by equal coordinates")
+        steps.append(
+            f"{3 * len(faces.corners) - len(points)} of {3 * len(faces.corners)} corners merged, by equal coordinates"
+        )
     if options.merge is not None:
         place, words = merged(points, options.merge)
         steps.append(words)
@@ -84,6 +84,7 @@ def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
     steps += remarks
     is_quad = distinct[:, 3] >= 0
     owner = np.repeat(np.arange(len(distinct)), 1 + is_quad)
+    last = np.cumsum(1 + is_quad) - 1  # triangle of each face; of a quadrilateral the second one
     triangles = distinct[owner, :3]
     triangles[is_quad[owner]], remarks = split_quads(points, distinct[is_quad], options.quads)
     steps += remarks
@@ -95,8 +96,8 @@ def _made(path: Path, read: Read, options: ForeignFile) -> dict[str, Any]:
     index = np.full(len(points), -1, np.int64)
     index[used] = np.arange(len(used))
     node_sets = {name: _kept(index[place[each.nodes(name, read.cells, len(points))]]) for name, each in groups.items()}
-    chosen = {name: numbers[each.has(faces)] for name, each in groups.items()}
-    triangle_sets = {name: np.flatnonzero(np.isin(owner, _kept(rows))) for name, rows in chosen.items()}
+    chosen = {name: _kept(numbers[each.faces(faces)]) for name, each in groups.items()}
+    triangle_sets = {name: np.union1d(last[rows], last[rows[is_quad[rows]]] - 1) for name, rows in chosen.items()}
     steps += _words_of_cells(others) + _words_of_sets(node_sets, triangle_sets)
     return {
         "reference": points[used],
@@ -173,7 +174,9 @@ def _check_types(cells: list[tuple[str, NDArray[Any]]]) -> Counter[str]:
 
 def _faces(cells: list[tuple[str, NDArray[Any]]], count: int, others: Mapping[str, int]) -> _Faces:
     """All triangles and quadrilaterals. Raises MeshError where there are none, and for corners that are no point."""
-    blocks, block, row = [], [], []
+    blocks: list[Ints] = []
+    first: dict[int, int] = {}
+    many = 0
     for k, (name, rows) in enumerate(cells):
         kind = _kind(name, rows)
         if kind not in SURFACES:
@@ -187,12 +190,12 @@ def _faces(cells: list[tuple[str, NDArray[Any]]], count: int, others: Mapping[st
         corners = np.full((len(rows), 4), -1, np.int64)
         corners[:, : SURFACES[kind]] = rows
         blocks.append(corners)
-        block.append(np.full(len(rows), k))
-        row.append(np.arange(len(rows)))
-    if not sum(map(len, row)):
+        first[k] = many
+        many += len(rows)
+    if not many:
         held = ", ".join(f"{count} cells of type {kind!r}" for kind, count in others.items()) or "no cells at all"
         raise MeshError(f"holds neither triangles nor quadrilaterals, but {held}; write the surface that is the film")
-    return _Faces(np.concatenate(blocks), np.concatenate(block), np.concatenate(row))
+    return _Faces(np.concatenate(blocks), first)
 
 
 class _Group(NamedTuple):
@@ -209,11 +212,10 @@ class _Group(NamedTuple):
         _check_members(found, count, f"the group {name!r} of points")
         return found
 
-    def has(self, faces: _Faces) -> Bools:
-        """(k,) which faces are its cells."""
-        found = np.zeros(len(faces.row), dtype=bool)
-        for k, rows in self.cells.items():
-            found |= (faces.block == k) & np.isin(faces.row, rows)
+    def faces(self, faces: _Faces) -> Ints:
+        """(k,) numbers of the faces that are its cells."""
+        rows = (faces.first[k] + rows for k, rows in self.cells.items() if k in faces.first)
+        found: Ints = np.concatenate([np.empty(0, np.int64), *rows])
         return found
 
 
@@ -228,8 +230,8 @@ def _groups(read: Read, count: int) -> Iterator[tuple[str, _Group]]:
         _check_members(points, count, f"the set {name!r} of points")
         group(name).points.append(points)
     for name, blocks in read.cell_sets.items():
-        for k, (members, (_, rows)) in enumerate(zip(blocks, read.cells, strict=False)):
-            _check_members(members, len(rows), f"the set {name!r} of cells")
+        for k, members in blocks.items():
+            _check_members(members, len(read.cells[k][1]), f"the set {name!r} of cells")
             if len(members):
                 _add(group(name).cells, k, members)
     for k, (tags, (kind, rows)) in enumerate(zip(read.tags or [], read.cells, strict=False)):

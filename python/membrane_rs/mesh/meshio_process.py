@@ -51,8 +51,8 @@ class Read(NamedTuple):
     """For each block (k,) numbers of physical groups of Gmsh, 0 for none; None in other files."""
     names: dict[tuple[int, int], str]
     """Names of those groups, by dimension and number."""
-    cell_sets: dict[str, list[NDArray[Any]]]
-    """For each name, cells of each block."""
+    cell_sets: dict[str, dict[int, NDArray[Any]]]
+    """For each name, cells of some blocks, by the numbers of these."""
     point_sets: dict[str, NDArray[Any]]
     """Points by name."""
 
@@ -75,7 +75,7 @@ def read_by_meshio(path: Path) -> Read:
             stderr=subprocess.DEVNULL,
             check=False,
             timeout=seconds,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))} | _ONE_THREAD,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, _module_folders()))} | _ONE_THREAD,
             start_new_session=True,
         )
         is_read, found = pickle.loads(done.stdout)
@@ -92,6 +92,11 @@ def read_by_meshio(path: Path) -> Read:
         )
     read: Read = found
     return read
+
+
+def _module_folders() -> list[str]:
+    """Where that process finds modules: as this one, but not in the present folder, "" where no script runs."""
+    return [*filter(None, sys.path), str(Path(__file__).parents[2])]
 
 
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}

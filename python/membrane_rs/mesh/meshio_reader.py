@@ -7,6 +7,8 @@ import os
 import pickle
 import re
 import sys
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +46,15 @@ def serve() -> None:
 
 
 def _bound(size: int) -> None:
-    """Bound the memory and the time of this process, for a file of so many bytes."""
-    import resource
+    """Bound the memory and the time of this process, for a file of so many bytes, as far as the system can.
 
+    Windows bounds neither; macOS takes no bound of memory below what the process has reserved. There the time alone is
+    bounded, by the process that waits.
+    """
+    try:
+        import resource
+    except ModuleNotFoundError:
+        return
     for bound, value in (
         (resource.RLIMIT_AS, MEMORY + MEMORY_PER_BYTE * size),
         (resource.RLIMIT_CPU, int(SECONDS + SECONDS_PER_BYTE * size)),
@@ -54,7 +62,8 @@ def _bound(size: int) -> None:
     ):
         most = resource.getrlimit(bound)[1]
         least = value if most == resource.RLIM_INFINITY else min(value, most)
-        resource.setrlimit(bound, (least, most))
+        with suppress(ValueError):
+            resource.setrlimit(bound, (least, most))
 
 
 def _read(path: Path, kind: str) -> Read:
@@ -70,18 +79,23 @@ def _read(path: Path, kind: str) -> Read:
     # Not meshio.read: that prints, and ends the process, where a file cannot be read.
     mesh = getattr(meshio, kind).read(source)
     tags = mesh.cell_data.get("gmsh:physical")
-    sets = {name: blocks for name, blocks in mesh.cell_sets.items() if name != "gmsh:bounding_entities"}
-    ids = [np.asarray(each) for each in mesh.cell_data.get("obj:group_ids", ())] if groups else []
-    sets |= {name: [np.flatnonzero(_named(each, groups, name)) for each in ids] for name in groups if ids}
+    sets = {
+        str(name): {
+            k: np.asarray(members, np.int64)
+            for k, members in zip(range(len(mesh.cells)), blocks, strict=False)
+            if members is not None
+        }
+        for name, blocks in mesh.cell_sets.items()
+        if name != "gmsh:bounding_entities"
+    }
+    for name, k, rows in _faces_of_groups(groups, mesh.cell_data.get("obj:group_ids", ())):
+        sets.setdefault(name, {})[k] = rows
     return Read(
         points=np.asarray(mesh.points),
         cells=[(str(block.type), _rows(block)) for block in mesh.cells],
         tags=None if tags is None else [np.asarray(each) for each in tags],
         names=_names(path) if tags else {},
-        cell_sets={
-            str(name): [np.asarray([] if members is None else members, np.int64) for members in blocks]
-            for name, blocks in sets.items()
-        },
+        cell_sets=sets,
         point_sets={str(name): np.asarray(members, np.int64) for name, members in mesh.point_sets.items()},
     )
 
@@ -134,10 +148,16 @@ def _names(path: Path) -> dict[tuple[int, int], str]:
     return {(int(dimension), int(number)): name for dimension, number, name in lines}
 
 
-def _named(ids: NDArray[Any], groups: list[str], name: str) -> NDArray[Any]:
-    """Which faces are of a group of some name, by the numbers of groups; those before the first group have -1."""
-    found: NDArray[Any] = np.isin(ids, [k for k, each in enumerate(groups) if each == name and name])
-    return found
+def _faces_of_groups(groups: list[str], ids: Iterable[Any]) -> Iterator[tuple[str, int, NDArray[Any]]]:
+    """Name, block and rows of the faces of each named group, by the numbers of groups of each block, -1 for none."""
+    number = {name: k for k, name in enumerate(dict.fromkeys(groups))}
+    names = list(number)
+    of_group = np.array([*(number[name] for name in groups), -1], np.int64)
+    for k, each in enumerate(ids):
+        numbers = of_group[np.asarray(each, np.int64)]
+        for found in np.unique(numbers[numbers >= 0]).tolist():
+            if names[found]:
+                yield names[found], k, np.flatnonzero(numbers == found)
 
 
 def _rows(block: Any) -> NDArray[Any]:
