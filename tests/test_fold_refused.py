@@ -234,6 +234,9 @@ def test_bytes_and_sizes_that_are_no_fold_file(tmp_path: Path, monkeypatch: pyte
     monkeypatch.undo()
     words = r"faces_vertices\[0\] = .*: has 10001 sides, and at most 10000"
     refused(lambda: read_fold(written(tmp_path, face), scale=1.0), MeshError, words)
+    faces = {**face, "faces_vertices": [[*range(9_000)]] * 3}
+    words = r"faces_vertices\[2\] = .*: is one of too many with more than 100 sides"
+    refused(lambda: read_fold(written(tmp_path, faces), scale=1.0), MeshError, words)
 
 
 def test_a_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:

@@ -234,7 +234,7 @@ def chosen_frame(frames: list[Frame], index: int) -> Frame:
 
 def _line_of_descent(path: Path, tables: list[dict[str, Any]], index: int) -> list[dict[str, Any]]:
     """The frame and those that it inherits from, nearest first."""
-    line = [index]
+    line, seen = [index], {index}
     while line[-1] > 0:
         table, place = tables[line[-1]], f"{path}: frame {line[-1]}: "
         inherits = table.get("frame_inherit", False)
@@ -248,10 +248,11 @@ def _line_of_descent(path: Path, tables: list[dict[str, Any]], index: int) -> li
             raise MeshError(f"{place}frame_parent{said}; frames run from 0 to {len(tables) - 1}")
         if not inherits:
             break
-        if parent in line or len(line) > MOST_ANCESTORS:
-            why = "inherits from itself" if parent in line else f"inherits from more than {MOST_ANCESTORS} frames"
+        if parent in seen or len(line) > MOST_ANCESTORS:
+            why = "inherits from itself" if parent in seen else f"inherits from more than {MOST_ANCESTORS} frames"
             raise MeshError(f"{place}frame_parent = {parent}: frame {index} {why}; name a frame that stands before")
         line.append(parent)
+        seen.add(parent)
     return [tables[k] for k in line]
 
 

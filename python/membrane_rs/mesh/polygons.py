@@ -14,6 +14,8 @@ from membrane_rs.mesh.quads import split_quads
 
 MOST_SIDES = 10_000
 """Sides of a polygon, at most: the search for ears takes time with the square of their number."""
+MOST_SQUARES = 2 * MOST_SIDES**2
+"""Sum of the squares of the sides of polygons that are cut by ears, at most."""
 FLAT = 1e-12
 """Height over the longest side below which a corner counts as straight."""
 
@@ -38,7 +40,7 @@ def triangulated(points: Floats, polygons: list[list[int]]) -> tuple[Ints, Ints]
     Raises
     ------
     PolygonError
-        A polygon that crosses itself or has no area, or one of more than 10,000 sides.
+        A polygon that crosses itself or has no area, one of more than 10,000 sides, or too many of as many.
     """
     sides = np.array([len(polygon) for polygon in polygons])
     of_triangle = np.repeat(np.arange(len(polygons)), sides - 2)
@@ -52,6 +54,10 @@ def triangulated(points: Floats, polygons: list[list[int]]) -> tuple[Ints, Ints]
             _ears(points[polygons[index]], index)  # says which
         raise
     begin = np.cumsum(sides - 2) - (sides - 2)
+    squares = np.cumsum(np.where(sides > 100, sides**2, 0))
+    for index in np.flatnonzero(squares > MOST_SQUARES)[:1].tolist():
+        words = "is one of too many with more than 100 sides; cut them into smaller ones"
+        raise PolygonError(words, index)
     for index in np.flatnonzero(sides > 4).tolist():
         if sides[index] > MOST_SIDES:
             words = f"has {sides[index]} sides, and at most {MOST_SIDES} are cut into triangles"
