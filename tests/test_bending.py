@@ -46,11 +46,27 @@ def test_the_exact_elastica_is_that_of_the_tables() -> None:
 
 
 def test_a_narrow_strip_bends_with_its_own_stiffness() -> None:
-    # 8/9 of D by the hinges: that of the film, 1 - nu^2, at nu = 1/3. By triangles D, which have no contraction across.
+    # 8/9 of D by the hinges: that of the film, 1 - nu^2, at nu = 1/3. By triangles 1 - nu^2/(3 - 2 nu).
     errors = [narrow_strip("hinges", cells, NU) - 1.0 for cells in (8, 16)]
     assert abs(errors[-1]) < 3e-3
     assert order(errors) == pytest.approx(2.0, abs=0.2)
-    assert narrow_strip("curvature", 16, 0.0) == pytest.approx(1.0, abs=5e-3)
+    for nu in (0.0, NU, 0.45):
+        known = math.sqrt((1.0 - nu**2 / (3.0 - 2.0 * nu)) / (1.0 - nu**2))
+        assert narrow_strip("curvature", 16, nu) == pytest.approx(known, abs=5e-3)
+
+
+@pytest.mark.parametrize("angle", [2.0, 4.0])
+def test_a_lattice_a_little_askew_bends_as_a_straight_one(angle: float) -> None:
+    """Where `check` does not warn of hinges, their constants are those of right triangles."""
+    strip = Strip(0.1, 0.1, 8, 8).mesh()
+    energies = []
+    for skew in (0.0, math.tan(math.radians(angle))):
+        flat = strip.reference @ np.array([[1.0, 0.0, 0.0], [skew, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        sim = Simulation(Scene(Mesh(flat, strip.triangles), RUBBER, [UNBUCKLED, Bending()]))
+        x, y, _ = flat.T
+        sim.positions = np.stack([0.2 * np.sin(x / 0.2), y, 0.2 * (1.0 - np.cos(x / 0.2))], axis=1)
+        energies.append(sim.energies()["bending"])
+    assert energies[1] == pytest.approx(energies[0], rel=0.05)
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3])

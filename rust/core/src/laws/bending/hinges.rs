@@ -34,8 +34,8 @@ use crate::model::mesh::{dot, sub};
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::SimdF64;
 
-/// Square of the cosine of an angle up to which it is a right one.
-const RIGHT: f64 = 1e-4;
+/// Square of the cosine of an angle from which on it is a right one, 85 to 95 degrees: as the check of the form has it.
+const RIGHT: f64 = 0.007_596_123_493_895_97;
 
 /// The law.
 pub(super) struct HingeBending {
