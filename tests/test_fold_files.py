@@ -15,6 +15,7 @@ from membrane_rs.folding import PATTERNS, SquareSail
 from membrane_rs.mesh import MeshOrigin, read_fold, write_fold
 from same_mesh import check_same
 from small_scenes import patch, refused
+from test_cli import call
 
 SAILS = (SquareSail(join="bridge"), SquareSail(stowage="wound"), SquareSail(stowage="wound", join="bridge"))
 WITH_MESH = [name for name in scenes.names() if scenes.load(name).mesh is not None]
@@ -202,3 +203,13 @@ def test_what_a_fold_file_cannot_hold_is_not_written(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
     sound.save(tmp_path / "mesh.npz")
     refused(lambda: Mesh.read(tmp_path / "mesh.npz", frame=0), InputError, "frame: no such key beside file")
+
+
+def test_an_exported_mesh_replaces_no_file_unasked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hanging-strip.fold").write_text("the pattern of somebody")
+    code, shown = call("export", "hanging-strip")
+    assert (code, Path("hanging-strip.fold").read_text()) == (2, "the pattern of somebody")
+    assert "hanging-strip.fold: is there already; choose another name by --out, or replace it by --overwrite" in shown
+    assert call("export", "hanging-strip", "--overwrite")[0] == 0
+    check_same(Mesh.load("hanging-strip.fold"), mesh_of("hanging-strip"))

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from membrane_rs.cli.application import SCENES, Json, command, print_json
-from membrane_rs.cli.options import count_option
+from membrane_rs.cli.options import ReplaceMesh, count_option, refuse_existing
 
 
 def _number_or_text(text: str) -> Any:
@@ -45,7 +45,7 @@ def convert(
     out: Annotated[
         Path | None, typer.Option("--out", help="The mesh file, NAME.npz. Default: beside FILE, by its name.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the mesh file.")] = False,
+    overwrite: ReplaceMesh = False,
     json: Json = False,
 ) -> None:
     """Make a mesh file (.npz) of one that another program wrote, and say what was done."""
@@ -53,8 +53,7 @@ def convert(
     from membrane_rs.mesh import Mesh, MeshOrigin
 
     target = file.with_suffix(".npz") if out is None else out
-    if target.exists() and not overwrite:
-        raise InputError(f"{target}: is there already; choose another name by --out, or replace it by --overwrite")
+    refuse_existing(target, overwrite)
     try:
         mesh = Mesh.read(file, scale=scale, quads=quads, merge=merge, frame=frame)
     except InputError as error:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from membrane_rs.cli.application import SCENES, Json, command, print_json
-from membrane_rs.cli.options import SceneArgument, Set, load, path_option
+from membrane_rs.cli.options import ReplaceMesh, SceneArgument, Set, load, path_option, refuse_existing
 
 
 @command(SCENES, example="export okuizumi-model-1 --out sail.fold")
@@ -19,6 +19,7 @@ def export(
         Path | None, path_option(help="The file, which ends in .fold or .npz. Default: the scene's name and .fold.")
     ] = None,
     set_: Set = None,
+    overwrite: ReplaceMesh = False,
     json: Json = False,
 ) -> None:
     """Write the mesh of a scene, flat and stowed, with its creases, as a FOLD file or a numpy archive."""
@@ -29,6 +30,7 @@ def export(
     if chosen.mesh is None:
         raise InputError(f"the scene {chosen.name} has no membrane, and so no mesh; name another one")
     path = out or Path(f"{chosen.name}.fold")
+    refuse_existing(path, overwrite)
     if path.suffix == ".fold":
         write_fold(path, chosen.mesh, title=chosen.name)
     else:

@@ -148,6 +148,7 @@ Jobs = Annotated[int | None, count_option(help="Number of parallel runs. Default
 Checkpoint = Annotated[
     float, quantity_option("s", help="Wall time between two checkpoints [s], from which a killed run is resumed.")
 ]
+ReplaceMesh = Annotated[bool, typer.Option("--overwrite", help="Replace the mesh file.")]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures at the end.")]
 
 
@@ -158,6 +159,14 @@ def load(scene: str, values: list[str] | None = None) -> Scene:
 
     found = scene_of(scene)
     return found.with_values(values_of(values)) if values else found
+
+
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Refuse a file that is there already, unless it is to be replaced."""
+    from membrane_rs.errors import InputError
+
+    if path.exists() and not overwrite:
+        raise InputError(f"{path}: is there already; choose another name by --out, or replace it by --overwrite")
 
 
 def simulation_of(scene: Scene) -> Simulation:
