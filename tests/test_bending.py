@@ -139,6 +139,23 @@ def test_energy_goes_on_where_a_hinge_is_shut_from_either_side(form: Form) -> No
     assert energies[1] == pytest.approx(energies[0], rel=1e-9)
 
 
+@pytest.mark.parametrize("form", FORMS)
+def test_energy_goes_on_at_a_shut_edge_beside_one_that_is_bent(form: Form) -> None:
+    side, height = 0.1, 0.05 * math.sqrt(3.0)
+    points = np.array([[0.0, 0.0], [side, 0.0], [side / 2, height], [side / 2, -height], [1.5 * side, height]])
+    points = np.column_stack([points, np.zeros(5)])
+    sim = Simulation(Scene(Mesh(points, [[0, 1, 2], [1, 0, 3], [2, 1, 4]]), RUBBER, [UNBUCKLED, Bending(form=form)]))
+    axis = points[2] - points[1]
+    energies = []
+    for angle in (math.pi - 1e-6, math.pi + 1e-6):
+        moved = points.copy()
+        moved[3] = rotation([1.0, 0.0, 0.0], angle) @ points[3]
+        moved[4] = points[1] + rotation(axis.tolist(), 1.0) @ (points[4] - points[1])
+        sim.positions = moved
+        energies.append(sim.energies()["bending"])
+    assert energies[1] == pytest.approx(energies[0], rel=1e-5)
+
+
 def test_a_softened_film_bends_as_before() -> None:
     scene = scenes.load("okuizumi-model-1")
     assert Bending().with_softened_film(10.0) == Bending(stiffness=10.0)

@@ -66,6 +66,14 @@ impl<V: SimdF64> Facets<V> {
         V::atan2(self.length * dot(self.normal_d, self.c), dot(self.normal_c, self.normal_d))
     }
 
+    /// The sine and the cosine of the fold angle; 0 where a facet has no area.
+    #[inline(always)]
+    pub(crate) fn fold_direction(&self) -> [V; 2] {
+        let [square_c, square_d] = self.squares();
+        let inverse = V::all(1.0) / (square_c.sqrt() * square_d.sqrt()).max(V::all(f64::MIN_POSITIVE));
+        [self.length * dot(self.normal_d, self.c) * inverse, dot(self.normal_c, self.normal_d) * inverse]
+    }
+
     /// The squares of the lengths of both normals.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [V; 2] {

@@ -2,9 +2,10 @@
 //!
 //! With g = s |e| / A of each edge, and c the cosine of the angle between two edges,
 //!
-//!     U = sum over pairs of edges of M_ij a_i a_j / 2,   M_ij = A D g_i g_j [(1 - nu) c_ij^2 + nu]
+//!     U = sum of M_ii a_i^2 / 2 + sum over pairs of edges of M_ij b_i b_j,   M_ij = A D g_i g_j [(1 - nu) c_ij^2 + nu]
 //!
-//! a = w_C w_D phi being the weighted fold angles. s is 1/2; 1 where the facet on the other side is rigid; 0 on the
+//! with the weighted fold angles a = w_C w_D phi, and b = w_C w_D sin phi, which is a of small angles. At a shut edge phi
+//! jumps from pi to -pi, where b is 0: the energy goes on also where other edges are bent. s is 1/2; 1 where the facet on the other side is rigid; 0 on the
 //! boundary, along creases, and along edges folded at the start, across which no moment acts.
 
 use super::edges::{InnerEdge, inner_edges};
@@ -156,25 +157,39 @@ fn add_to<V: SimdF64>(sums: &mut [Vec3<V>; 6], k: usize, vectors: [Vec3<V>; 4]) 
     }
 }
 
-/// The triangles of a batch: per edge its fold angle, its weighted angle a, and dU/da.
+/// The triangles of a batch: per edge its fold angle, the sine and the cosine of it, w_C w_D, dU/da and dU/db.
 struct Bent<V> {
     angles: [V; 3],
-    weighted: [V; 3],
-    slopes: [V; 3],
+    sines: [V; 3],
+    cosines: [V; 3],
+    weights: [V; 3],
+    own: [V; 3],
+    crossed: [V; 3],
 }
 
 impl<V: SimdF64> Bent<V> {
     #[inline(always)]
     fn new(points: &[Vec3<V>; 6], parameters: &Parameters) -> Self {
         let zeros = [V::zero(); 3];
-        let mut bent = Self { angles: zeros, weighted: zeros, slopes: zeros };
+        let mut bent = Self { angles: zeros, sines: zeros, cosines: zeros, weights: zeros, own: zeros, crossed: zeros };
         for k in 0..3 {
             let facets = Facets::new(of_hinge(points, k));
             bent.angles[k] = facets.fold_angle();
-            bent.weighted[k] = facets.weight(parameters.of_facets(k)) * bent.angles[k];
+            [bent.sines[k], bent.cosines[k]] = facets.fold_direction();
+            bent.weights[k] = facets.weight(parameters.of_facets(k));
+            bent.own[k] = V::load(&parameters.stiffness[k]) * bent.weights[k] * bent.angles[k];
         }
-        bent.slopes = parameters.product(bent.weighted);
+        bent.crossed = parameters.product_of_others(std::array::from_fn(|k| bent.weights[k] * bent.sines[k]));
         bent
+    }
+}
+
+impl<V: SimdF64> Bent<V> {
+    /// u of edge k, and du/dphi.
+    #[inline(always)]
+    fn potential(&self, k: usize) -> [V; 2] {
+        let (own, crossed) = (self.own[k], self.crossed[k]);
+        [self.angles[k] * own + self.sines[k] * crossed, own + self.cosines[k] * crossed]
     }
 }
 
@@ -185,16 +200,11 @@ impl Parameters {
         [V::load(&self.softening[0]), V::load(&self.softening[k + 1])]
     }
 
-    /// M a.
+    /// M b without the diagonal of M.
     #[inline(always)]
-    fn product<V: SimdF64>(&self, [a, b, c]: [V; 3]) -> [V; 3] {
-        let mut product = [V::zero(); 3];
-        for (row, [at_a, at_b, at_c]) in PLACES.into_iter().enumerate() {
-            let [m_a, m_b, m_c] =
-                [V::load(&self.stiffness[at_a]), V::load(&self.stiffness[at_b]), V::load(&self.stiffness[at_c])];
-            product[row] = m_a * a + m_b * b + m_c * c;
-        }
-        product
+    fn product_of_others<V: SimdF64>(&self, [a, b, c]: [V; 3]) -> [V; 3] {
+        let [ab, ac, bc] = [V::load(&self.stiffness[3]), V::load(&self.stiffness[4]), V::load(&self.stiffness[5])];
+        [ab * b + ac * c, ab * a + bc * c, ac * a + bc * b]
     }
 }
 
@@ -218,8 +228,8 @@ impl BatchKernel for MomentKernel<'_> {
             let bent = Bent::new(&points, parameters);
             let mut forces = [[V::zero(); 3]; 6];
             for k in 0..3 {
-                let (facets, slope) = (Facets::new(of_hinge(&points, k)), bent.slopes[k]);
-                let of_edge = HingeForces::new(&facets, parameters.of_facets(k), bent.angles[k] * slope, -slope);
+                let (facets, [energy, slope]) = (Facets::new(of_hinge(&points, k)), bent.potential(k));
+                let of_edge = HingeForces::new(&facets, parameters.of_facets(k), energy, -slope);
                 add_to(&mut forces, k, of_edge.on_nodes(&facets));
             }
             sums.add(batch, forces);
@@ -243,9 +253,10 @@ impl BatchKernel for EnergyKernel<'_> {
         let parameters = self.bending.parameters.of(&pass);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
-            let Bent { weighted: [a, b, c], slopes: [at_a, at_b, at_c], .. } =
-                Bent::new(&positions.read::<V>(batch), &parameters[batch]);
-            energy += V::all(0.5) * (a * at_a + b * at_b + c * at_c);
+            let bent = Bent::new(&positions.read::<V>(batch), &parameters[batch]);
+            for k in 0..3 {
+                energy += V::all(0.5) * bent.weights[k] * bent.potential(k)[0];
+            }
         }
         energy
     }
@@ -269,19 +280,20 @@ impl BatchKernel for StiffnessKernel<'_> {
         let parameters = self.bending.parameters.of(&pass);
         for batch in 0..pass.len() {
             let (points, p, parameters) = (positions.read::<V>(batch), p.read::<V>(batch), &parameters[batch]);
-            let mut rotations = [V::zero(); 3];
+            let (mut rotations, mut cosines) = ([V::zero(); 3], [V::zero(); 3]);
             for k in 0..3 {
-                let [at_a, at_b, at_c, at_d] =
-                    Facets::new(of_hinge(&points, k)).weighted_gradients(parameters.of_facets(k));
+                let facets = Facets::new(of_hinge(&points, k));
+                let [at_a, at_b, at_c, at_d] = facets.weighted_gradients(parameters.of_facets(k));
+                [_, cosines[k]] = facets.fold_direction();
                 let [a, b, c, d] = of_hinge(&p, k);
                 rotations[k] = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
             }
-            let moments = parameters.product(rotations);
+            let others = parameters.product_of_others(std::array::from_fn(|k| cosines[k] * rotations[k]));
             let mut product = [[V::zero(); 3]; 6];
             for k in 0..3 {
                 let [at_a, at_b, at_c, at_d] =
                     Facets::new(of_hinge(&points, k)).weighted_gradients(parameters.of_facets(k));
-                let m = moments[k];
+                let m = V::load(&parameters.stiffness[k]) * rotations[k] + cosines[k] * others[k];
                 add_to(&mut product, k, [scale(m, at_a), scale(m, at_b), scale(m, at_c), scale(m, at_d)]);
             }
             sums.add(batch, product);
@@ -328,7 +340,7 @@ impl Law for CurvatureBending {
 }
 
 impl Linearisation for CurvatureBending {
-    /// The sum of M_ij g_i g_j^T, with g the gradients of the angles.
+    /// The sum of M_ij g_i g_j^T, with g the gradients of the angles, of the sines where i is not j.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let (positions, p) = (Columns::of(at.positions), Columns::of(p));
         for tile in tiles(p.rows()) {
@@ -350,17 +362,19 @@ impl Linearisation for CurvatureBending {
                 let nodes = CORNERS[k].map(|corner| nodes[corner]);
                 let points = nodes.map(|node| at(instant.positions, node));
                 let angle = WeightedAngle::new(points, [softening[0].0[lane], softening[k + 1].0[lane]]);
-                (nodes, bent.angles[k].0[lane], angle)
+                let [phi, sine, cosine] = [bent.angles[k], bent.sines[k], bent.cosines[k]].map(|values| values.0[lane]);
+                (nodes, sine, angle.gradients(phi, 1.0), angle.gradients(sine, cosine), angle)
             };
             let hinges = [of_hinge(0), of_hinge(1), of_hinge(2)];
-            let gradients = hinges.each_ref().map(|(_, phi, angle)| angle.gradients(*phi, 1.0));
-            for (i, (nodes, phi, angle)) in hinges.iter().enumerate() {
-                let hessian = angle.hessian(*phi, 1.0, 0.0) * bent.slopes[i].0[lane];
+            for (i, (nodes, sine, own, of_sine, angle)) in hinges.iter().enumerate() {
+                let [energy, slope] = bent.potential(i).map(|values| values.0[lane]);
+                let hessian = angle.hessian(energy, slope, -sine * bent.crossed[i].0[lane]);
                 of_differences(*nodes, &hessian, |on, of, block| jacobian.by_position(on, of, block));
-                for (j, (others, ..)) in hinges.iter().enumerate() {
+                for (j, (others, _, _, of_other_sine, _)) in hinges.iter().enumerate() {
                     let m = stiffness[PLACES[i][j]].0[lane];
-                    for (on, left) in nodes.iter().zip(&gradients[i]) {
-                        for (of, right) in others.iter().zip(&gradients[j]) {
+                    let [lefts, rights] = if i == j { [own; 2] } else { [of_sine, of_other_sine] };
+                    for (on, left) in nodes.iter().zip(lefts) {
+                        for (of, right) in others.iter().zip(rights) {
                             jacobian.by_position(*on, *of, &(left * right.transpose() * -m));
                         }
                     }
