@@ -57,12 +57,13 @@ def wrinkles_twice(scene: Scene) -> Iterator[Finding]:
         return
     for kind in (Springs, Triangles):
         law = scene.law(kind)
-        if law is not None and law.buckling > MOST_BUCKLING:
-            yield _warning(
-                f"laws.{law.kind}.buckling = {law.buckling:g} beside laws.bending: the film resists the same wrinkles "
-                "twice, by its bending and by its buckling force",
-                f"take laws.{law.kind}.buckling from 0 to 1, or leave laws.bending out",
-            )
+        for name in ("buckling", "buckling_on_creases") if law is not None else ():
+            if (alpha := getattr(law, name)) > MOST_BUCKLING:
+                yield _warning(
+                    f"laws.{kind.kind}.{name} = {alpha:g} beside laws.bending: the film resists the same wrinkles "
+                    "twice, by its bending and by its buckling force",
+                    f"take laws.{kind.kind}.{name} from 0 to 1, or leave laws.bending out",
+                )
 
 
 def _warning(message: str, remedy: str) -> Finding:

@@ -47,7 +47,7 @@ class Stored:
         Mesh(3 nodes, 1 triangles, 0 crease edges)
         """
         file = path_of(path)
-        if file.suffix == FOLD:
+        if file.suffix.lower() == FOLD:
             write_fold_file(file, self)
             return
         if file.suffix != ".npz":

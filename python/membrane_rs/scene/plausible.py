@@ -13,6 +13,9 @@ FILM = ("mesh", "material")
 RATES = {"turns per minute": 1.0 / 60.0, "rad/s": 0.5 / math.pi}
 """Units of a rate of turning [Hz]."""
 
+STRETCHED = 0.1
+"""Strain at which films are torn."""
+
 
 @dataclass(frozen=True)
 class Doubt(Finding):

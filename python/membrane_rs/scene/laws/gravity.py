@@ -28,8 +28,8 @@ class Gravity(Law):
     acceleration : tuple of float
         g (x, y, z) [m/s2].
     factor : Schedule or None
-        By which g is multiplied, as a function of time [-]. None: 1. By keyword alone. Its change of the potential is
-        work of gravity in the ledger.
+        By which g is multiplied, as a function of time [-]. None: 1. By keyword alone. With one it is a load without
+        potential: its work is that of the forces.
 
     Raises
     ------

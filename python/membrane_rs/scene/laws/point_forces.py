@@ -12,11 +12,8 @@ from membrane_rs.analysis.extent import span
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.laws._factor import largest_factor
-from membrane_rs.scene.plausible import FILM, Doubt, implausible
+from membrane_rs.scene.plausible import FILM, STRETCHED, Doubt, implausible
 from membrane_rs.scene.schedule import Schedule
-
-STRETCHED = 0.1
-"""Strain at which films are torn."""
 
 
 @validated

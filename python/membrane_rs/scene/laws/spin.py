@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 from membrane_rs._validation import Finite, Positive, Unit, show, validated
 from membrane_rs.errors import InputError
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
-from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
+from membrane_rs.scene.plausible import FILM, RATES, STRETCHED, Doubt, implausible
 from membrane_rs.scene.scales import moment_of_inertia, outermost
 from membrane_rs.scene.schedule import Schedule
 
@@ -20,8 +20,6 @@ FREQUENCY = 3.0
 """Of the deployment experiments of Okuizumi et al. [Hz]."""
 FASTEST = 300.0
 """Speed of the rim [m/s]: about that at which rotors of strong plastics burst."""
-STRETCHED = 0.1
-"""Strain by spinning at which films are torn; rho v^2/E is that of a ring of speed v."""
 PARTS_OF_RUN = 1000
 """Intervals by which the turns of a schedule are summed up."""
 TURNS = (1e-4, 1000.0)

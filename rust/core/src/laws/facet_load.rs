@@ -1,11 +1,12 @@
 //! Loads on the facets of the film from outside: on each node of a triangle the same force, a function of its normal.
 
-use super::Instant;
+use super::{Inspection, Instant, Kernels, Law, Linearisation, OF_AXIS_ALONE, Properties, WorkClass};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, cross_matrix};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::facet::{FacetSet, normal};
+use crate::model::factor::Factor;
 use crate::model::frame::Frame;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{SimdF64, Vec3, dot, sum};
@@ -20,11 +21,28 @@ pub(super) trait FacetLoad {
     fn change(&self, normal: &Vector3<f64>, by: &Block) -> Block;
 }
 
-/// All facets, in batches of eight, and the torque of the load on those of the last tile.
-pub(super) struct LoadedFacets {
-    pub(super) facets: FacetSet,
-    /// See `Law::outside_torque`.
-    pub(super) torque: f64,
+/// A load on facets as a function of time and of the frame.
+pub(super) trait FacetLoadLaw: Send + Sync {
+    /// The load at an instant.
+    type Load: FacetLoad;
+    /// Name in scenes, errors and energies.
+    const NAME: &'static str;
+    /// The remedy for a fault by it.
+    const REMEDY: &'static str;
+
+    /// The load at an instant.
+    fn at(&self, at: Instant<'_>) -> Self::Load;
+
+    /// By which it is multiplied.
+    fn factor(&self) -> &Factor;
+}
+
+/// The law of a load on all facets, in batches of eight.
+pub(super) struct LoadedFacets<L> {
+    load: L,
+    facets: FacetSet,
+    /// Of the load on the facets of the last tile, see `Law::outside_torque`.
+    torque: f64,
     instructions: InstructionSet,
 }
 
@@ -83,21 +101,29 @@ impl<L: FacetLoad> BatchKernel for TorqueKernel<'_, L> {
     }
 }
 
-impl LoadedFacets {
-    pub(super) fn new(assembly: &Assembly) -> Self {
-        Self { facets: FacetSet::new(assembly), torque: 0.0, instructions: assembly.instructions }
+impl<L> LoadedFacets<L> {
+    pub(super) fn new(load: L, assembly: &Assembly) -> Self {
+        Self { load, facets: FacetSet::new(assembly), torque: 0.0, instructions: assembly.instructions }
+    }
+}
+
+impl<L: FacetLoadLaw> Law for LoadedFacets<L> {
+    fn properties(&self) -> Properties {
+        let work_class = WorkClass::External;
+        Properties { name: L::NAME, work_class, depends_on_velocity: false, is_internal: false }
     }
 
-    /// See `Law::add_to_tile`.
-    pub(super) fn add_to_tile(
-        &mut self,
-        load: &impl FacetLoad,
-        tile: usize,
-        at: Instant<'_>,
-        forces: &mut NodeVectors,
-    ) -> f64 {
+    fn kernels(&self) -> Kernels {
+        Kernels::of_elements()
+    }
+
+    fn reach(&self, tile: usize) -> usize {
+        self.facets.elements.reach(tile)
+    }
+
+    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
-        let (facets, forces) = (&self.facets, ColumnsMut::of(forces));
+        let (load, facets, forces) = (&self.load.at(at), &self.facets, ColumnsMut::of(forces));
         self.torque = match at.frame {
             Frame { rate: 0.0, hub: None, .. } => 0.0,
             _ => self.instructions.run_batches(TorqueKernel { facets, load, tile, positions }),
@@ -105,13 +131,40 @@ impl LoadedFacets {
         self.instructions.run_batches(LoadKernel { facets, load, tile, positions, velocities, forces })
     }
 
-    /// See `Linearisation::visit_couplings`.
-    pub(super) fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
+    fn outside_torque(&self) -> Option<f64> {
+        Some(self.torque)
+    }
+
+    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
+        is_body.then_some(OF_AXIS_ALONE)
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        self.load.factor().jumps()
+    }
+
+    fn linearisation(&self) -> Option<&dyn Linearisation> {
+        Some(self)
+    }
+
+    fn inspection(&self) -> Option<&dyn Inspection> {
+        Some(self)
+    }
+
+    fn remedy(&self) -> &'static str {
+        L::REMEDY
+    }
+}
+
+/// Without stiffness: the limit of the step is that of the other laws.
+impl<L: FacetLoadLaw> Linearisation for LoadedFacets<L> {
+    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
         self.facets.elements.each().for_each(|(.., nodes)| visit(&nodes));
     }
 
-    /// See `Linearisation::add_jacobian`: with n = (b - a) x (c - a), dn/db = -[c - a]x and dn/dc = [b - a]x.
-    pub(super) fn add_jacobian(&self, load: &impl FacetLoad, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+    /// With n = (b - a) x (c - a), dn/db = -[c - a]x and dn/dc = [b - a]x.
+    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
+        let load = self.load.at(instant);
         for (_, _, nodes) in self.facets.elements.each() {
             let [a, b, c] = nodes.map(|node| at(instant.positions, node));
             let (to_b, to_c) = (b - a, c - a);
@@ -124,5 +177,15 @@ impl LoadedFacets {
                 jacobian.by_position(node, nodes[0], &-(by_b + by_c));
             }
         }
+    }
+}
+
+impl<L: FacetLoadLaw> Inspection for LoadedFacets<L> {
+    fn lanes(&self) -> [usize; 2] {
+        self.facets.elements.lanes()
+    }
+
+    fn contiguous_share(&self) -> Option<f64> {
+        Some(self.facets.elements.contiguous_share())
     }
 }

@@ -1,9 +1,11 @@
 //! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
 //!
 //! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the
-//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system. With a factor
-//! f of time, g = f g_1, its derivative -f' sum m g_1 . x is power too. That is none of the hub's turning: the torque
-//! about the axis, which is the rest of the power over -Omega, is then named beside it as that of a load from outside.
+//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
+//!
+//! With a factor f of time, g = f g_1, it is a load from outside like any other that changes with time: its power is
+//! that of the forces, its torque about the axis is named beside it, and it has no potential. (The power of a potential
+//! would be -f' sum m g_1 . x, which jumps at the knots of a schedule.)
 
 use std::ops::Range;
 
@@ -14,7 +16,6 @@ use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
 use crate::model::factor::Factor;
-use crate::model::frame::Frame;
 
 /// Parameters of weight.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -52,20 +53,10 @@ struct Gravity {
 }
 
 impl Gravity {
-    /// g in the turning frame without its factor [m/s2].
-    fn of_factor_one(&self, frame: Frame) -> [f64; 3] {
-        frame.components_of(self.acceleration)
-    }
-
     /// g in the turning frame [m/s2].
     fn at(&self, at: Instant<'_>) -> [f64; 3] {
         let factor = self.factor.value(at.time);
-        self.of_factor_one(at.frame).map(|g| g * factor)
-    }
-
-    /// f' where time passes [1/s].
-    fn factor_rate(&self, at: Instant<'_>) -> f64 {
-        if at.frame.is_frozen { 0.0 } else { self.factor.rate(at.time) }
+        at.frame.components_of(self.acceleration).map(|g| g * factor)
     }
 
     /// sum m x [kg m].
@@ -74,7 +65,7 @@ impl Gravity {
     }
 }
 
-/// sum m x along one axis [kg m].
+/// sum m x along one axis [kg m], of positions or of velocities [kg m/s].
 fn moment(column: &[f64], masses: &[f64]) -> f64 {
     column.iter().zip(masses).map(|(x, m)| m * x).sum()
 }
@@ -87,20 +78,19 @@ impl NodalLaw for Gravity {
                 *force += mass * g;
             }
         }
-        let places = rows(at.positions, range);
-        let (rate, factor_rate) = (at.frame.angle_rate(), self.factor_rate(at));
-        let mut power = 0.0;
+        let places = rows(at.positions, range.clone());
+        let rate = at.frame.angle_rate();
+        let mut turning = 0.0;
         self.torque = 0.0;
         if rate != 0.0 && (g[0] != 0.0 || g[1] != 0.0) {
             let torque = g[0] * moment(places[1], masses) - g[1] * moment(places[0], masses);
-            (self.torque, power) = (-torque, rate * torque);
+            (self.torque, turning) = (-torque, rate * torque);
         }
-        if factor_rate != 0.0 {
-            let [x, y, z] = self.of_factor_one(at.frame);
-            let [mx, my, mz] = places.map(|column| moment(column, masses));
-            power -= factor_rate * (x * mx + y * my + z * mz);
+        if self.factor.varies() {
+            let momentum = rows(at.velocities, range).map(|column| moment(column, masses));
+            return g.iter().zip(momentum).map(|(g, p)| g * p).sum();
         }
-        power
+        turning
     }
 }
 
@@ -108,7 +98,7 @@ impl Law for Gravity {
     fn properties(&self) -> Properties {
         Properties {
             name: "gravity",
-            work_class: WorkClass::Conservative,
+            work_class: if self.factor.varies() { WorkClass::External } else { WorkClass::Conservative },
             depends_on_velocity: false,
             is_internal: false,
         }
@@ -147,6 +137,9 @@ impl Law for Gravity {
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
+        if self.factor.varies() {
+            return 0.0;
+        }
         let (g, moment) = (self.at(at), self.moment(at.positions));
         -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
     }

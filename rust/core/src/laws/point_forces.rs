@@ -1,5 +1,5 @@
-//! Forces on nodes, the same on each of some nodes: F = f(t) F_1 \[N\], with F_1 fixed in the turning frame or in inertial
-//! space. From the inertial one, the components in the frame at the angle phi are rotated by -phi.
+//! Forces on nodes, the same on each of some nodes: F = f(t) F_1 \[N\], with F_1 fixed in the turning frame or in
+//! inertial space. From the inertial one, the components in the frame at the angle phi are rotated by -phi.
 //!
 //! They act from outside, also where they turn with the hub. Their work is external, also where a potential exists: in
 //! a frame at rest, of forces that do not change.

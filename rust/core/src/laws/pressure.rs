@@ -13,12 +13,9 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::facet_load::{FacetLoad, LoadedFacets};
-use super::{
-    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass,
-};
-use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::NodeVectors;
+use super::facet_load::{FacetLoad, FacetLoadLaw, LoadedFacets};
+use super::{Context, Instant, Law, LawParameters};
+use crate::arrays::jacobian::Block;
 use crate::error::Result;
 use crate::model::checks::finite;
 use crate::model::factor::Factor;
@@ -38,8 +35,8 @@ pub struct PressureParameters {
 impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
-        let (film, sixth) = (LoadedFacets::new(context.assembly), self.pressure / 6.0);
-        Ok(Box::new(Pressure { film, sixth, factor: self.factor.clone() }))
+        let load = Pressure { sixth: self.pressure / 6.0, factor: self.factor.clone() };
+        Ok(Box::new(LoadedFacets::new(load, context.assembly)))
     }
 
     fn example() -> Self {
@@ -47,17 +44,24 @@ impl LawParameters for PressureParameters {
     }
 }
 
-/// The law.
+/// The load as a function of time.
 struct Pressure {
-    film: LoadedFacets,
     /// p/6 [Pa].
     sixth: f64,
     factor: Factor,
 }
 
-impl Pressure {
-    fn at(&self, time: f64) -> Load {
-        Load { sixth: self.sixth * self.factor.value(time) }
+impl FacetLoadLaw for Pressure {
+    type Load = Load;
+    const NAME: &'static str = "pressure";
+    const REMEDY: &'static str = "use a smaller dt or a smaller pressure";
+
+    fn at(&self, at: Instant<'_>) -> Load {
+        Load { sixth: self.sixth * self.factor.value(at.time) }
+    }
+
+    fn factor(&self) -> &Factor {
+        &self.factor
     }
 }
 
@@ -75,70 +79,5 @@ impl FacetLoad for Load {
 
     fn change(&self, _normal: &Vector3<f64>, by: &Block) -> Block {
         by * self.sixth
-    }
-}
-
-impl Law for Pressure {
-    fn properties(&self) -> Properties {
-        let work_class = WorkClass::External;
-        Properties { name: "pressure", work_class, depends_on_velocity: false, is_internal: false }
-    }
-
-    fn kernels(&self) -> Kernels {
-        Kernels::of_elements()
-    }
-
-    fn reach(&self, tile: usize) -> usize {
-        self.film.facets.elements.reach(tile)
-    }
-
-    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let load = self.at(at.time);
-        self.film.add_to_tile(&load, tile, at, forces)
-    }
-
-    fn outside_torque(&self) -> Option<f64> {
-        Some(self.film.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
-    }
-
-    fn jumps(&self) -> Vec<f64> {
-        self.factor.jumps()
-    }
-
-    fn linearisation(&self) -> Option<&dyn Linearisation> {
-        Some(self)
-    }
-
-    fn inspection(&self) -> Option<&dyn Inspection> {
-        Some(self)
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt or a smaller pressure"
-    }
-}
-
-/// Without stiffness: the limit of the step is that of the other laws.
-impl Linearisation for Pressure {
-    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.film.visit_couplings(visit);
-    }
-
-    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.film.add_jacobian(&self.at(instant.time), instant, jacobian);
-    }
-}
-
-impl Inspection for Pressure {
-    fn lanes(&self) -> [usize; 2] {
-        self.film.facets.elements.lanes()
-    }
-
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.film.facets.elements.contiguous_share())
     }
 }

@@ -4,9 +4,9 @@
 //!     k = (1 - r_s - r_d) (e_l B_l - e_d B_d) / (e_l + e_d)
 //!
 //! on a triangle of area A, a third on each node; s is the direction to the sun, fixed in inertial space, n the normal
-//! of the side that is lit, cos a = n . s >= 0. The lit side reflects the share r_s as a mirror and r_d as Lambert's law
-//! has it; the film absorbs the rest and emits it at once from both sides, lit and dark, of one temperature, with the
-//! emissivities e and the shares B of emitted momentum along the normal. Source: McInnes, Solar Sailing (1999), chapter
+//! of the side that is lit, cos a = n . s >= 0. The lit side reflects the share r_s as a mirror and r_d as Lambert's
+//! law has it; the film absorbs the rest and emits it at once from both sides, lit and dark, of one temperature, with
+//! the emissivities e and the shares B of emitted momentum along the normal. Source: McInnes, Solar Sailing (1999), ch.
 //! 2; P is his 1368 W/m2 over the speed of light. (The total irradiance of Kopp and Lean (2011), 1360.8 W/m2, makes it
 //! 4.54e-6 Pa.)
 //!
@@ -24,12 +24,9 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::facet_load::{FacetLoad, LoadedFacets};
-use super::{
-    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass,
-};
-use crate::arrays::jacobian::{Block, JacobianBlocks};
-use crate::arrays::state::NodeVectors;
+use super::facet_load::{FacetLoad, FacetLoadLaw, LoadedFacets};
+use super::{Context, Instant, Law, LawParameters};
+use crate::arrays::jacobian::Block;
 use crate::error::Result;
 use crate::model::checks::{finite, positive, within};
 use crate::model::factor::Factor;
@@ -39,6 +36,8 @@ use crate::simd::lanes::{SimdF64, Vec3, dot, scale, sum};
 const PRESSURE: f64 = 4.56e-6;
 /// An astronomical unit \[m\].
 const ASTRONOMICAL_UNIT: f64 = 149_597_870_700.0;
+/// Twice an area below which its square has lost digits, and a triangle has no direction \[m2\].
+const NO_AREA: f64 = 1e-150;
 
 /// Parameters of the load.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -135,13 +134,9 @@ impl LawParameters for SolarPressureParameters {
         let distance = self.distance / ASTRONOMICAL_UNIT;
         let sixth = PRESSURE / distance / distance / 6.0;
         finite("pressure of sunlight at its distance [Pa]", sixth)?;
-        Ok(Box::new(SolarPressure {
-            film: LoadedFacets::new(context.assembly),
-            sun: [x / length, y / length, z / length],
-            sixth,
-            sides: self.sides(),
-            factor: self.factor.clone(),
-        }))
+        let sun = [x / length, y / length, z / length];
+        let load = SolarPressure { sun, sixth, sides: self.sides(), factor: self.factor.clone() };
+        Ok(Box::new(LoadedFacets::new(load, context.assembly)))
     }
 
     fn example() -> Self {
@@ -161,9 +156,8 @@ impl LawParameters for SolarPressureParameters {
     }
 }
 
-/// The law.
+/// The load as a function of time and of the frame.
 struct SolarPressure {
-    film: LoadedFacets,
     /// s in inertial space.
     sun: [f64; 3],
     /// P/6 [Pa].
@@ -191,7 +185,7 @@ impl FacetLoad for Light {
         let along_sun = of_side(front.along_sun, back.along_sun);
         let mirrored = of_side(front.mirrored, back.mirrored);
         let scattered = of_side(front.scattered, back.scattered);
-        let length = dot(normal, normal).sqrt().max(V::all(f64::MIN_POSITIVE));
+        let length = dot(normal, normal).sqrt().max(V::all(NO_AREA));
         let cosine = flow / length;
         let along_normal = (mirrored * cosine.abs() + scattered) * cosine;
         let strength = V::all(-self.sixth) * presence;
@@ -200,7 +194,7 @@ impl FacetLoad for Light {
 
     fn change(&self, normal: &Vector3<f64>, by: &Block) -> Block {
         let sun = Vector3::from(self.sun);
-        let unit = normal / normal.norm().max(f64::MIN_POSITIVE);
+        let unit = normal / normal.norm().max(NO_AREA);
         let cosine = unit.dot(&sun);
         let (side, sign) = if normal.dot(&sun) < 0.0 { (self.sides[1], -1.0) } else { (self.sides[0], 1.0) };
         let along_normal = (side.mirrored * cosine.abs() + side.scattered) * cosine;
@@ -212,74 +206,17 @@ impl FacetLoad for Light {
     }
 }
 
-impl SolarPressure {
+impl FacetLoadLaw for SolarPressure {
+    type Load = Light;
+    const NAME: &'static str = "solar_pressure";
+    const REMEDY: &'static str = "use a smaller dt, or check the distance from the sun";
+
     fn at(&self, at: Instant<'_>) -> Light {
         let sixth = self.sixth * self.factor.value(at.time);
         Light { sun: at.frame.components_of(self.sun), sixth, sides: self.sides }
     }
-}
 
-impl Law for SolarPressure {
-    fn properties(&self) -> Properties {
-        let work_class = WorkClass::External;
-        Properties { name: "solar_pressure", work_class, depends_on_velocity: false, is_internal: false }
-    }
-
-    fn kernels(&self) -> Kernels {
-        Kernels::of_elements()
-    }
-
-    fn reach(&self, tile: usize) -> usize {
-        self.film.facets.elements.reach(tile)
-    }
-
-    fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let light = self.at(at);
-        self.film.add_to_tile(&light, tile, at, forces)
-    }
-
-    fn outside_torque(&self) -> Option<f64> {
-        Some(self.film.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
-    }
-
-    fn jumps(&self) -> Vec<f64> {
-        self.factor.jumps()
-    }
-
-    fn linearisation(&self) -> Option<&dyn Linearisation> {
-        Some(self)
-    }
-
-    fn inspection(&self) -> Option<&dyn Inspection> {
-        Some(self)
-    }
-
-    fn remedy(&self) -> &'static str {
-        "use a smaller dt, or check the distance from the sun"
-    }
-}
-
-/// Without stiffness: the limit of the step is that of the other laws.
-impl Linearisation for SolarPressure {
-    fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.film.visit_couplings(visit);
-    }
-
-    fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        self.film.add_jacobian(&self.at(instant), instant, jacobian);
-    }
-}
-
-impl Inspection for SolarPressure {
-    fn lanes(&self) -> [usize; 2] {
-        self.film.facets.elements.lanes()
-    }
-
-    fn contiguous_share(&self) -> Option<f64> {
-        Some(self.film.facets.elements.contiguous_share())
+    fn factor(&self) -> &Factor {
+        &self.factor
     }
 }

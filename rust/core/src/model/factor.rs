@@ -26,11 +26,6 @@ impl Factor {
         self.0.as_ref().map_or(1.0, |schedule| schedule.value(time))
     }
 
-    /// The derivative of its value at `time` \[1/s\].
-    pub fn rate(&self, time: f64) -> f64 {
-        self.0.as_ref().map_or(0.0, |schedule| schedule.rate(time))
-    }
-
     /// The times at which it jumps \[s\].
     pub fn jumps(&self) -> Vec<f64> {
         self.0.iter().flat_map(Schedule::jumps).collect()

@@ -4,9 +4,10 @@
 //!
 //!     U = sum of M_ii a_i^2 / 2 + sum over pairs of edges of M_ij b_i b_j,   M_ij = A D g_i g_j [(1 - nu) c_ij^2 + nu]
 //!
-//! with the weighted fold angles a = w_C w_D phi, and b = w_C w_D sin phi, which is a of small angles. At a shut edge phi
-//! jumps from pi to -pi, where b is 0: the energy goes on also where other edges are bent. s is 1/2; 1 where the facet on the other side is rigid; 0 on the
-//! boundary, along creases, and along edges folded at the start, across which no moment acts.
+//! with the weighted fold angles a = w_C w_D phi, and b = w_C w_D sin phi, which is a of small angles. At a shut edge
+//! phi jumps from pi to -pi, where b is 0: the energy goes on also where other edges are bent. s is 1/2; 1 where the
+//! facet on the other side is rigid; 0 on the boundary, along creases, and along edges folded at the start, where no
+//! moment acts.
 
 use super::edges::{InnerEdge, inner_edges};
 use super::{BendingParameters, PROPERTIES, remedy};
@@ -179,7 +180,9 @@ impl<V: SimdF64> Bent<V> {
             bent.weights[k] = facets.weight(parameters.of_facets(k));
             bent.own[k] = V::load(&parameters.stiffness[k]) * bent.weights[k] * bent.angles[k];
         }
-        bent.crossed = parameters.product_of_others(std::array::from_fn(|k| bent.weights[k] * bent.sines[k]));
+        let [a, b, c] = bent.sines;
+        let [of_a, of_b, of_c] = bent.weights;
+        bent.crossed = parameters.product_of_others([of_a * a, of_b * b, of_c * c]);
         bent
     }
 }
@@ -288,7 +291,8 @@ impl BatchKernel for StiffnessKernel<'_> {
                 let [a, b, c, d] = of_hinge(&p, k);
                 rotations[k] = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
             }
-            let others = parameters.product_of_others(std::array::from_fn(|k| cosines[k] * rotations[k]));
+            let ([a, b, c], [of_a, of_b, of_c]) = (rotations, cosines);
+            let others = parameters.product_of_others([of_a * a, of_b * b, of_c * c]);
             let mut product = [[V::zero(); 3]; 6];
             for k in 0..3 {
                 let [at_a, at_b, at_c, at_d] =
