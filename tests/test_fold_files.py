@@ -103,7 +103,7 @@ def test_the_routine_that_folds_turns_valleys_to_where_normals_point() -> None:
     np.testing.assert_allclose(mountain[3], [0.5, 0.5, -np.sqrt(0.5)], atol=1e-15)
 
 
-@pytest.mark.parametrize("name", ["single-crease", "hanging-strip"])
+@pytest.mark.parametrize("name", ["single-crease", "hanging-strip", "miura"])
 def test_a_pattern_folds_by_its_angles_to_the_stowed_shape(name: str, tmp_path: Path) -> None:
     mesh_of(name).save(tmp_path / "mesh.fold")
     pattern, stowed = frames_of(tmp_path / "mesh.fold")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from membrane_rs import InputError, MeshError, Scene, SceneError, Tether, Tethers
 from membrane_rs._bounds import MOST_NODES
-from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, SquareSail, Strip
+from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, Miura, SquareSail, Strip
 from small_scenes import FILM, refused
 
 MANY = 10**9
@@ -36,6 +36,8 @@ def cord(segments: int) -> Tether:
         (lambda: Strip(1.0, 1.0, MANY, MANY), "must be at most 10000000, more do not fit; take fewer"),
         (lambda: EquilateralLattice(1.0, MANY, 1), "EquilateralLattice: columns = 1000000000"),
         (lambda: EquilateralLattice(1.0, 4000, 4000), "do not fit"),
+        (lambda: Miura(1.0, 1.0, 0.5, MANY, 1), "Miura: columns = 1000000000, rows = 1, divisions = 1: makes"),
+        (lambda: Miura(1e-300, 1e300, 0.5, 1, 1), "do not fit"),
         (lambda: SquareSail(rows=8 * 10**8), "do not fit"),
         (lambda: SquareSail(fold_lines=MANY), "do not fit"),
         (lambda: SquareSail(columns=MANY), "1e.09 columns"),
@@ -56,6 +58,7 @@ def test_refined_patterns_of_too_many_nodes(name: str, density: Any) -> None:
     sizes: dict[str, Any] = {
         "square-sail": {}, "disc": {"radius": 1.0, "rings": 4}, "strip": {"length": 1.0, "width": 1.0, "columns": 2},
         "lattice": {"side": 1.0, "columns": 2, "rows": 2},
+        "miura": {"straight_side": 1.0, "zigzag_side": 1.0, "tilt": 0.5, "columns": 2, "rows": 2},
     }  # fmt: skip
     pattern = PATTERNS[name](**sizes[name])
     refused(lambda: pattern.refined(density), InputError, "do not fit|density = .*: must be")

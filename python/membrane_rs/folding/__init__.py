@@ -14,11 +14,12 @@ if TYPE_CHECKING:
     from membrane_rs.folding.catalogue import PATTERNS
     from membrane_rs.folding.disc import Disc
     from membrane_rs.folding.lattice import EquilateralLattice
+    from membrane_rs.folding.miura import Miura
     from membrane_rs.folding.pattern import Pattern
     from membrane_rs.folding.square_sail import SquareSail
     from membrane_rs.folding.strip import Strip
 
-__all__ = ["PATTERNS", "Disc", "EquilateralLattice", "Pattern", "SquareSail", "Strip"]
+__all__ = ["PATTERNS", "Disc", "EquilateralLattice", "Miura", "Pattern", "SquareSail", "Strip"]
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
     _on_demand = OnDemand(
@@ -27,6 +28,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.folding.catalogue": ("PATTERNS",),
             "membrane_rs.folding.disc": ("Disc",),
             "membrane_rs.folding.lattice": ("EquilateralLattice",),
+            "membrane_rs.folding.miura": ("Miura",),
             "membrane_rs.folding.pattern": ("Pattern",),
             "membrane_rs.folding.square_sail": ("SquareSail",),
             "membrane_rs.folding.strip": ("Strip",),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from membrane_rs.folding.disc import Disc
 from membrane_rs.folding.lattice import EquilateralLattice
+from membrane_rs.folding.miura import Miura
 from membrane_rs.folding.pattern import Pattern
 from membrane_rs.folding.square_sail import SquareSail
 from membrane_rs.folding.strip import Strip
@@ -13,5 +14,6 @@ PATTERNS: dict[str, type[Pattern]] = {
     "disc": Disc,
     "strip": Strip,
     "lattice": EquilateralLattice,
+    "miura": Miura,
 }
 """Every pattern, by the name that scene files use."""
