@@ -87,11 +87,11 @@ def test_a_jump_of_the_weight_does_no_work_at_once(method: str) -> None:
     assert sim.positions[:, 2] == pytest.approx(2.0 - 10.0 * 0.2**2 / 2.0, rel=1e-6)
     ledger = sim.ledger()
     assert ledger["work_by_law"]["gravity"] == pytest.approx(0.5 * float(sim.masses.sum()) * 2.0**2, rel=1e-6)
-    assert not any(ledger["changes"].values())
+    assert not ledger.get("changes")
     assert abs(ledger["error"]) < 1e-6
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", ["rk4", "leapfrog", "dopri5"])
 def test_the_balance_closes_at_the_knots_of_a_sampled_weight(method: str) -> None:
     hum = Schedule.sampled(lambda t: math.sin(100.0 * math.pi * t), np.linspace(0.0, 0.1, 201))
     sim = Simulation(disc(Gravity((0.0, 0.0, -9.81), factor=hum)), method)

@@ -31,8 +31,8 @@ impl Factor {
         self.0.iter().flat_map(Schedule::jumps).collect()
     }
 
-    /// Whether it depends on time.
+    /// Whether it changes with time.
     pub fn varies(&self) -> bool {
-        self.0.is_some()
+        self.0.as_ref().is_some_and(Schedule::varies)
     }
 }

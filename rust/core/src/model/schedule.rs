@@ -122,6 +122,11 @@ impl Schedule {
         Self::try_from(Knots { times, values, ease })
     }
 
+    /// Whether two of its values differ.
+    pub fn varies(&self) -> bool {
+        self.knots.values.windows(2).any(|pair| pair[0] != pair[1])
+    }
+
     /// The value at `time`.
     pub fn value(&self, time: f64) -> f64 {
         let values = &self.knots.values;
