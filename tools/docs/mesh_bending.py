@@ -10,9 +10,9 @@ import numpy as np
 from membrane_rs import Scene, Springs, Tethers, Triangles, scenes
 from membrane_rs._markdown import table
 from membrane_rs.scene.softened import with_softening
-from membrane_rs.study import MeshRun, jobs_of, mesh_study
+from membrane_rs.study import LengthScales, MeshRun, jobs_of, mesh_study
 from membrane_rs.study.convergence import CURVES, densities, steps
-from membrane_rs.study.length_scales import BENDING
+from membrane_rs.study.length_scales import BENDING, PLATE
 from membrane_rs.study.mesh import Job, kept
 
 SOFTENING, SUBSTEPS, SEGMENTS = 10.0, 4, 5
@@ -20,9 +20,7 @@ SOFTENING, SUBSTEPS, SEGMENTS = 10.0, 4, 5
 FILMS: dict[str, Springs | Triangles] = {"springs": Springs(), "triangles": Triangles()}
 WITHOUT = replace(BENDING, bending=False)
 ALPHAS = (1.0, 3.0, 10.0, 30.0, 100.0)
-ROWS, FINEST, VERY_FINE, PAPERS = (32, 16, 8), 64, 128, 16
-ONCE_FINER = ("okuizumi-model-1", "springs")
-"""What has a mesh more, which takes half an hour."""
+ROWS, FINEST, PAPERS = (32, 16, 8), 64, 16
 FINEST_UNTIL = 0.45
 """After the trough of the phase [s]."""
 
@@ -38,25 +36,25 @@ def quick(model: str, film: str, buckling: float | None = None) -> Scene:
     return with_softening(scene, SOFTENING)
 
 
-def planned(model: str, film: str, until: float | None) -> list[Job]:
-    """The meshes of one film that bends, the long runs first."""
+def planned(form: LengthScales, until: float | None) -> list[Job]:
+    """The meshes of one film, the long runs first."""
+    name = "bending" if form.bending else "no bending"
     if until is not None:
-        return jobs_of([8, PAPERS], {"bending": BENDING}, until=until)
-    fine = [FINEST, VERY_FINE] if (model, film) == ONCE_FINER else [FINEST]
-    jobs = jobs_of(fine, {"bending": BENDING}, until=FINEST_UNTIL)
-    return jobs + jobs_of(ROWS, {"bending": BENDING}, {PAPERS: 2, 32: 2})
+        return jobs_of([8, PAPERS], {name: form}, until=until)
+    jobs = jobs_of([FINEST], {name: form}, until=FINEST_UNTIL)
+    return jobs + jobs_of(ROWS, {name: form}, {PAPERS: 2, 32: 2})
 
 
 def bent(
     model: str, folder: Path, *, until: float | None, only_kept: bool, jobs: int | None, tell: Callable[[str], None]
 ) -> list[MeshRun]:
-    """The runs of both films, which stand for the forms of a study."""
+    """The runs of both films, which stand for the forms of a study, and of springs that do not bend."""
     runs: list[MeshRun] = []
-    for film in FILMS:
-        scene, wanted = quick(model, film), planned(model, film, until)
+    for film, form in (("springs", BENDING), ("triangles", BENDING), ("springs", WITHOUT)):
+        scene, wanted = quick(model, film, None if form.bending else PLATE), planned(form, until)
         wanted = kept(scene, wanted, folder) if only_kept else wanted
         made = mesh_study(scene, wanted, folder, workers=jobs, tell=tell) if wanted else []
-        runs += [replace(run, form=f"bending, {film}") for run in made]
+        runs += [replace(run, form=f"{run.form}, {film}") for run in made]
     return runs
 
 
