@@ -46,7 +46,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     [
         ("membrane-rs che", ["check"]),
         ("membrane-rs run spinning-t", ["spinning-tether"]),
-        ("membrane-rs run m", ["mine.toml"]),
+        ("membrane-rs run mi", ["miura", "mine.toml"]),
         ("membrane-rs resume r", ["runs/first", "runs/second"]),
         ("membrane-rs compare third runs/s", ["runs/second"]),
         ("membrane-rs run spinning-tether --integrator leap", ["leapfrog"]),
