@@ -306,3 +306,8 @@ def test_modules_beside_a_file_are_not_imported(tmp_path: Path, monkeypatch: pyt
         text_file(tmp_path / f"{name}.py", "open('imported', 'w')")
     assert Mesh.read(text_file(tmp_path / "a.obj", OBJ), scale=1.0).node_count == 4
     assert not (tmp_path / "imported").exists()
+
+
+@pytest.mark.parametrize("suffix", BY_SUFFIX)
+def test_load_leads_to_read_where_the_unit_is_needed(suffix: str, tmp_path: Path) -> None:
+    refused(lambda: Mesh.load(tmp_path / f"sail{suffix}"), InputError, r"is a mesh of another program.*Mesh\.read")

@@ -200,4 +200,4 @@ def test_the_wrong_suffix_is_said(tmp_path: Path) -> None:
     write(tmp_path / "a.vtu", points, [("quad", quads)]).rename(tmp_path / "a.obj")
     refused(lambda: Mesh.read(tmp_path / "a.obj", scale=1.0), InputError, r"a\.obj: ")
     refused(lambda: Mesh.read(tmp_path / "a.objj", scale=1.0), InputError, "suffix '.objj' .*did you mean '.obj'")
-    refused(lambda: Mesh.load(tmp_path / "a.stl"), InputError, r"a\.stl: is no numpy archive of a mesh")
+    refused(lambda: Mesh.load(tmp_path / "a.stl"), InputError, r"a\.stl.*is a mesh of another program")

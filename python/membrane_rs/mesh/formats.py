@@ -27,8 +27,10 @@ class Format(NamedTuple):
     """Takes the file and its options, and gives what `Mesh` takes, by name."""
 
 
+OWN = Format(None, read_mesh)
+"""A numpy archive."""
 FORMATS: Mapping[str, Format] = {
-    ".npz": Format(None, read_mesh),
+    ".npz": OWN,
     FOLD: Format(FoldFile, read_fold_file),
     **dict.fromkeys(BY_SUFFIX, Format(ForeignFile, read_foreign)),
 }

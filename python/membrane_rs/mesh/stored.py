@@ -11,7 +11,7 @@ from membrane_rs.errors import InputError
 from membrane_rs.mesh.file import read_mesh, write_mesh
 from membrane_rs.mesh.fold_reading import FOLD, FoldFile, read_fold_file
 from membrane_rs.mesh.fold_writing import write_fold_file
-from membrane_rs.mesh.formats import built, mesh_of_file
+from membrane_rs.mesh.formats import FORMATS, OWN, built, mesh_of_file
 
 
 class Stored:
@@ -75,7 +75,7 @@ class Stored:
         MeshError
             A file that holds no mesh, an array that a mesh does not have, or a mesh that cannot be built.
         InputError, InputTypeError
-            No path.
+            No path; a file of another program, which `read` takes.
 
         Examples
         --------
@@ -87,6 +87,11 @@ class Stored:
         membrane_rs.errors.MissingFileError: ...
         """
         file = path_of(path)
+        if FORMATS.get(file.suffix.lower(), OWN).options not in (None, FoldFile):
+            raise InputError(
+                f"path = {str(file)!r}: is a mesh of another program, which does not say its unit; take "
+                'Mesh.read(path, scale="mm"), with its unit'
+            )
         found = {**read_fold_file(file, FoldFile()), "source": None} if file.suffix.lower() == FOLD else read_mesh(file)
         return built(cls, file, found)
 
