@@ -27,10 +27,8 @@ class Format(NamedTuple):
     """Takes the file and its options, and gives what `Mesh` takes, by name."""
 
 
-OWN = Format(None, read_mesh)
-"""A numpy archive."""
 FORMATS: Mapping[str, Format] = {
-    ".npz": OWN,
+    ".npz": Format(None, read_mesh),
     FOLD: Format(FoldFile, read_fold_file),
     **dict.fromkeys(BY_SUFFIX, Format(ForeignFile, read_foreign)),
 }

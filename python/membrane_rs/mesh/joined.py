@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from membrane_rs._arrays import Floats, Ints
+from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.errors import MeshError
 
 MOST_TOGETHER = 100
@@ -81,6 +81,21 @@ def _without_lost_sides(faces: Ints) -> Ints:
     return found
 
 
+def pairs_of_sides(triangles: Ints) -> tuple[Ints, Bools, Ints]:
+    """Pairs (p, 2) of sides that are an edge of exactly two triangles, whether both run along it in one direction, and
+    the third side of each edge of more. Side 3 t + k runs from corner k of triangle t to the next one.
+    """
+    starts, ends = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+    order = np.lexsort((high, low))
+    low, high = low[order], high[order]
+    is_same = (low[1:] == low[:-1]) & (high[1:] == high[:-1])
+    is_third = is_same[1:] & is_same[:-1]
+    k = np.flatnonzero(is_same & ~np.append(False, is_third) & ~np.append(is_third, False))
+    pairs = np.stack([order[k], order[k + 1]], axis=1)
+    return pairs, starts[pairs[:, 0]] == starts[pairs[:, 1]], order[np.flatnonzero(is_third) + 2]
+
+
 def wound_alike(triangles: Ints) -> tuple[Ints, list[str]]:
     """Triangles that run the same way as their neighbours, and remarks: in each piece as most of them did before.
 
@@ -90,16 +105,8 @@ def wound_alike(triangles: Ints) -> tuple[Ints, list[str]]:
     from scipy.sparse.csgraph import connected_components
 
     count = len(triangles)
-    starts, ends = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
-    owner = np.repeat(np.arange(count), 3)
-    order = np.lexsort((high, low))
-    low, high, owner, is_up = low[order], high[order], owner[order], (starts < ends)[order]
-    is_same = (low[1:] == low[:-1]) & (high[1:] == high[:-1])
-    # Edges of exactly two triangles: the same neither as the one before nor as the one after.
-    is_pair = is_same & ~np.append(False, is_same[:-1]) & ~np.append(is_same[1:], False)
-    k = np.flatnonzero(is_pair)
-    one, other, is_reversed = owner[k], owner[k + 1], is_up[k] == is_up[k + 1]
+    pairs, is_reversed, _ = pairs_of_sides(triangles)
+    one, other = (pairs // 3).T
     # Each triangle twice, as it is and reversed; neighbours are joined in the senses that fit each other.
     rows = np.concatenate([one, one + count])
     columns = np.concatenate([other + count * is_reversed, other + count * ~is_reversed])

@@ -8,7 +8,7 @@ import numpy as np
 
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs.errors import MeshError
-from membrane_rs.mesh.joined import wound_alike
+from membrane_rs.mesh.joined import pairs_of_sides, wound_alike
 from membrane_rs.mesh.links import groups
 from membrane_rs.mesh.quads import split_quads
 
@@ -152,18 +152,12 @@ def neighbours(triangles: Ints, node_count: int) -> tuple[Ints, Bools]:
     PolygonError
         An edge of three triangles or more; the index is that of the third one.
     """
-    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    key = np.minimum(start, end) * node_count + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    is_same = key[order[1:]] == key[order[:-1]]
-    thrice = np.flatnonzero(is_same[1:] & is_same[:-1])
-    if len(thrice):
-        side = int(order[thrice[0] + 2])
-        nodes = sorted((int(start[side]), int(end[side])))
+    pairs, is_against, thirds = pairs_of_sides(triangles)
+    if len(thirds):
+        side = int(thirds[0])
+        nodes = sorted((int(triangles[side // 3, side % 3]), int(triangles[side // 3, (side + 1) % 3])))
         raise PolygonError(f"is the third beside the edge of vertices {nodes[0]} and {nodes[1]}", side // 3)
-    k = np.flatnonzero(is_same)
-    pairs = np.stack([order[k], order[k + 1]], axis=1)
-    return pairs, start[pairs[:, 0]] == start[pairs[:, 1]]
+    return pairs, is_against
 
 
 def wound_one_way(points: Floats, triangles: Ints) -> Ints:

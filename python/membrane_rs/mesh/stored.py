@@ -11,7 +11,8 @@ from membrane_rs.errors import InputError
 from membrane_rs.mesh.file import read_mesh, write_mesh
 from membrane_rs.mesh.fold_reading import FOLD, FoldFile, read_fold_file
 from membrane_rs.mesh.fold_writing import write_fold_file
-from membrane_rs.mesh.formats import FORMATS, OWN, built, mesh_of_file
+from membrane_rs.mesh.formats import built, mesh_of_file
+from membrane_rs.mesh.meshio_process import BY_SUFFIX
 
 
 class Stored:
@@ -87,7 +88,7 @@ class Stored:
         membrane_rs.errors.MissingFileError: ...
         """
         file = path_of(path)
-        if FORMATS.get(file.suffix.lower(), OWN).options not in (None, FoldFile):
+        if file.suffix.lower() in BY_SUFFIX:
             raise InputError(
                 f"path = {str(file)!r}: is a mesh of another program, which does not say its unit; take "
                 'Mesh.read(path, scale="mm"), with its unit'

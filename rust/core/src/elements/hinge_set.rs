@@ -1,10 +1,13 @@
 //! Hinges of a mesh in batches of eight, each with a stiffness, and their forces, energies and stiffnesses.
 
+use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::hinge::{Facets, HingeForces};
-use crate::layout::{CHUNK, Coded, ElementSet, Entry, Pass, merged};
+use crate::layout::{CHUNK, Coded, ElementSet, Entry, merged};
 use crate::model::mesh::{self, Hinge};
+use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, LANES, SimdF64, dot, scale};
 
 /// Hinges in batches. The nodes of an element are A, B, C, D, with the lower node of the edge as A: a hinge has no
@@ -98,72 +101,139 @@ impl HingeSet {
         Self { parameters: Coded::new((0..elements.batch_count()).map(of_batch)), elements }
     }
 
-    /// Adds the forces of the hinges of one tile; `potential` gives u \[J\] and -du/dphi \[N m\] of a batch.
-    ///
-    /// In chunks of batches: the path from the positions of a batch to its forces is a long chain of dependent
-    /// operations, and the instruction window of a processor holds little more than one batch. Two stages over a chunk,
-    /// first angles, roots and divisions, then vectors, have shorter chains that overlap.
-    #[inline(always)]
-    pub(crate) fn add_forces<V: SimdF64, const KIND: usize>(
+    /// Adds the forces of the hinges of one tile.
+    pub(crate) fn add_to_tile(
         &self,
-        pass: Pass<'_, 4, KIND>,
-        positions: Columns<'_>,
-        forces: &mut ColumnsMut<'_>,
-        potential: impl Fn(usize, &HingeParameters, &Facets<V>) -> (V, V),
+        potential: &impl HingePotential,
+        instructions: InstructionSet,
+        tile: usize,
+        positions: &NodeVectors,
+        forces: &mut NodeVectors,
+    ) -> f64 {
+        let (positions, forces) = (Columns::of(positions), ColumnsMut::of(forces));
+        instructions.run_batches(MomentKernel { hinges: self, potential, tile, positions, forces })
+    }
+
+    /// The sum of U \[J\].
+    pub(crate) fn energy(
+        &self,
+        potential: &impl HingePotential,
+        instructions: InstructionSet,
+        positions: &NodeVectors,
+    ) -> f64 {
+        let positions = Columns::of(positions);
+        let of_tile = |tile| instructions.run_batches(EnergyKernel { hinges: self, potential, tile, positions });
+        tiles(positions.rows()).map(of_tile).sum()
+    }
+
+    /// Adds k g g^T p, with k the stiffness times the largest factor of the potential, and g the gradient of the angle;
+    /// the part of each facet has its weight.
+    pub(crate) fn add_stiffness_product(
+        &self,
+        potential: &impl HingePotential,
+        instructions: InstructionSet,
+        positions: &NodeVectors,
+        p: &NodeVectors,
+        out: &mut NodeVectors,
     ) {
-        let positions = pass.reader(positions);
-        let mut sums = pass.adder(forces);
-        let parameters = self.parameters.of(&pass);
+        let (positions, p, factor) = (Columns::of(positions), Columns::of(p), potential.largest_factor());
+        for tile in tiles(p.rows()) {
+            let out = ColumnsMut::of(out);
+            instructions.run_batches(StiffnessKernel { hinges: self, factor, tile, positions, p, out });
+        }
+    }
+}
+
+/// A function u of the fold angle of each hinge.
+pub(crate) trait HingePotential {
+    /// u \[J\] and -du/dphi \[N m\] of the batch at this place among all batches, with the factor of its stiffness.
+    fn of_batch<V: SimdF64>(&self, place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V);
+
+    /// The largest second derivative of u over the stiffness.
+    fn largest_factor(&self) -> f64 {
+        1.0
+    }
+}
+
+/// Adds -dU/dx of the hinges of one tile to the forces.
+///
+/// In chunks of batches: the path from the positions of a batch to its forces is a long chain of dependent operations,
+/// and the instruction window of a processor holds little more than one batch. Two stages over a chunk, first angles,
+/// roots and divisions, then vectors, have shorter chains that overlap.
+struct MomentKernel<'a, P> {
+    hinges: &'a HingeSet,
+    potential: &'a P,
+    tile: usize,
+    positions: Columns<'a>,
+    forces: ColumnsMut<'a>,
+}
+
+impl<P: HingePotential> BatchKernel for MomentKernel<'_, P> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.hinges.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let mut sums = pass.adder(&mut self.forces);
+        let parameters = self.hinges.parameters.of(&pass);
         let mut of_chunk = [HingeForces::zero(); CHUNK];
         for chunk in pass.chunks_of_batches() {
             for (batch, of_batch) in chunk.clone().zip(&mut of_chunk) {
                 let parameters = &parameters[batch];
                 let facets = Facets::new(positions.read::<V>(batch));
-                let (energy, moment) = potential(batch, parameters, &facets);
+                let (energy, moment) = self.potential.of_batch(pass.place(batch), parameters, &facets);
                 *of_batch = HingeForces::new(&facets, parameters.softening(), energy, moment);
             }
             for (batch, of_batch) in chunk.zip(&of_chunk) {
                 sums.add(batch, of_batch.on_nodes(&Facets::new(positions.read::<V>(batch))));
             }
         }
+        V::zero()
     }
+}
 
-    /// The sum of U over the hinges of one tile \[J\]; `potential` gives u of a batch of the pass.
+/// The sum of U over the hinges of one tile.
+struct EnergyKernel<'a, P> {
+    hinges: &'a HingeSet,
+    potential: &'a P,
+    tile: usize,
+    positions: Columns<'a>,
+}
+
+impl<P: HingePotential> BatchKernel for EnergyKernel<'_, P> {
     #[inline(always)]
-    pub(crate) fn energy<V: SimdF64, const KIND: usize>(
-        &self,
-        pass: Pass<'_, 4, KIND>,
-        positions: Columns<'_>,
-        potential: impl Fn(usize, &HingeParameters, &Facets<V>) -> V,
-    ) -> V {
-        let positions = pass.reader(positions);
-        let parameters = self.parameters.of(&pass);
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.hinges.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let parameters = self.hinges.parameters.of(&pass);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
             let parameters = &parameters[batch];
             let facets = Facets::new(positions.read::<V>(batch));
             let weight = facets.weight(parameters.softening());
-            energy += weight * potential(batch, parameters, &facets);
+            energy += weight * self.potential.of_batch(pass.place(batch), parameters, &facets).0;
         }
         energy
     }
+}
 
-    /// Adds k g g^T p over the hinges of one tile, with k a factor times the stiffness, and g the gradient of the
-    /// angle; the part of each facet has its weight.
+/// Adds k g g^T p over the hinges of one tile, with k a factor times the stiffness.
+struct StiffnessKernel<'a> {
+    hinges: &'a HingeSet,
+    factor: f64,
+    tile: usize,
+    positions: Columns<'a>,
+    p: Columns<'a>,
+    out: ColumnsMut<'a>,
+}
+
+impl BatchKernel for StiffnessKernel<'_> {
     #[inline(always)]
-    pub(crate) fn add_stiffness<V: SimdF64, const KIND: usize>(
-        &self,
-        pass: Pass<'_, 4, KIND>,
-        positions: Columns<'_>,
-        p: Columns<'_>,
-        out: &mut ColumnsMut<'_>,
-        factor: f64,
-    ) {
-        let positions = pass.reader(positions);
-        let p = pass.reader(p);
-        let mut sums = pass.adder(out);
-        let parameters = self.parameters.of(&pass);
-        let factor = V::all(factor);
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.hinges.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let (positions, p) = (pass.reader(self.positions), pass.reader(self.p));
+        let mut sums = pass.adder(&mut self.out);
+        let parameters = self.hinges.parameters.of(&pass);
+        let factor = V::all(self.factor);
         for batch in 0..pass.len() {
             let parameters = &parameters[batch];
             let facets = Facets::new(positions.read::<V>(batch));
@@ -173,5 +243,6 @@ impl HingeSet {
             let moment = V::load(&parameters.stiffness) * factor * rotation;
             sums.add(batch, [scale(moment, at_a), scale(moment, at_b), scale(moment, at_c), scale(moment, at_d)]);
         }
+        V::zero()
     }
 }

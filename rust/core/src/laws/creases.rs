@@ -26,16 +26,15 @@ use self::sides::Sides;
 use super::{
     Context, HistoryDependent, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass,
 };
-use crate::arrays::blocks::tiles;
-use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::columns::Columns;
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::hinge::Facets;
-use crate::elements::hinge_set::{HingeSet, HingeSize};
+use crate::elements::hinge_set::{HingeParameters, HingePotential, HingeSet, HingeSize};
 use crate::error::Result;
 use crate::model::checks::{finite, non_negative, positive};
-use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Parameters of the creases.
@@ -116,67 +115,19 @@ impl Creases {
     }
 }
 
-/// Adds -dU/dx of the creases of one tile to the forces.
-struct MomentKernel<'a> {
-    creases: &'a Creases,
-    tile: usize,
-    positions: Columns<'a>,
-    forces: ColumnsMut<'a>,
-}
-
-impl BatchKernel for MomentKernel<'_> {
+impl HingePotential for Creases {
     #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { creases, tile, positions, forces } = self;
-        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
-        let least_angles = pass.of(creases.sides.least_angles());
-        creases.hinges.add_forces::<V, KIND>(pass, *positions, forces, |batch, parameters, facets| {
-            let sign = V::load(&parameters.sign);
-            let angle = facets.angle(sign, V::load(&least_angles[batch]));
-            let (energy, moment) = creases.potential(V::load(&parameters.stiffness), angle);
-            // theta = pi - sign phi.
-            (energy, sign * moment)
-        });
-        V::zero()
+    fn of_batch<V: SimdF64>(&self, place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V) {
+        let sign = V::load(&parameters.sign);
+        let angle = facets.angle(sign, V::load(&self.sides.least_angles()[place]));
+        let (energy, moment) = self.potential(V::load(&parameters.stiffness), angle);
+        // theta = pi - sign phi.
+        (energy, sign * moment)
     }
-}
 
-/// The sum of U.
-struct EnergyKernel<'a> {
-    creases: &'a Creases,
-    tile: usize,
-    positions: Columns<'a>,
-}
-
-impl BatchKernel for EnergyKernel<'_> {
-    #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { creases, tile, positions } = self;
-        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
-        let least_angles = pass.of(creases.sides.least_angles());
-        creases.hinges.energy::<V, KIND>(pass, *positions, |batch, parameters, facets| {
-            let angle = facets.angle(V::load(&parameters.sign), V::load(&least_angles[batch]));
-            creases.potential(V::load(&parameters.stiffness), angle).0
-        })
-    }
-}
-
-/// Adds K p of the creases of one tile, with every crease in contact.
-struct StiffnessKernel<'a> {
-    creases: &'a Creases,
-    tile: usize,
-    positions: Columns<'a>,
-    p: Columns<'a>,
-    out: ColumnsMut<'a>,
-}
-
-impl BatchKernel for StiffnessKernel<'_> {
-    #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { creases, tile, positions, p, out } = self;
-        let pass = creases.hinges.elements.pass::<KIND>(*tile, positions.rows());
-        creases.hinges.add_stiffness::<V, KIND>(pass, *positions, *p, out, creases.contact_penalty.max(1.0));
-        V::zero()
+    /// In contact.
+    fn largest_factor(&self) -> f64 {
+        self.contact_penalty.max(1.0)
     }
 }
 
@@ -199,15 +150,11 @@ impl Law for Creases {
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        self.instructions.run_batches(MomentKernel { creases: self, tile, positions, forces })
+        self.hinges.add_to_tile(self, self.instructions, tile, at.positions, forces)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let positions = Columns::of(at.positions);
-        tiles(positions.rows())
-            .map(|tile| self.instructions.run_batches(EnergyKernel { creases: self, tile, positions }))
-            .sum()
+        self.hinges.energy(self, self.instructions, at.positions)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -240,11 +187,7 @@ impl Linearisation for Creases {
     /// The stiffness in contact, kappa max(1, gamma) g g^T, with g the gradient of the angle; the part of each facet
     /// has its weight.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        let (positions, p) = (Columns::of(at.positions), Columns::of(p));
-        for tile in tiles(p.rows()) {
-            let out = ColumnsMut::of(out);
-            self.instructions.run_batches(StiffnessKernel { creases: self, tile, positions, p, out });
-        }
+        self.hinges.add_stiffness_product(self, self.instructions, at.positions, p, out);
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {

@@ -100,7 +100,7 @@ impl Element {
         let (nodes, own_edges) = (assembly.mesh.triangles[triangle], assembly.mesh.triangle_edges[triangle]);
         let points = nodes.map(|node| assembly.mesh.reference[node as usize]);
         let sides: [[f64; 3]; 3] = std::array::from_fn(|k| mesh::sub(points[(k + 2) % 3], points[(k + 1) % 3]));
-        let lengths = sides.map(|side| mesh::dot(side, side).sqrt());
+        let lengths = assembly.mesh.side_lengths(triangle);
         let normal = mesh::cross(sides[2], sides[0]);
         let area = 0.5 * mesh::dot(normal, normal).sqrt();
         let (mut apexes, mut factors, mut areas) = (nodes, [0.0; 3], [area; 3]);

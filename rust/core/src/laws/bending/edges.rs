@@ -1,8 +1,10 @@
 //! The edges across which the film may bend.
 
 use crate::assembly::Assembly;
+use crate::elements::hinge::Facets;
 use crate::elements::hinge_set::HingeSize;
-use crate::model::mesh::{Hinge, cross, dot, sub};
+use crate::model::mesh::Hinge;
+use crate::simd::lanes::{F64x8, SimdF64};
 
 /// An edge between two triangles.
 #[derive(Debug, Clone, Copy)]
@@ -33,8 +35,6 @@ pub(super) fn inner_edges(assembly: &Assembly, fold_limit: f64) -> Vec<InnerEdge
 
 /// The fold angle at these positions \[rad\].
 fn fold_angle(hinge: &Hinge, positions: &[[f64; 3]]) -> f64 {
-    let [a, b, c, d] = hinge.nodes.map(|node| positions[node as usize]);
-    let (e, c, d) = (sub(b, a), sub(c, a), sub(d, a));
-    let (normal_c, normal_d) = (cross(e, c), cross(d, e));
-    (dot(e, e).sqrt() * dot(normal_d, c)).atan2(dot(normal_c, normal_d))
+    let corners = hinge.nodes.map(|node| positions[node as usize].map(F64x8::all));
+    Facets::new(corners).fold_angle().0[0]
 }

@@ -21,17 +21,16 @@
 
 use super::edges::{InnerEdge, inner_edges};
 use super::{BendingParameters, PROPERTIES, remedy};
-use crate::arrays::blocks::tiles;
-use crate::arrays::columns::{Columns, ColumnsMut};
+use crate::arrays::columns::Columns;
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::elements::hinge::Facets;
-use crate::elements::hinge_set::HingeSet;
+use crate::elements::hinge_set::{HingeParameters, HingePotential, HingeSet};
 use crate::elements::hinge_tangent::WeightedAngle;
 use crate::laws::{Inspection, Instant, Kernels, Law, Linearisation, Properties};
 use crate::model::mesh::{dot, sub};
-use crate::simd::dispatch::{BatchKernel, InstructionSet};
+use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 
 /// Square of the cosine of an angle from which on it is a right one, 85 to 95 degrees: as the check of the form has it.
@@ -82,63 +81,13 @@ fn relative_constant(edge: &InnerEdge, reference: &[[f64; 3]]) -> f64 {
     constant * whole / bending
 }
 
-/// Adds -dU/dx of the hinges of one tile to the forces.
-struct MomentKernel<'a> {
-    hinges: &'a HingeSet,
-    tile: usize,
-    positions: Columns<'a>,
-    forces: ColumnsMut<'a>,
-}
-
-impl BatchKernel for MomentKernel<'_> {
+/// k phi^2 / 2.
+impl HingePotential for HingeBending {
     #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { hinges, tile, positions, forces } = self;
-        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
-        hinges.add_forces::<V, KIND>(pass, *positions, forces, |_, parameters, facets| {
-            let angle = facets.fold_angle();
-            let moment = V::load(&parameters.stiffness) * angle;
-            (V::all(0.5) * moment * angle, -moment)
-        });
-        V::zero()
-    }
-}
-
-/// The sum of U.
-struct EnergyKernel<'a> {
-    hinges: &'a HingeSet,
-    tile: usize,
-    positions: Columns<'a>,
-}
-
-impl BatchKernel for EnergyKernel<'_> {
-    #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { hinges, tile, positions } = self;
-        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
-        hinges.energy::<V, KIND>(pass, *positions, |_, parameters, facets| {
-            let angle = facets.fold_angle();
-            V::all(0.5) * V::load(&parameters.stiffness) * angle * angle
-        })
-    }
-}
-
-/// Adds K p of the hinges of one tile.
-struct StiffnessKernel<'a> {
-    hinges: &'a HingeSet,
-    tile: usize,
-    positions: Columns<'a>,
-    p: Columns<'a>,
-    out: ColumnsMut<'a>,
-}
-
-impl BatchKernel for StiffnessKernel<'_> {
-    #[inline(always)]
-    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
-        let Self { hinges, tile, positions, p, out } = self;
-        let pass = hinges.elements.pass::<KIND>(*tile, positions.rows());
-        hinges.add_stiffness::<V, KIND>(pass, *positions, *p, out, 1.0);
-        V::zero()
+    fn of_batch<V: SimdF64>(&self, _place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V) {
+        let angle = facets.fold_angle();
+        let moment = V::load(&parameters.stiffness) * angle;
+        (V::all(0.5) * moment * angle, -moment)
     }
 }
 
@@ -156,14 +105,11 @@ impl Law for HingeBending {
     }
 
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let (positions, forces) = (Columns::of(at.positions), ColumnsMut::of(forces));
-        self.instructions.run_batches(MomentKernel { hinges: &self.hinges, tile, positions, forces })
+        self.hinges.add_to_tile(self, self.instructions, tile, at.positions, forces)
     }
 
     fn energy(&self, at: Instant<'_>) -> f64 {
-        let (hinges, positions) = (&self.hinges, Columns::of(at.positions));
-        let of_tile = |tile| self.instructions.run_batches(EnergyKernel { hinges, tile, positions });
-        tiles(positions.rows()).map(of_tile).sum()
+        self.hinges.energy(self, self.instructions, at.positions)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -182,11 +128,7 @@ impl Law for HingeBending {
 impl Linearisation for HingeBending {
     /// k g g^T, with g the gradient of the angle.
     fn add_stiffness_product(&self, at: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
-        let (hinges, positions, p) = (&self.hinges, Columns::of(at.positions), Columns::of(p));
-        for tile in tiles(p.rows()) {
-            let out = ColumnsMut::of(out);
-            self.instructions.run_batches(StiffnessKernel { hinges, tile, positions, p, out });
-        }
+        self.hinges.add_stiffness_product(self, self.instructions, at.positions, p, out);
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
