@@ -70,6 +70,18 @@ def test_wherever_a_write_is_cut_the_frames_before_it_are_read(tmp_path: Path) -
         assert [time for time, _ in read_pvd(path)] in ([0.0, 0.1, 0.2], [0.1 * k for k in range(4)])
 
 
+def test_what_is_read_while_a_line_comes_in_are_the_frames_before_it(tmp_path: Path) -> None:
+    path = tmp_path / "frames.pvd"
+    grown = PvdWriter(path, FRAMES[:3])
+    grown.write()
+    before = path.read_bytes()
+    grown.append(*FRAMES[3])
+    after = path.read_bytes()
+    for seen in range(before.rfind(b"/>"), len(before) + 1):
+        path.write_bytes(before[:seen] + after[seen:])
+        assert [time for time, _ in read_pvd(path)] in ([0.0, 0.1, 0.2], [0.1 * k for k in range(4)])
+
+
 @pytest.mark.parametrize("text", ["", "<VTKFile>", "<VTKFile><DataSet/></VTKFile>", "\x00/>\n"])
 def test_what_is_no_list_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "frames.pvd"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -109,7 +110,7 @@ def write_pvd(path: str | Path, frames: Sequence[tuple[float, str]]) -> None:
 def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
     """Times [s] and paths of the frames that a PVD file lists.
 
-    Where a killed process left the end unfinished, the lines that are whole.
+    Where a killed process left the end unfinished, or a run writes there meanwhile, the lines that are whole.
 
     Parameters
     ----------
@@ -152,7 +153,10 @@ def read_pvd(path: str | Path) -> list[tuple[float, Path]]:
         except ElementTree.ParseError:
             if not content.startswith(_BEGIN.encode()):
                 raise
-            root = ElementTree.fromstring(content[: content.rfind(b"/>\n") + 3] + _END.encode())
+            # A line that comes in replaces the end, and may be read in part, or with a part of the old end.
+            lines = content[len(_BEGIN) :].split(b"\n")
+            whole = list(takewhile(lambda line: line.startswith(b"    <DataSet ") and line.endswith(b" />"), lines))
+            root = ElementTree.fromstring(b"\n".join([_BEGIN.encode(), *whole, _END.encode()]))
         if root.tag != "VTKFile":
             raise OutputError(f"{path} is no PVD file: it begins with {root.tag!r}, not 'VTKFile'; run the scene again")
         entries = root.iter("DataSet")
