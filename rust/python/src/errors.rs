@@ -22,7 +22,9 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::DegenerateTriangle { .. }
         | Error::SingularTriangle { .. }
         | Error::NegativeSprings { .. }
-        | Error::NotAHinge { .. } => python::MeshError::new_err(text),
+        | Error::NotAHinge { .. }
+        | Error::RegionsOverlap { .. }
+        | Error::CurvatureBeyondMesh { .. } => python::MeshError::new_err(text),
         _ => python::InputError::new_err(text),
     }
 }

@@ -70,11 +70,11 @@ impl FlatTriangles {
         let internal: Vec<[u32; 3]> =
             corners.iter().map(|corners| assembly.numbering.to_internal(corners.nodes)).collect();
         let elements = ElementSet::new(&internal, assembly.masses.len());
-        let (modulus, nu) =
-            assembly.model.film.map_or((0.0, 0.0), |film| (film.youngs_modulus * film.thickness, film.poisson_ratio));
+        let nu = assembly.film.as_ref().map_or(0.0, |film| film.whole().poisson_ratio);
         let mut rows = Vec::with_capacity(corners.len());
         for (triangle, corners) in corners.iter().enumerate() {
             let area = assembly.mesh.area(triangle)?;
+            let modulus = assembly.film.as_ref().map_or(0.0, |film| film.of(triangle).membrane_stiffness());
             let [_, [side, _], [along, height]] = corners.points;
             rows.push([1.0 / side, -along / (side * height), 1.0 / height, modulus * area]);
         }

@@ -14,6 +14,9 @@
 //!     L - l_cr = (L - l_cr of the film) + (alpha_c - alpha) pi^2 h^2 / (12 l_c)   [m]
 //!
 //! On creases of length l_c = l0 all forms agree.
+//!
+//! A region of the film has its own h, and may have its own alpha. An edge between two films buckles at the sum of the
+//! forces of its triangles: its L - l_cr is the mean of theirs by their spring constants.
 
 use std::f64::consts::PI;
 
@@ -21,6 +24,7 @@ use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::{non_negative, positive};
 use crate::model::mesh;
+use crate::model::regions::{FilmOfTriangles, RegionFilm};
 
 /// Parameters of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,12 +39,32 @@ pub(super) struct Buckling {
     pub(super) crease_length: Option<f64>,
 }
 
+/// An edge of the mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    /// In the reference [m].
+    pub(super) length: f64,
+    pub(super) is_crease: bool,
+}
+
+/// All edges of the mesh.
+pub(super) fn edges(assembly: &Assembly) -> Vec<Edge> {
+    let of_nodes = |nodes: &[u32; 2]| {
+        let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+        let span = mesh::sub(b, a);
+        Edge { length: mesh::dot(span, span).sqrt(), is_crease: false }
+    };
+    let mut edges: Vec<Edge> = assembly.mesh.edges.iter().map(of_nodes).collect();
+    assembly.hinges.iter().for_each(|hinge| edges[hinge.edge as usize].is_crease = true);
+    edges
+}
+
 impl Buckling {
-    /// Reference length and L - l_cr of each edge of the mesh [m].
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// `OutOfRange` for a parameter.
-    pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
+    /// `OutOfRange`.
+    pub(super) fn check(self) -> Result<()> {
         non_negative("buckling parameter", self.parameter)?;
         non_negative("buckling parameter on creases", self.on_creases)?;
         for (what, length) in [("buckling length [m]", self.length), ("crease length [m]", self.crease_length)] {
@@ -48,27 +72,54 @@ impl Buckling {
                 positive(what, length)?;
             }
         }
-        let mut is_crease = vec![false; assembly.mesh.edges.len()];
-        for hinge in &assembly.hinges {
-            is_crease[hinge.edge as usize] = true;
+        Ok(())
+    }
+
+    /// L - l_cr of an edge of a film [m].
+    pub(super) fn shortening(self, film: &RegionFilm, Edge { length, is_crease }: Edge) -> f64 {
+        let unit = PI * PI * film.film.thickness * film.film.thickness / 12.0;
+        let parameter = film.buckling.unwrap_or(self.parameter);
+        let of = |alpha: f64| {
+            let own = alpha * unit / length;
+            self.length.map_or(own, |l0| own * (length / l0) * (length / l0))
+        };
+        match self.crease_length {
+            _ if !is_crease => of(parameter),
+            None => of(self.on_creases),
+            Some(line) => (of(parameter) + (self.on_creases - parameter) * unit / line).max(0.0),
         }
-        let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
-        let unit = PI * PI * thickness * thickness / 12.0;
-        let shortenings = assembly.mesh.edges.iter().zip(is_crease).map(|(nodes, is_crease)| {
-            let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let span = mesh::sub(b, a);
-            let length = mesh::dot(span, span).sqrt();
-            let of = |alpha: f64| {
-                let own = alpha * unit / length;
-                self.length.map_or(own, |l0| own * (length / l0) * (length / l0))
-            };
-            let shortening = match self.crease_length {
-                _ if !is_crease => of(self.parameter),
-                None => of(self.on_creases),
-                Some(line) => (of(self.parameter) + (self.on_creases - self.parameter) * unit / line).max(0.0),
-            };
-            (length, shortening)
-        });
-        Ok(shortenings.collect())
+    }
+
+    /// Reference length and L - l_cr of each edge of the mesh [m].
+    ///
+    /// # Errors
+    /// `OutOfRange` for a parameter.
+    pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
+        self.check()?;
+        let Some(films) = &assembly.film else { return Ok(Vec::new()) };
+        let edges = edges(assembly);
+        let mut shortenings: Vec<f64> = edges.iter().map(|&edge| self.shortening(films.of_no_region(), edge)).collect();
+        if films.has_regions() {
+            self.average(assembly, films, &edges, &mut shortenings);
+        }
+        Ok(edges.iter().map(|edge| edge.length).zip(shortenings).collect())
+    }
+
+    /// The mean over the triangles at each edge, by their shares of its spring constant.
+    fn average(self, assembly: &Assembly, films: &FilmOfTriangles, edges: &[Edge], means: &mut [f64]) {
+        let mut sums = vec![[0.0; 2]; edges.len()];
+        let mut bounds = vec![[f64::INFINITY, 0.0]; edges.len()];
+        for (triangle, sides) in assembly.mesh.triangle_edges.iter().enumerate() {
+            let constants = assembly.side_stiffness.get(triangle).copied().unwrap_or([1.0; 3]);
+            for (side, constant) in sides.iter().map(|&side| side as usize).zip(constants) {
+                let (own, share) = (self.shortening(films.of(triangle), edges[side]), constant.max(0.0));
+                bounds[side] = [bounds[side][0].min(own), bounds[side][1].max(own)];
+                sums[side] = [sums[side][0] + share * own, sums[side][1] + share];
+            }
+        }
+        for ((mean, [sum, shares]), [least, most]) in means.iter_mut().zip(sums).zip(bounds) {
+            // Equal values to the last bit; between others within them.
+            *mean = if shares > 0.0 { (sum / shares).clamp(least, most) } else { 0.5 * (least + most) };
+        }
     }
 }

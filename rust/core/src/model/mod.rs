@@ -9,6 +9,8 @@ pub mod hub_motion;
 pub mod input;
 pub mod mesh;
 pub mod names;
+pub mod optics;
+pub mod regions;
 pub mod schedule;
 mod spring_constants;
 pub mod turn;

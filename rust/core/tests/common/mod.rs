@@ -63,7 +63,7 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
         reference,
         triangles,
         film: Some(FILM),
-        creases: Creases { nodes: lines, fold_signs },
+        creases: Creases { nodes: lines, fold_signs, ..Creases::default() },
         extra_masses,
         cords: vec![Cord { nodes: [last, 0], stiffness: 50.0, rest_length: 0.6 * size, strain_limit: 1e9 }],
         bridges: Bridges { nodes: vec![[0, node(columns, rows)]], stiffness: 3.0 },

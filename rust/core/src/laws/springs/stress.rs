@@ -47,13 +47,13 @@ impl FilmTriangles {
     pub(super) fn new(assembly: &Assembly) -> Option<Self> {
         let (mesh, numbering) = (&assembly.mesh, &assembly.numbering);
         let has_springs = assembly.model.negative_springs != NegativeSprings::Unused;
-        let film = assembly.model.film.filter(|_| has_springs)?;
+        let film = assembly.film.as_ref().filter(|_| has_springs)?;
         let triangle = |(row, (&sides, &constants)): (usize, (&[u32; 3], &[f64; 3]))| {
             let lengths = mesh.side_lengths(row);
             let [opposite_a, opposite_b, base] = lengths;
             let along = (base * base + opposite_b * opposite_b - opposite_a * opposite_a) / (2.0 * base);
             let height = (opposite_b * opposite_b - along * along).max(0.0).sqrt();
-            let volume = 0.5 * base * height * film.thickness;
+            let volume = 0.5 * base * height * film.of(row).film.thickness;
             let weights = [0, 1, 2].map(|k| {
                 let is_clipped = assembly.edge_stiffness[sides[k] as usize] == 0.0;
                 if is_clipped { 0.0 } else { constants[k] / (lengths[k] * lengths[k] * volume) }
