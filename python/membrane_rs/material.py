@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import field, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 from annotated_types import Ge, Gt, Le, Lt
 
 from membrane_rs._validation import Finite, Positive, Unit, validated
+from membrane_rs.errors import InputError
 
 
 @validated
 class Material:
-    """A thin isotropic film.
+    """A thin film, isotropic, or of two moduli as one of fibres.
 
     Parameters
     ----------
@@ -28,11 +29,19 @@ class Material:
         f [-], from 1 to 1e6: the film is simulated with E/f against stretch, and with the buckling forces, crease
         moments and dashpots of E, so that an explicit step is about f^(1/2) times as long. None: as it is. By keyword
         alone; `Scene.as_simulated` has what it changes.
+    youngs_modulus_across : float, optional
+        E_2 [Pa] of a film of two moduli, across `direction`; youngs_modulus is then E_1, along it, and poisson_ratio
+        the contraction across of a stretch along it. For the law `Triangles` with compression = 1 and the form
+        "curvature" of `Bending`. By keyword alone, as all that follow.
+    shear_modulus : float, optional
+        G [Pa] of it; both are given together.
+    direction : float
+        Of E_1 in the flat shape, from the x axis on [rad].
 
     Raises
     ------
     InputError, InputTypeError
-        A value outside its range, or no number.
+        A value outside its range, or no number; one of two moduli alone, nu^2 E_2/E_1 of 1 or more.
 
     Examples
     --------
@@ -50,6 +59,27 @@ class Material:
     density: Annotated[Positive, Unit("kg/m3")]
     thickness: Annotated[Positive, Unit("m")]
     softening: Annotated[Finite, Ge(1), Le(1e6)] | None = field(default=None, kw_only=True)
+    youngs_modulus_across: Annotated[Positive | None, Unit("Pa")] = field(default=None, kw_only=True)
+    shear_modulus: Annotated[Positive | None, Unit("Pa")] = field(default=None, kw_only=True)
+    direction: Annotated[Finite, Unit("rad")] = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check the moduli of a film of two against each other."""
+        across, shear = self.youngs_modulus_across, self.shear_modulus
+        if (across is None) != (shear is None):
+            given, missing = ("shear_modulus", "youngs_modulus_across")
+            if shear is None:
+                given, missing = missing, given
+            what = f"needs {missing} beside it; give both or none"
+            raise InputError(f"Material.{given} = {getattr(self, given):g}: {what} (Pa)")
+        if across is None:
+            if self.direction != 0.0:
+                what = "is that of a film of two moduli; give youngs_modulus_across and shear_modulus, or leave it out"
+                raise InputError(f"Material.direction = {self.direction:g}: {what} (rad)")
+        elif self.poisson_ratio**2 * across >= self.youngs_modulus:
+            most = self.youngs_modulus / self.poisson_ratio**2
+            what = f"must be below youngs_modulus/poisson_ratio^2 = {most:g}, where the film is stable"
+            raise InputError(f"Material.youngs_modulus_across = {across:g}: {what} (Pa)")
 
     @property
     def bending_stiffness(self) -> float:
@@ -72,4 +102,6 @@ class Material:
         """
         if self.softening is None:
             return self
-        return replace(self, youngs_modulus=self.youngs_modulus / self.softening, softening=None)
+        names = ("youngs_modulus", "youngs_modulus_across", "shear_modulus")
+        soft: dict[str, Any] = {name: getattr(self, name) / self.softening for name in names if getattr(self, name)}
+        return replace(self, **soft, softening=None)

@@ -58,6 +58,18 @@ class Surface(Component):
     """(m, 3) nodes of each triangle."""
 
 
+@dataclass(frozen=True)
+class Orthotropy:
+    """Moduli of a film that has two, over Young's modulus along its direction."""
+
+    direction: float
+    """In the flat shape, from the x axis on [rad]."""
+    across: float
+    """Young's modulus across the direction [-]."""
+    shear: float
+    """Shear modulus [-]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Film(Component):
     """What the membrane is made of, and what becomes of negative spring constants."""
@@ -72,6 +84,8 @@ class Film(Component):
     """[m]."""
     negative_springs: str
     """"refuse", "clip", "keep" or "unused"."""
+    orthotropy: Orthotropy | None = None
+    """None: one modulus in all directions."""
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from membrane_rs.errors import InputError
+from membrane_rs.material import Material
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.components import Film, Model, Nodes, Surface
+from membrane_rs.scene.components import Film, Model, Nodes, Orthotropy, Surface
 
 MARGIN = 0.4
 """Share of the stability limit that is taken as the step where none is given."""
@@ -137,7 +138,15 @@ def _film_of(scene: Scene) -> Film | None:
         density=material.density,
         thickness=material.thickness,
         negative_springs=scene.negative_springs or "keep",
+        orthotropy=_orthotropy_of(material),
     )
+
+
+def _orthotropy_of(material: Material) -> Orthotropy | None:
+    across, shear, along = material.youngs_modulus_across, material.shear_modulus, material.youngs_modulus
+    if across is None or shear is None:
+        return None
+    return Orthotropy(material.direction, across / along, shear / along)
 
 
 def laws_of(scene: Scene) -> list[tuple[str, dict[str, Any]]]:

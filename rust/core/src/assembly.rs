@@ -46,7 +46,8 @@ impl Assembly {
         let mut masses = model.extra_masses.clone();
         let (mut edge_stiffness, mut side_stiffness) = (Vec::new(), Vec::new());
         let film = model.film.filter(|_| !mesh.triangles.is_empty());
-        let film = film.map(|film| FilmOfTriangles::new(film, &model.regions, mesh.triangles.len())).transpose()?;
+        let film = film.map(|film| FilmOfTriangles::new(film, model.orthotropy, &model.regions, mesh.triangles.len()));
+        let film = film.transpose()?;
         if let Some(film) = &film {
             for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(|row| film.of(row).areal_density())?) {
                 *mass += share;

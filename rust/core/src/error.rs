@@ -79,6 +79,10 @@ pub enum Error {
     )]
     LimitWithoutSprings,
 
+    /// A film of two moduli with a law for one.
+    #[error("{what} represent a film of one Young's modulus, and this one has two; {remedy}")]
+    TwoModuli { what: &'static str, remedy: &'static str },
+
     /// A crease that is no edge between two triangles.
     #[error(
         "crease {crease} (nodes {nodes:?}) {reason}; a crease needs an edge with exactly two triangles of the same \

@@ -5,6 +5,7 @@ use membrane_core::model::input::{
     Bridges, ContactSet, Cord, Creases, Film, Model, Motion, NegativeSprings, OwnCrease,
 };
 use membrane_core::model::optics::{OpticalSide, Optics};
+use membrane_core::model::orthotropy::Orthotropy;
 use membrane_core::model::regions::{Region, RegionFilm};
 use membrane_core::model::schedule::Schedule;
 use membrane_core::simd::dispatch::InstructionSet;
@@ -66,6 +67,7 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         triangles: surface.array("triangles", index_rows)?,
         film,
         negative_springs,
+        orthotropy: orthotropy_of(&model.component("film")?)?,
         regions: regions_of(&model)?,
         creases: creases_of(&creases)?,
         cords: cords_of(&model.component("cords")?)?,
@@ -120,6 +122,19 @@ fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
         thickness: film.value("thickness")?,
     };
     Ok((Some(film), negative_springs))
+}
+
+/// The moduli of a film that has two, or `None`.
+fn orthotropy_of(film: &Component<'_>) -> PyResult<Option<Orthotropy>> {
+    if film.object.is_none() {
+        return Ok(None);
+    }
+    let moduli = film.component("orthotropy")?;
+    if moduli.object.is_none() {
+        return Ok(None);
+    }
+    let (direction, across, shear) = (moduli.value("direction")?, moduli.value("across")?, moduli.value("shear")?);
+    Ok(Some(Orthotropy { direction, across, shear }))
 }
 
 /// Regions whose film has properties of its own.

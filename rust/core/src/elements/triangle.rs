@@ -6,6 +6,8 @@ use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::layout::ElementSet;
 use crate::model::mesh;
+use crate::model::orthotropy::{Orthotropy, symmetric};
+use crate::model::regions::FilmOfTriangles;
 use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, negate, scale, sub, sum};
 
 /// Triangles in batches of eight, with the coefficients of their deformation gradients.
@@ -18,6 +20,9 @@ pub(crate) struct FlatTriangles {
     /// E_Y h A0 [J]; 0 in padding lanes.
     pub(crate) stiffness: Vec<F64x8>,
     pub(crate) nu: f64,
+    /// Of a film of two moduli the stiffness over E_Y in the frame of each triangle: with u and v its axes the products
+    /// uu:C:uu, vv:C:vv, uu:C:vv, uu:C:uv, vv:C:uv and uv:C:uv.
+    pub(super) moduli: Option<Vec<[F64x8; 6]>>,
 }
 
 /// A triangle free of stress in a frame of its own, with its nodes in cyclic order from the lowest internal number.
@@ -26,6 +31,8 @@ pub(crate) struct Corners {
     pub(crate) nodes: [u32; 3],
     /// The first node at the origin, the second on axis 1 [m].
     pub(crate) points: [[f64; 2]; 3],
+    /// Unit vectors of axes 1 and 2 in the reference.
+    axes: [[f64; 3]; 2],
     /// The edges opposite the corners.
     pub(crate) edges: [u32; 3],
 }
@@ -46,7 +53,9 @@ impl Corners {
             }
             let (side, normal) = (mesh::dot(u, u).sqrt(), mesh::cross(u, v));
             let apex = [mesh::dot(u, v) / side, mesh::dot(normal, normal).sqrt() / side];
-            Self { nodes, points: [[0.0; 2], [side, 0.0], apex], edges }
+            let first = u.map(|component| component / side);
+            let second = [0, 1, 2].map(|k| (v[k] - apex[0] * first[k]) / apex[1]);
+            Self { nodes, points: [[0.0; 2], [side, 0.0], apex], axes: [first, second], edges }
         })
     }
 
@@ -83,7 +92,13 @@ impl FlatTriangles {
             let [_, [side, _], [along, height]] = corners.points;
             rows.push([1.0 / side, -along / (side * height), 1.0 / height, modulus * area]);
         }
+        let moduli = assembly.film.as_ref().and_then(FilmOfTriangles::orthotropy).map(|moduli| {
+            let products: Vec<[f64; 6]> = corners.iter().map(|corners| products(moduli, nu, corners.axes)).collect();
+            let columns = [0, 1, 2, 3, 4, 5].map(|k| elements.pack(0.0, |row| products[row][k]));
+            (0..elements.batch_count()).map(|batch| columns.each_ref().map(|values| values[batch])).collect()
+        });
         Ok(Self {
+            moduli,
             p: elements.pack(1.0, |row| rows[row][0]),
             q: elements.pack(0.0, |row| rows[row][1]),
             r: elements.pack(1.0, |row| rows[row][2]),
@@ -126,11 +141,27 @@ impl FlatTriangles {
 
     /// The stress of a film without wrinkles, over E_Y.
     #[inline(always)]
-    pub(crate) fn stress<V: SimdF64>(&self, e: Tensor<V>) -> Tensor<V> {
+    pub(crate) fn stress<V: SimdF64>(&self, batch: usize, e: Tensor<V>) -> Tensor<V> {
+        if let Some(moduli) = &self.moduli {
+            let [p11, p22, p12, p1s, p2s, pss] = &moduli[batch];
+            let twice = e[2] + e[2];
+            return [
+                V::load(p11) * e[0] + V::load(p12) * e[1] + V::load(p1s) * twice,
+                V::load(p12) * e[0] + V::load(p22) * e[1] + V::load(p2s) * twice,
+                V::load(p1s) * e[0] + V::load(p2s) * e[1] + V::load(pss) * twice,
+            ];
+        }
         let shear = 1.0 / (1.0 + self.nu);
         let (nu, factor) = (V::all(self.nu), V::all(shear / (1.0 - self.nu)));
         [factor * (e[0] + nu * e[1]), factor * (e[1] + nu * e[0]), V::all(shear) * e[2]]
     }
+}
+
+/// See `FlatTriangles::moduli`.
+fn products(moduli: &Orthotropy, nu: f64, axes: [[f64; 3]; 2]) -> [f64; 6] {
+    let [u, v] = axes.map(|axis| moduli.components(axis));
+    let [uu, vv, uv] = [symmetric(u, u), symmetric(v, v), symmetric(u, v)];
+    [(uu, uu), (vv, vv), (uu, vv), (uu, uv), (vv, uv), (uv, uv)].map(|(a, b)| moduli.product(nu, a, b))
 }
 
 /// Green's strain of a deformation gradient.

@@ -30,7 +30,12 @@ impl FlatTriangles {
     }
 
     /// dS/dE of a film without wrinkles, over E_Y; rows and columns 11, 22, 12.
-    pub(crate) fn taut(&self) -> Matrix3<f64> {
+    pub(crate) fn taut(&self, batch: usize, lane: usize) -> Matrix3<f64> {
+        if let Some(moduli) = &self.moduli {
+            let [p11, p22, p12, p1s, p2s, pss] = moduli[batch].map(|values| values.0[lane]);
+            let (twice_1, twice_2) = (2.0 * p1s, 2.0 * p2s);
+            return Matrix3::new(p11, p12, twice_1, p12, p22, twice_2, p1s, p2s, 2.0 * pss);
+        }
         let nu = self.nu;
         let shear = 1.0 / (1.0 + nu);
         let factor = shear / (1.0 - nu);

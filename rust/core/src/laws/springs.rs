@@ -152,6 +152,8 @@ impl Springs {
         let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
         let buckling = Buckling { parameter, on_creases, length, crease_length };
         let assembly = context.assembly;
+        let remedy = "take the law \"triangles\" with compression = 1";
+        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("springs", remedy))?;
         let springs = assembly.edge_stiffness.iter().zip(buckling.shortenings(assembly)?);
         let springs = springs.map(|(&stiffness, (rest_length, shortening))| Spring {
             stiffness,

@@ -93,7 +93,7 @@ impl BatchKernel for StrainRateKernel<'_> {
             let batch = pass.place(place);
             let f = flat.gradient(batch, positions.read::<V>(place));
             let rate = strain_rate(f, flat.gradient(batch, velocities.read::<V>(place)));
-            let (eta, s) = (V::load(&time[batch]), flat.stress(rate));
+            let (eta, s) = (V::load(&time[batch]), flat.stress(batch, rate));
             let stress = [eta * s[0], eta * s[1], eta * s[2]];
             let twice_12 = stress[2] * rate[2] + stress[2] * rate[2];
             power -= V::load(&flat.stiffness[batch]) * (stress[0] * rate[0] + stress[1] * rate[1] + twice_12);

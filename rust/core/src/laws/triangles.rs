@@ -121,6 +121,12 @@ impl Triangles {
         buckling.check()?;
         let all_edges = edges(assembly);
         let flat = FlatTriangles::new(assembly)?;
+        if compression < 1.0 {
+            let what = "triangles that wrinkle";
+            let remedy =
+                "set compression of the triangles to 1, and let the mesh resolve wrinkles by the law \"bending\"";
+            assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus(what, remedy))?;
+        }
         let mut sides = Vec::with_capacity(assembly.mesh.triangles.len());
         let mut critical_strains = Vec::with_capacity(sides.capacity());
         for (triangle, corners) in Corners::all(assembly).enumerate() {
@@ -183,7 +189,7 @@ impl StressKernel<'_> {
             let batch = pass.place(place);
             let gradient = flat.gradient(batch, positions.read::<V>(place));
             let e = strain(gradient);
-            let stress = if WRINKLES { self.triangles.stress(batch, e) } else { flat.stress(e) };
+            let stress = if WRINKLES { self.triangles.stress(batch, e) } else { flat.stress(batch, e) };
             sums.add(place, flat.nodal_forces(batch, gradient, stress));
         }
         V::zero()
@@ -257,7 +263,7 @@ impl Linearisation for Triangles {
         let mut out = ColumnsMut::of(out);
         for (batch, f) in self.gradients(Columns::of(at.positions)) {
             let rate = self.flat.gradient(batch, self.flat.elements.read_any(p, batch));
-            let stress = self.flat.stress(strain_rate(f, rate));
+            let stress = self.flat.stress(batch, strain_rate(f, rate));
             let product = self.flat.nodal_forces(batch, f, stress).map(negate);
             self.flat.elements.add_any(&mut out, batch, product);
         }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::checks::{finite, non_negative, positive, within};
 use super::mesh::{check_finite, check_indices};
+use super::orthotropy::Orthotropy;
 use super::regions::Region;
 use super::schedule::Schedule;
 use crate::error::{Error, Result};
@@ -120,6 +121,8 @@ pub struct Model {
     pub triangles: Vec<[u32; 3]>,
     /// The film; required with triangles.
     pub film: Option<Film>,
+    /// Of a film of two moduli; E is then that along its direction.
+    pub orthotropy: Option<Orthotropy>,
     /// Regions whose film has properties of its own.
     pub regions: Vec<Region>,
     /// Treatment of negative spring constants.

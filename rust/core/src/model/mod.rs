@@ -10,6 +10,7 @@ pub mod input;
 pub mod mesh;
 pub mod names;
 pub mod optics;
+pub mod orthotropy;
 pub mod regions;
 pub mod schedule;
 mod spring_constants;

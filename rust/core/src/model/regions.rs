@@ -3,6 +3,7 @@
 use super::checks::{finite, non_negative, within};
 use super::input::Film;
 use super::optics::Optics;
+use super::orthotropy::Orthotropy;
 use crate::error::{Error, Result};
 
 /// The film of a region.
@@ -42,6 +43,8 @@ pub struct FilmOfTriangles {
     films: Vec<RegionFilm>,
     /// Index of the film of each triangle; empty without regions.
     of: Vec<u32>,
+    /// Of all films, whose moduli then are those along its direction.
+    orthotropy: Option<Orthotropy>,
 }
 
 impl From<Film> for RegionFilm {
@@ -117,8 +120,9 @@ impl FilmOfTriangles {
     ///
     /// # Errors
     /// `OutOfRange`, `TriangleOutOfRange`, `RegionsOverlap`.
-    pub fn new(film: Film, regions: &[Region], triangle_count: usize) -> Result<Self> {
+    pub fn new(film: Film, orthotropy: Option<Orthotropy>, regions: &[Region], triangle_count: usize) -> Result<Self> {
         film.check()?;
+        orthotropy.map_or(Ok(()), |moduli| moduli.check(film.poisson_ratio))?;
         let mut films = vec![RegionFilm::from(film)];
         let mut of = vec![0; if regions.is_empty() { 0 } else { triangle_count }];
         for (region, index) in regions.iter().zip(1_u32..) {
@@ -134,7 +138,7 @@ impl FilmOfTriangles {
                 }
             }
         }
-        Ok(Self { films, of })
+        Ok(Self { films, of, orthotropy })
     }
 
     /// The film of a triangle.
@@ -150,6 +154,19 @@ impl FilmOfTriangles {
     /// The same, with what it has beside its material.
     pub fn of_no_region(&self) -> &RegionFilm {
         &self.films[0]
+    }
+
+    /// The moduli, where the film has two.
+    pub fn orthotropy(&self) -> Option<&Orthotropy> {
+        self.orthotropy.as_ref()
+    }
+
+    /// Refuses two moduli for a law that has one.
+    ///
+    /// # Errors
+    /// `TwoModuli`.
+    pub fn require_one_modulus(&self, what: &'static str, remedy: &'static str) -> Result<()> {
+        if self.orthotropy.is_some() { Err(Error::TwoModuli { what, remedy }) } else { Ok(()) }
     }
 
     /// Whether there are regions.

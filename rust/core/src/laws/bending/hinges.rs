@@ -50,9 +50,11 @@ pub(super) struct HingeBending {
 
 impl HingeBending {
     /// # Errors
-    /// `CurvatureBeyondMesh`.
+    /// `CurvatureBeyondMesh`, `TwoModuli`.
     pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Result<Self> {
         let BendingParameters { stiffness, fold_limit, collapse, .. } = parameters;
+        let remedy = "take the form \"curvature\"";
+        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("hinges", remedy))?;
         let mut edges = inner_edges(assembly, fold_limit);
         edges.retain(|edge| edge.bends != [false; 2]);
         let hinges: Vec<_> = edges.iter().map(|edge| edge.hinge).collect();

@@ -11,11 +11,10 @@ impl TriangleDamping {
     }
 
     pub(in crate::laws) fn jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        let taut = self.flat.taut();
         for (batch, lane, nodes) in self.flat.elements.each() {
             let position = self.flat.single(batch, lane, nodes.map(|node| at(instant.positions, node)));
             let velocity = self.flat.single(batch, lane, nodes.map(|node| at(instant.velocities, node)));
-            let elastic = taut * self.time[batch].0[lane];
+            let elastic = self.flat.taut(batch, lane) * self.time[batch].0[lane];
             // dE/dt is bilinear in both gradients: its derivative by one is the derivative of the strain of the other.
             let (by_velocity, by_position) = (position.strain_derivative(), velocity.strain_derivative());
             let ([f1, f2], [g1, g2]) = (position.gradient, velocity.gradient);

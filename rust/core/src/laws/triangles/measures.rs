@@ -33,7 +33,7 @@ impl Triangles {
         let of_batch = |(batch, gradient): (usize, [Vec3; 2])| {
             let e = strain(gradient);
             let (mean, spread) = principal(e);
-            let Wrinkles { second, first, .. } = self.wrinkles(batch, self.flat.stress(e));
+            let Wrinkles { second, first, .. } = self.wrinkles(batch, self.flat.stress(batch, e));
             let state = second.below(zero, wrinkles, zero) + first.below(zero, wrinkles, zero);
             let [side_0, side_1, side_2] = self.flat.side_strains(batch, e);
             [mean + spread, mean - spread, state, side_0, side_1, side_2]

@@ -28,8 +28,8 @@ impl Triangles {
 
     /// dS/dE over E_Y; rows and columns 11, 22, 12.
     fn material_tangent(&self, batch: usize, lane: usize, strain: [F64x8; 3]) -> Matrix3<f64> {
-        let taut = self.flat.taut();
-        let Wrinkles { second, first, stress, spread } = self.wrinkles(batch, self.flat.stress(strain));
+        let taut = self.flat.taut(batch, lane);
+        let Wrinkles { second, first, stress, spread } = self.wrinkles(batch, self.flat.stress(batch, strain));
         let [second, first, spread] = [second, first, spread].map(|lanes| lanes.0[lane]);
         if second >= 0.0 {
             return taut;

@@ -37,7 +37,7 @@ impl Triangles {
     /// Stress over E_Y, with wrinkles.
     #[inline(always)]
     pub(super) fn stress<V: SimdF64>(&self, batch: usize, e: Tensor<V>) -> Tensor<V> {
-        let s = self.flat.stress(e);
+        let s = self.flat.stress(batch, e);
         let Wrinkles { second, first, stress, spread } = self.wrinkles(batch, s);
         // The change of the principal stresses by wrinkles: half its sum, and half its difference.
         let half = V::all(0.5 * (self.compression - 1.0));
@@ -50,7 +50,7 @@ impl Triangles {
 
     /// Energy of a batch over E_Y h A0.
     pub(super) fn density(&self, batch: usize, e: Tensor) -> F64x8 {
-        let s = self.flat.stress(e);
+        let s = self.flat.stress(batch, e);
         let Wrinkles { second, first, .. } = self.wrinkles(batch, s);
         let [one, half, nu] = [1.0, 0.5, self.flat.nu].map(F64x8::all);
         let taut = half * (s[0] * e[0] + s[1] * e[1]) + s[2] * e[2];
@@ -148,7 +148,7 @@ mod tests {
                     // At a discontinuity of the second derivative the error is of the order of the step.
                     assert!((derivative - expected).abs() < 2.0 * step, "{e:?}: {derivative} {expected}");
                 }
-                let wrinkles = law.wrinkles(0, law.flat.stress(tensor(e)));
+                let wrinkles = law.wrinkles(0, law.flat.stress(0, tensor(e)));
                 let [second, first] = [wrinkles.second, wrinkles.first].map(|lanes| usize::from(lanes.0[0] < 0.0));
                 seen[second + first] = true;
             }

@@ -1,4 +1,5 @@
-//! The constants of one triangle.
+//! The constants of one triangle. With n_i the normals of its edges, a film of two moduli has in place of
+//! (1 - nu) c_ij^2 + nu the product (1 - nu^2) n_i n_i : C/E : n_j n_j.
 
 use super::PLACES;
 use crate::assembly::Assembly;
@@ -7,6 +8,7 @@ use crate::error::Result;
 use crate::laws::bending::BendingParameters;
 use crate::laws::bending::edges::{InnerEdge, natural_fold};
 use crate::model::mesh;
+use crate::model::orthotropy::symmetric;
 
 /// One element.
 pub(super) struct Element {
@@ -29,7 +31,8 @@ impl Element {
         assembly: &Assembly,
         edges: &[Option<InnerEdge>],
     ) -> Result<Option<Self>> {
-        let Some(film) = assembly.film.as_ref().map(|films| films.of(triangle)) else { return Ok(None) };
+        let Some(films) = &assembly.film else { return Ok(None) };
+        let film = films.of(triangle);
         let BendingParameters { stiffness, collapse, .. } = parameters;
         let (nodes, own_edges) = (assembly.mesh.triangles[triangle], assembly.mesh.triangle_edges[triangle]);
         let points = nodes.map(|node| assembly.mesh.reference[node as usize]);
@@ -61,7 +64,14 @@ impl Element {
                 let (i, j) = (own(i), own(j));
                 let cosine = mesh::dot(sides[i], sides[j]) / (lengths[i] * lengths[j]);
                 let (nu, square) = (film.film.poisson_ratio, if i == j { 1.0 } else { cosine * cosine });
-                stiffness[place] = rigidity * factors[i] * factors[j] * ((1.0 - nu) * square + nu);
+                let share = films.orthotropy().map_or((1.0 - nu) * square + nu, |moduli| {
+                    let normal = |k: usize| {
+                        let [along, across] = moduli.components(sides[k]).map(|component| component / lengths[k]);
+                        symmetric([-across, along], [-across, along])
+                    };
+                    (1.0 - nu * nu) * moduli.product(nu, normal(i), normal(j))
+                });
+                stiffness[place] = rigidity * factors[i] * factors[j] * share;
             }
         }
         let external = std::array::from_fn(|k| if k < 3 { nodes[own(k)] } else { apexes[own(k - 3)] });
