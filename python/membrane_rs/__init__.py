@@ -52,7 +52,7 @@ if TYPE_CHECKING:
         Springs,
         Triangles,
     )
-    from membrane_rs.scene.parts import Bridges, Fixed, Moved, Tether, Tethers, TipMasses
+    from membrane_rs.scene.parts import Boltrope, Bridges, Cord, Fixed, Moved, Tether, Tethers, TipMasses
     from membrane_rs.scene.run_settings import RunSettings
     from membrane_rs.scene.schedule import Schedule
     from membrane_rs.scene.stage import Stage
@@ -64,7 +64,9 @@ __all__ = [
     "AirDrag",
     "AuditWarning",
     "Bending",
+    "Boltrope",
     "Bridges",
+    "Cord",
     "Creases",
     "Cylinder",
     "DisplayError",
@@ -154,7 +156,7 @@ _PLACES = {
         "Springs",
         "Triangles",
     ),
-    "membrane_rs.scene.parts": ("Bridges", "Fixed", "Moved", "Tether", "Tethers", "TipMasses"),
+    "membrane_rs.scene.parts": ("Boltrope", "Bridges", "Cord", "Fixed", "Moved", "Tether", "Tethers", "TipMasses"),
     "membrane_rs.scene.run_settings": ("RunSettings",),
     "membrane_rs.scene.schedule": ("Schedule",),
     "membrane_rs.scene.stage": ("Stage",),

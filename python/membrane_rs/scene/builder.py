@@ -23,7 +23,7 @@ from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
 
 @dataclass(frozen=True)
 class Cord:
-    """A chain of equal segments, each a spring that buckles at once."""
+    """A chain of segments, each a spring that buckles."""
 
     segments: int
     length: float
@@ -34,11 +34,15 @@ class Cord:
     """Mass per length [kg/m]."""
     strain_limit: float
     """Of a segment; a run stops beyond it."""
+    critical_strain: float = 0.0
+    """Compressive strain at which a segment buckles [-]; 0: it bears tension alone."""
+    shares: Floats | None = None
+    """(segments,) share of each in the length [-]; None: all are equal."""
 
     @property
-    def rest_length(self) -> float:
-        """Of a segment without load [m]."""
-        return self.length / self.segments
+    def rest_lengths(self) -> Floats:
+        """(segments,) of the segments without load [m]."""
+        return np.full(self.segments, self.length / self.segments) if self.shares is None else self.length * self.shares
 
 
 class Builder:
@@ -141,7 +145,7 @@ class Builder:
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
         nodes = np.arange(self.node_count, self.node_count + cord.segments + 1)
-        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1), positions)
+        return self.append(cord, where, nodes, np.linspace(start, flat, cord.segments + 1), positions)
 
     def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int, path: Floats | None = None) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.
@@ -168,14 +172,41 @@ class Builder:
                 positions = cord_along(np.vstack([start, between, stowed]), cord.length, cord.segments)
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
-        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1)[:count], positions[:count])
+        return self.append(cord, where, nodes, np.linspace(start, flat, cord.segments + 1)[:count], positions[:count])
 
-    def _append(self, cord: Cord, nodes: Ints, reference: Floats, positions: Floats) -> Ints:
-        """Append a cord of these nodes, with positions of those that are new. Raises SceneError for taken names."""
-        name = f"tether-{len(self._cords)}"
-        for key, value in {name: nodes, f"{name}-start": nodes[:1], f"{name}-end": nodes[-1:]}.items():
+    def place_of(self, node: int) -> tuple[Floats, Floats]:
+        """Where a node is in the flat shape and at the start, (3,) each [m]."""
+        for reference, positions in zip(self._reference, self._positions, strict=True):
+            if node < len(reference):
+                return reference[node], positions[node]
+            node -= len(reference)
+        raise IndexError(node)
+
+    def append(
+        self,
+        cord: Cord,
+        where: str,
+        nodes: Ints,
+        reference: Floats,
+        positions: Floats,
+        *,
+        kind: str = "tether",
+        name: str | None = None,
+    ) -> Ints:
+        """Append a cord of these nodes, with places of those that are new; its node sets have its name, if it has one,
+        in place of "<kind>-<k>".
+
+        Raises
+        ------
+        SceneError
+            A node set that has one of these names already.
+        """
+        own = name or f"{kind}-{len(self._cords)}"
+        for key, value in {own: nodes, f"{own}-start": nodes[:1], f"{own}-end": nodes[-1:]}.items():
+            if key in self.node_sets and name is None:
+                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a {kind}; rename the set")
             if key in self.node_sets:
-                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a tether; rename the set")
+                raise SceneError(f"{where}.name = {name!r}: there is a node set {key!r} already; rename one of them")
             self.node_sets[key] = value
         self._reference.append(reference)
         self._positions.append(positions)
@@ -266,7 +297,7 @@ class Builder:
     def _extra_masses(self) -> Floats:
         masses = np.zeros(self.node_count)
         for cord, nodes in self._cords:
-            half = 0.5 * cord.linear_density * cord.rest_length
+            half = 0.5 * cord.linear_density * cord.rest_lengths
             masses[nodes[:-1]] += half
             masses[nodes[1:]] += half
         for nodes, mass in self._masses:
@@ -278,12 +309,13 @@ class Builder:
         cords = [cord for cord, _ in self._cords]
         counts = [cord.segments for cord in cords]
         pairs = [np.column_stack([nodes[:-1], nodes[1:]]) for _, nodes in self._cords]
-        rest = np.repeat([cord.rest_length for cord in cords], counts)
+        rest = np.concatenate([np.zeros(0), *(cord.rest_lengths for cord in cords)])
         return Cords(
             nodes=np.vstack([np.zeros((0, 2), np.int64), *pairs]),
             stiffness=np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
             rest_length=rest,
             strain_limit=np.repeat([cord.strain_limit for cord in cords], counts),
+            critical_strain=np.repeat([cord.critical_strain for cord in cords], counts),
         )
 
 

@@ -103,7 +103,7 @@ class Creases(Component):
 
 @dataclass(frozen=True, eq=False)
 class Cords(Component):
-    """Cord segments, one after the other; each bears tension alone.
+    """Cord segments, one after the other; each bears tension alone, unless it buckles later.
 
     Attributes
     ----------
@@ -115,6 +115,8 @@ class Cords(Component):
         l, without load [m].
     strain_limit : (s,) float
         Strain at which a run stops [-].
+    critical_strain : (s,) float
+        Compressive strain at which it buckles [-]; 0: it bears tension alone.
 
     Examples
     --------
@@ -128,6 +130,7 @@ class Cords(Component):
     stiffness: Floats
     rest_length: Floats
     strain_limit: Floats
+    critical_strain: Floats
 
     def __len__(self) -> int:
         """How many segments."""

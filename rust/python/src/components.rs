@@ -123,17 +123,17 @@ fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
 /// The segments of the tethers.
 fn cords_of(cords: &Component<'_>) -> PyResult<Vec<Cord>> {
     let nodes = cords.array("nodes", index_rows)?;
-    let columns = ["stiffness", "rest_length", "strain_limit"].map(|name| cords.array(name, numbers));
-    let [stiffness, rest_length, strain_limit] = columns;
-    let (stiffness, rest_length, strain_limit) = (stiffness?, rest_length?, strain_limit?);
-    if [&stiffness, &rest_length, &strain_limit].iter().any(|column| column.len() != nodes.len()) {
+    let names = ["stiffness", "rest_length", "strain_limit", "critical_strain"];
+    let columns = names.into_iter().map(|name| cords.array(name, numbers)).collect::<PyResult<Vec<_>>>()?;
+    if columns.iter().any(|column| column.len() != nodes.len()) {
         return Err(wrong_value("the arrays of the cords must have equally many rows".to_owned()));
     }
     let cord = |(row, nodes)| Cord {
         nodes,
-        stiffness: stiffness[row],
-        rest_length: rest_length[row],
-        strain_limit: strain_limit[row],
+        stiffness: columns[0][row],
+        rest_length: columns[1][row],
+        strain_limit: columns[2][row],
+        critical_strain: columns[3][row],
     };
     Ok(nodes.into_iter().enumerate().map(cord).collect())
 }

@@ -168,7 +168,7 @@ impl Springs {
         let cords = context.assembly.model.cords.iter().map(|cord| Spring {
             stiffness: cord.stiffness,
             rest_length: cord.rest_length,
-            critical_length: cord.rest_length,
+            critical_length: cord.rest_length * (1.0 - cord.critical_strain),
             strain_limit: cord.strain_limit,
         });
         Self::in_batches("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())

@@ -32,8 +32,8 @@ pub enum NegativeSprings {
     Unused,
 }
 
-/// A tension-only spring between two nodes: a segment of a tether.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A spring between two nodes that buckles: a segment of a cord.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cord {
     /// Its ends.
     pub nodes: [u32; 2],
@@ -43,6 +43,8 @@ pub struct Cord {
     pub rest_length: f64,
     /// Strain at which a run stops.
     pub strain_limit: f64,
+    /// Compressive strain at which it buckles, from 0 (tension alone) to 1 (never).
+    pub critical_strain: f64,
 }
 
 /// Edges along which the film is folded.
@@ -190,7 +192,9 @@ impl Cord {
     fn check(&self) -> Result<()> {
         positive("stiffness of a cord [N/m]", self.stiffness)?;
         positive("rest length of a cord [m]", self.rest_length)?;
-        positive("strain limit of a cord", self.strain_limit)
+        positive("strain limit of a cord", self.strain_limit)?;
+        let is_share = (0.0..=1.0).contains(&self.critical_strain);
+        within("critical strain of a cord", self.critical_strain, is_share, "it lies between 0 and 1")
     }
 }
 
