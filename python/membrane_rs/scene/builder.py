@@ -19,6 +19,7 @@ from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import ContactSet, Cords, Creases, Layers, Links, Motion
 from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
+from membrane_rs.scene.schedule import Schedule
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class Cord:
     """Compressive strain at which a segment buckles [-]; 0: it bears tension alone."""
     shares: Floats | None = None
     """(segments,) share of each in the length [-]; None: all are equal."""
+    winch: Schedule | None = None
+    """Factor of the length as a function of time [-]."""
 
     @property
     def rest_lengths(self) -> Floats:
@@ -310,12 +313,17 @@ class Builder:
         counts = [cord.segments for cord in cords]
         pairs = [np.column_stack([nodes[:-1], nodes[1:]]) for _, nodes in self._cords]
         rest = np.concatenate([np.zeros(0), *(cord.rest_lengths for cord in cords)])
+        wound = [k for k, cord in enumerate(cords) if cord.winch is not None]
+        firsts = np.cumsum([0, *counts])
+        winch = [(segment, j) for j, k in enumerate(wound) for segment in range(firsts[k], firsts[k + 1])]
         return Cords(
             nodes=np.vstack([np.zeros((0, 2), np.int64), *pairs]),
             stiffness=np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
             rest_length=rest,
             strain_limit=np.repeat([cord.strain_limit for cord in cords], counts),
             critical_strain=np.repeat([cord.critical_strain for cord in cords], counts),
+            winch=np.array(winch, np.int64).reshape(-1, 2),
+            winches=tuple(cord.winch for cord in cords if cord.winch is not None),
         )
 
 

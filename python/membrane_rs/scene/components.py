@@ -117,6 +117,10 @@ class Cords(Component):
         Strain at which a run stops [-].
     critical_strain : (s,) float
         Compressive strain at which it buckles [-]; 0: it bears tension alone.
+    winch : (w, 2) int
+        Segments whose length changes with time, and the number of the schedule that each follows.
+    winches : sequence of Schedule
+        Factors of the length without load [-].
 
     Examples
     --------
@@ -131,6 +135,8 @@ class Cords(Component):
     rest_length: Floats
     strain_limit: Floats
     critical_strain: Floats
+    winch: Ints
+    winches: Sequence[Schedule]
 
     def __len__(self) -> int:
         """How many segments."""
@@ -261,3 +267,5 @@ class Model:
     layers: Layers
     motions: Sequence[Motion] = ()
     """Of nodes that move as prescribed; no node follows two."""
+    winches: Sequence[Schedule] = ()
+    """Factors of the lengths of cords [-]."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -34,7 +34,10 @@ from membrane_rs.scene.cords import cord_positions
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import Doubt
+from membrane_rs.scene.schedule import Schedule
 
+SHORTEST = 0.01
+"""Least factor of the length of a cord [-]: its segments become stiffer by the inverse of it."""
 _ONE_OF_SET = re.compile(r"(?P<name>.+)(?:\[(?P<index>-?\d{1,10})\]|@(?P<share>\d*\.?\d+))")
 """A node of a node set, by its index or by its share of the way along it."""
 
@@ -65,6 +68,9 @@ class Cord(Corded):
         True: a start that is a point is fixed in the turning frame, as on a hub.
     strain_limit : float
         A run stops when a segment is stretched beyond this strain [-], above 0.
+    length_factor : Schedule or None
+        Factor of the length without load as a function of time [-], as a winch hauls the cord in or pays it out, with
+        all its segments alike; at least 0.01. EA and the masses stay. Such a cord has no dashpots. By keyword alone.
 
     Raises
     ------
@@ -92,11 +98,17 @@ class Cord(Corded):
     length: Annotated[Positive | None, Unit("m")] = None
     fixed: Flag = True
     strain_limit: Positive = 0.1
+    length_factor: Schedule | None = field(default=None, kw_only=True)
+    working_law: ClassVar[str | None] = "winches"
 
     def __post_init__(self) -> None:
-        """Check the ends against each other."""
+        """Check the ends against each other, and the length against its bound."""
         if self.start == self.end:
             raise InputError(f"Cord.end = {show(self.end)}: must differ from start")
+        least = min(self.length_factor.values) if self.length_factor is not None else 1.0
+        if least < SHORTEST:
+            what = f"must be at least {SHORTEST:g}: a cord is not hauled in to its end"
+            raise InputError(f"Cord.length_factor.values: {least:g}: {what}")
 
     def add_nodes(self, builder: Builder, where: str) -> None:
         """Add the cord, and hold its start if that is a point.
@@ -117,10 +129,11 @@ class Cord(Corded):
         if length == 0.0:
             what = "lies where the cord starts in the flat shape; give the cord a length"
             raise SceneError(f"{where}.end = {show(self.end)}: {what} (m)")
+        hauled = length if self.length_factor is None else length * self.length_factor.at(0.0)
         span = float(np.linalg.norm(stowed_end - stowed_start))
-        if span > length * (1.0 + self.strain_limit):
+        if span > hauled * (1.0 + self.strain_limit):
             what = f"its places are {span:.6g} m apart at the start, beyond its strain_limit; give it a greater length"
-            raise SceneError(f"{where}.length = {self.length}: a cord of {length:.6g} m: {what} (m)")
+            raise SceneError(f"{where}.length = {self.length}: a cord of {hauled:.6g} m: {what} (m)")
         own = slice(int(start is not None), self.segments + int(end is None))
         count = own.stop - own.start
         builder.check_room(where, self.segments, count)
@@ -128,11 +141,10 @@ class Cord(Corded):
         nodes = np.array([*([] if start is None else [start]), *new, *([] if end is None else [end])], np.int64)
         positions = np.vstack([stowed_start, stowed_end])
         if self.segments > 1:
-            positions = cord_positions(stowed_start, stowed_end, length, self.segments)
+            positions = cord_positions(stowed_start, stowed_end, hauled, self.segments)
         reference = np.linspace(flat_start, flat_end, self.segments + 1)
-        builder.append(
-            cord_of(self, length), where, nodes, reference[own], positions[own], kind=self.kind, name=self.name
-        )
+        cord = replace(cord_of(self, length), winch=self.length_factor)
+        builder.append(cord, where, nodes, reference[own], positions[own], kind=self.kind, name=self.name)
         if self.fixed and start is None:
             builder.fix(nodes[:1])
 

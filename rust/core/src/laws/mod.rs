@@ -31,6 +31,7 @@ pub(crate) mod spring_damping;
 pub(crate) mod springs;
 mod triangle_damping;
 mod triangles;
+mod winches;
 
 use std::sync::Arc;
 

@@ -45,6 +45,15 @@ pub struct Cord {
     pub strain_limit: f64,
     /// Compressive strain at which it buckles, from 0 (tension alone) to 1 (never).
     pub critical_strain: f64,
+    /// The winch of its cord, by its number in `Model::winches`; `None`: its length stays as it is.
+    pub winch: Option<usize>,
+}
+
+impl Cord {
+    /// The constant of the spring that it is \[N/m\]; 0 where a winch hauls it in, whose law has its force.
+    pub fn spring_constant(&self) -> f64 {
+        if self.winch.is_some() { 0.0 } else { self.stiffness }
+    }
 }
 
 /// Edges along which the film is folded.
@@ -110,6 +119,8 @@ pub struct Model {
     pub creases: Creases,
     /// Segments of tethers.
     pub cords: Vec<Cord>,
+    /// Schedules of winches: factors of the lengths of cords.
+    pub winches: Vec<Schedule>,
     /// Node pairs held together.
     pub bridges: Bridges,
     /// Nodes in contact with the spool.
@@ -141,7 +152,18 @@ impl Model {
         self.check_layers()?;
         self.bridges.check(n)?;
         check_indices("cord", &self.cord_nodes(), n)?;
-        self.cords.iter().try_for_each(Cord::check)
+        self.cords.iter().try_for_each(Cord::check)?;
+        self.check_winches()
+    }
+
+    /// Refuses winches that are not there, and lengths that are not above zero.
+    fn check_winches(&self) -> Result<()> {
+        for winch in self.cords.iter().filter_map(|cord| cord.winch) {
+            let is_there = winch < self.winches.len();
+            within("number of the winch of a cord", winch as f64, is_there, "it must be that of a schedule")?;
+        }
+        let mut factors = self.winches.iter().flat_map(Schedule::values);
+        factors.try_for_each(|&factor| positive("factor of the length of a cord", factor))
     }
 
     /// Refuses layers of triangles that are not there.
