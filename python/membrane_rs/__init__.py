@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws import (
         AirDrag,
         Bending,
+        CordDrag,
         Creases,
         Gravity,
         MassDamping,
@@ -67,6 +68,7 @@ __all__ = [
     "Boltrope",
     "Bridges",
     "Cord",
+    "CordDrag",
     "Creases",
     "Cylinder",
     "DisplayError",
@@ -143,6 +145,7 @@ _PLACES = {
     "membrane_rs.scene.laws": (
         "AirDrag",
         "Bending",
+        "CordDrag",
         "Creases",
         "Gravity",
         "MassDamping",

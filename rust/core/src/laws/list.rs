@@ -118,6 +118,8 @@ laws! {
     "bending" Bending(bending::BendingParameters),
     /// Drag of the residual air, eq. (5).
     "air_drag" AirDrag(air_drag::AirDragParameters),
+    /// Drag of air across cords.
+    "cord_drag" CordDrag(cord_drag::CordDragParameters),
     /// The frame that turns with the hub.
     "spin" Spin(rotating_frame::SpinParameters),
     /// Weight, fixed in inertial space.

@@ -12,23 +12,20 @@
 //! Where r' jumps no step crosses, so that the work has the order of the method. What a jump of r changes of U is
 //! recorded as a change (`simulation::jumps`). The masses of the nodes stay as they are.
 
+use super::segments::{Ends, Segments};
 use super::{Excess, Inspection, Instant, Kernels, Law, Linearisation, LinkReadings, Properties, WorkClass};
-use crate::arrays::blocks::{rows_of, tiles};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, of_link};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::model::input::Cord;
 use crate::model::schedule::Schedule;
 
-/// The law: the segments, by the lower of their two nodes.
+/// The law.
 pub(super) struct Winches {
-    segments: Vec<Segment>,
+    segments: Segments<Segment>,
     schedules: Vec<Schedule>,
     /// The smallest value of each schedule.
     least: Vec<f64>,
-    /// See `Law::reach`, by tiles.
-    reach: Vec<usize>,
-    node_count: usize,
 }
 
 /// A segment.
@@ -48,6 +45,12 @@ struct Segment {
 
 /// Unstretched length over that at f = 1, and its rate \[1/s\].
 type Hauled = [f64; 2];
+
+impl Ends for Segment {
+    fn ends(&self) -> [u32; 2] {
+        self.nodes
+    }
+}
 
 impl Segment {
     /// Its length without load \[m\].
@@ -79,7 +82,7 @@ impl Segment {
 impl Winches {
     /// The law of the cords of a scene that have a winch; `None` without one.
     pub(super) fn new(assembly: &Assembly) -> Option<Self> {
-        let (model, node_count) = (&assembly.model, assembly.masses.len());
+        let model = &assembly.model;
         let wound = model.cords.iter().filter_map(|cord| Some((cord, cord.winch?)));
         let of_cord = |(place, (cord, winch)): (usize, (&Cord, usize))| {
             let [a, b] = assembly.numbering.to_internal(cord.nodes);
@@ -87,28 +90,15 @@ impl Winches {
             let nodes = [a.min(b), a.max(b)];
             Segment { nodes, place, axial_stiffness, length, strain_limit: cord.strain_limit, winch }
         };
-        let mut segments: Vec<Segment> = wound.enumerate().map(of_cord).collect();
-        segments.sort_by_key(|segment| segment.nodes);
-        let mut own = Self {
-            segments,
+        let segments: Vec<Segment> = wound.enumerate().map(of_cord).collect();
+        let is_none = segments.is_empty();
+        let least = |f: &Schedule| f.values().iter().copied().fold(f64::INFINITY, f64::min);
+        let own = Self {
+            segments: Segments::new(segments, assembly.masses.len()),
             schedules: model.winches.clone(),
-            least: model.winches.iter().map(|f| f.values().iter().copied().fold(f64::INFINITY, f64::min)).collect(),
-            reach: Vec::new(),
-            node_count,
+            least: model.winches.iter().map(least).collect(),
         };
-        let mut reach = 0;
-        for tile in tiles(node_count) {
-            reach = own.of_tile(tile).iter().map(|segment| segment.nodes[1] as usize + 1).fold(reach, usize::max);
-            own.reach.push(reach);
-        }
-        (!own.segments.is_empty()).then_some(own)
-    }
-
-    /// The segments of a tile.
-    fn of_tile(&self, tile: usize) -> &[Segment] {
-        let rows = rows_of(tile, self.node_count);
-        let place = |row: usize| self.segments.partition_point(|segment| (segment.nodes[0] as usize) < row);
-        &self.segments[place(rows.start)..place(rows.end)]
+        (!is_none).then_some(own)
     }
 
     fn hauled(&self, at: Instant<'_>) -> Vec<Hauled> {
@@ -120,7 +110,7 @@ impl Winches {
     fn strains(&self, at: Instant<'_>) -> Vec<(&Segment, f64)> {
         let hauled = self.hauled(at);
         let strain = |segment: &Segment| segment.span(at.positions) / segment.rest(&hauled) - 1.0;
-        let mut found: Vec<_> = self.segments.iter().map(|segment| (segment, strain(segment))).collect();
+        let mut found: Vec<_> = self.segments.all().iter().map(|segment| (segment, strain(segment))).collect();
         found.sort_by_key(|(segment, _)| segment.place);
         found
     }
@@ -137,13 +127,13 @@ impl Law for Winches {
     }
 
     fn reach(&self, tile: usize) -> usize {
-        self.reach.get(tile).copied().unwrap_or(usize::MAX)
+        self.segments.reach(tile)
     }
 
     fn add_to_tile(&mut self, tile: usize, instant: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let hauled = self.hauled(instant);
         let mut power = 0.0;
-        for segment in self.of_tile(tile) {
+        for segment in self.segments.of_tile(tile) {
             let [a, b] = segment.nodes;
             let d = at(instant.positions, b) - at(instant.positions, a);
             let l = d.norm();
@@ -167,7 +157,7 @@ impl Law for Winches {
             let strain = segment.strain(&hauled, segment.span(at.positions));
             0.5 * segment.axial_stiffness * strain * strain * segment.rest(&hauled)
         };
-        self.segments.iter().map(of_segment).sum()
+        self.segments.all().iter().map(of_segment).sum()
     }
 
     fn jumps(&self) -> Vec<f64> {
@@ -191,7 +181,7 @@ impl Linearisation for Winches {
     /// With every segment taut, and as short without load as it will be, when it is stiffest.
     fn add_stiffness_product(&self, instant: Instant<'_>, p: &NodeVectors, out: &mut NodeVectors) {
         let hauled = self.hauled(instant);
-        for segment in &self.segments {
+        for segment in self.segments.all() {
             let [a, b] = segment.nodes;
             let strain = segment.strain(&hauled, segment.span(instant.positions));
             let stiffest = segment.axial_stiffness / (segment.length * self.least[segment.winch]);
@@ -205,12 +195,12 @@ impl Linearisation for Winches {
     }
 
     fn visit_couplings(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.segments.iter().for_each(|segment| visit(&segment.nodes));
+        self.segments.all().iter().for_each(|segment| visit(&segment.nodes));
     }
 
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         let hauled = self.hauled(instant);
-        for segment in &self.segments {
+        for segment in self.segments.all() {
             let strain = segment.strain(&hauled, segment.span(instant.positions));
             if strain > 0.0 {
                 let stiffness = segment.axial_stiffness / segment.rest(&hauled);
