@@ -197,6 +197,13 @@ def test_scene_files_hold_cords(tmp_path: Path) -> None:
     assert scene.assemble().node_sets["cord-1"].tolist() == [2, 5, 4]
 
 
+def test_a_strut_bears_compression() -> None:
+    strut = Cord((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1, 50.0, 0.1, critical_strain=1.0, name="strut")
+    sim = Simulation(Scene(None, None, [PointForces("strut-end", (-1.0, 0.0, 0.0))], [strut]))
+    sim.positions = np.array([[0.0, 0.0, 0.0], [0.98, 0.0, 0.0]])
+    assert np.abs(sim.forces()[1]).max() < 1e-12
+
+
 RISER = Cord((0.0, 0.0, 1.0), (0.0, 0.0, 0.5), **ROPE, name="riser")
 
 

@@ -71,11 +71,14 @@ class Cord(Corded):
     length_factor : Schedule or None
         Factor of the length without load as a function of time [-], as a winch hauls the cord in or pays it out, with
         all its segments alike; at least 0.01. EA and the masses stay. Such a cord has no dashpots. By keyword alone.
+    critical_strain : float
+        Compressive strain at which its segments buckle [-], beyond which their force is constant. 0: they bear tension
+        alone; 1, for a strut of one segment: never. 0 with `length_factor`. By keyword alone.
 
     Raises
     ------
     InputError, InputTypeError
-        A value outside its range, or of a wrong type; two ends that are one.
+        A value outside its range, or of a wrong type; two ends that are one; a critical strain with `length_factor`.
 
     Examples
     --------
@@ -99,6 +102,7 @@ class Cord(Corded):
     fixed: Flag = True
     strain_limit: Positive = 0.1
     length_factor: Schedule | None = field(default=None, kw_only=True)
+    critical_strain: Fraction = field(default=0.0, kw_only=True)
     working_law: ClassVar[str | None] = "winches"
 
     def __post_init__(self) -> None:
@@ -109,6 +113,9 @@ class Cord(Corded):
         if least < SHORTEST:
             what = f"must be at least {SHORTEST:g}: a cord is not hauled in to its end"
             raise InputError(f"Cord.length_factor.values: {least:g}: {what}")
+        if self.length_factor is not None and self.critical_strain > 0.0:
+            what = "must be 0 with length_factor: a cord on a winch bears tension alone"
+            raise InputError(f"Cord.critical_strain = {self.critical_strain:g}: {what}")
 
     def add_nodes(self, builder: Builder, where: str) -> None:
         """Add the cord, and hold its start if that is a point.
@@ -143,7 +150,7 @@ class Cord(Corded):
         if self.segments > 1:
             positions = cord_positions(stowed_start, stowed_end, hauled, self.segments)
         reference = np.linspace(flat_start, flat_end, self.segments + 1)
-        cord = replace(cord_of(self, length), winch=self.length_factor)
+        cord = replace(cord_of(self, length), winch=self.length_factor, critical_strain=self.critical_strain)
         builder.append(cord, where, nodes, reference[own], positions[own], kind=self.kind, name=self.name)
         if self.fixed and start is None:
             builder.fix(nodes[:1])
