@@ -126,8 +126,11 @@ def test_a_length_of_nothing_is_refused() -> None:
 
 
 def test_a_winch_hauls_in_no_strut() -> None:
-    strut = {"critical_strain": 1.0}
-    refused(lambda: hauled(Schedule([0.0], [1.0]), **strut), InputError, r"Cord\.critical_strain = 1: must be 0 with")
+    refused(
+        lambda: hauled(Schedule([0.0], [1.0]), critical_strain=1.0),
+        InputError,
+        r"Cord\.critical_strain = 1: must be 0 with",
+    )
 
 
 def test_the_default_step_is_that_of_the_shortest_length() -> None:
