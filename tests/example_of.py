@@ -8,8 +8,8 @@ from typing import Annotated, Any, get_args, get_origin
 from membrane_rs import Schedule
 
 LENGTH, COUNT = 0.1, 4
-BESIDE_OTHERS = ("torque",)
-"""Fields that a class refuses without another one."""
+BESIDE_OTHERS = ("torque", "length_factor")
+"""Fields for a schedule that a class refuses without another field, or with the values that are made here."""
 
 
 ONE_OF_SEVERAL: dict[str, dict[str, Any]] = {"region": {"nodes": "some_name"}, "crease_set": {"stiffness": 2.0}}

@@ -108,13 +108,11 @@ def test_forces_are_the_slope_of_the_energy() -> None:
 @pytest.mark.parametrize("method", ["rk4", "leapfrog", "generalized_alpha"])
 def test_a_softened_film_keeps_its_moments_and_runs(method: str) -> None:
     mesh = crumpled(1e-5)
+    laws = [PLATE, Bending("curvature"), SpringDamping()]
     plain, soft = (
-        Simulation(
-            Scene(mesh, replace(FIBRES, softening=factor), [PLATE, Bending("curvature"), SpringDamping()], [Fixed([0])]),
-            method, 2e-7,
-        )
+        Simulation(Scene(mesh, replace(FIBRES, softening=factor), laws, [Fixed([0])]), method, 2e-7)
         for factor in (None, 8.0)
-    )  # fmt: skip
+    )
     assert_allclose(soft.forces("bending"), plain.forces("bending"), atol=1e-12 * np.abs(plain.forces("bending")).max())
     assert_allclose(soft.forces("triangles"), plain.forces("triangles") / 8.0, rtol=1e-9, atol=1e-15)
     plain.step(20)
@@ -126,7 +124,7 @@ def test_scene_files_hold_both_moduli(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(
         '[mesh]\nfile = "mesh.npz"\n[material]\nyoungs_modulus = "3.2 GPa"\npoisson_ratio = 0.3\ndensity = 1420\n'
         'thickness = "7.5 um"\nyoungs_modulus_across = "0.8 GPa"\nshear_modulus = "500 MPa"\ndirection = 0.4\n'
-        "[laws.triangles]\ncompression = 1.0\n[[parts]]\nkind = \"fixed\"\nnodes = [0]\n"
+        '[laws.triangles]\ncompression = 1.0\n[[parts]]\nkind = "fixed"\nnodes = [0]\n'
     )
     assert Scene.from_toml(tmp_path / "scene.toml").material == FIBRES
 
@@ -140,7 +138,7 @@ def test_scene_files_hold_both_moduli(tmp_path: Path) -> None:
         (lambda: replace(FIBRES, youngs_modulus_across=4e10), "must be below youngs_modulus/poisson_ratio"),
         (lambda: replace(FIBRES, shear_modulus=-1.0), "must be greater than 0"),
         (lambda: Simulation(Scene(irregular(), FIBRES, [Springs()], [Fixed([0])])), "springs represent a film of one"),
-        (lambda: Simulation(Scene(irregular(), FIBRES, [Triangles()], [Fixed([0])])), "compression of the triangles to 1"),
+        (lambda: Simulation(Scene(irregular(), FIBRES, [Triangles()], [Fixed([0])])), "compression of the triangles"),
         (lambda: simulation(irregular(), FIBRES, Bending("hinges")), 'take the form "curvature"'),
     ],
 )  # fmt: skip

@@ -21,7 +21,8 @@ from membrane_rs.plotting.picture import Subject
 from membrane_rs.results.record import Record
 from membrane_rs.results.writer import Writer
 from membrane_rs.runs import run_folder
-from membrane_rs.scene.builder import Builder, Cord
+from membrane_rs.scene.builder import Builder
+from membrane_rs.scene.cord import Cord
 from membrane_rs.scene.parts import PARTS, Part
 from membrane_rs.simulation import Stepper
 from membrane_rs.study.common.density import denser

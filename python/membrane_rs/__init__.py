@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws import (
         AirDrag,
         Bending,
+        CordDrag,
         Creases,
         Gravity,
         MassDamping,
@@ -52,7 +53,18 @@ if TYPE_CHECKING:
         Springs,
         Triangles,
     )
-    from membrane_rs.scene.parts import Bridges, CreaseSet, Fixed, Moved, Region, Tether, Tethers, TipMasses
+    from membrane_rs.scene.parts import (
+        Boltrope,
+        Bridges,
+        Cord,
+        CreaseSet,
+        Fixed,
+        Moved,
+        Region,
+        Tether,
+        Tethers,
+        TipMasses,
+    )
     from membrane_rs.scene.run_settings import RunSettings
     from membrane_rs.scene.schedule import Schedule
     from membrane_rs.scene.stage import Stage
@@ -64,7 +76,10 @@ __all__ = [
     "AirDrag",
     "AuditWarning",
     "Bending",
+    "Boltrope",
     "Bridges",
+    "Cord",
+    "CordDrag",
     "CreaseSet",
     "Creases",
     "Cylinder",
@@ -143,6 +158,7 @@ _PLACES = {
     "membrane_rs.scene.laws": (
         "AirDrag",
         "Bending",
+        "CordDrag",
         "Creases",
         "Gravity",
         "MassDamping",
@@ -156,7 +172,18 @@ _PLACES = {
         "Springs",
         "Triangles",
     ),
-    "membrane_rs.scene.parts": ("Bridges", "CreaseSet", "Fixed", "Moved", "Region", "Tether", "Tethers", "TipMasses"),
+    "membrane_rs.scene.parts": (
+        "Boltrope",
+        "Bridges",
+        "Cord",
+        "CreaseSet",
+        "Fixed",
+        "Moved",
+        "Region",
+        "Tether",
+        "Tethers",
+        "TipMasses",
+    ),
     "membrane_rs.scene.run_settings": ("RunSettings",),
     "membrane_rs.scene.schedule": ("Schedule",),
     "membrane_rs.scene.stage": ("Stage",),

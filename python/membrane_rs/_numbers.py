@@ -152,6 +152,18 @@ def _indices(value: object, wanted: str, one: str) -> tuple[int, ...]:
     return found
 
 
+def place(value: object) -> object:
+    """A point as three numbers, a node index, or a text that names a node."""
+    value = listed(value)
+    if isinstance(value, str) and value:
+        return value
+    if isinstance(value, tuple) and len(value) == 3:
+        return tuple(map(number, value))
+    if _is_whole(value) and 0 <= int(value) <= MOST:
+        return int(value)
+    raise wrong_type("three numbers (x, y, z), a node index, or the name of a node set")
+
+
 def node_sets(value: object) -> object:
     """The name of a node set, names as a tuple, or indices as a tuple."""
     value = listed(value)
@@ -205,6 +217,15 @@ Rows = Annotated[Sequence[int], BeforeValidator(rows), WithJsonSchema(_ROWS_OF_F
 _NODES_OF_FILES: dict[str, list[dict[str, object]]] = {"anyOf": [{"type": "string", "minLength": 1}, _ROWS_OF_FILES]}
 Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes), WithJsonSchema(_NODES_OF_FILES)]
 """The name of a node set, or node indices (tuple, list or array), none twice."""
+_PLACES_OF_FILES: dict[str, object] = {
+    "anyOf": [
+        {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+        {"type": "integer", "minimum": 0, "maximum": MOST},
+        {"type": "string", "minLength": 1},
+    ]
+}
+Place = Annotated[tuple[float, float, float] | int | str, BeforeValidator(place), WithJsonSchema(_PLACES_OF_FILES)]
+"""A point (tuple, list or array), a node index, or a text that names a node."""
 _NAMES_OF_FILES: dict[str, object] = {
     "type": "array", "items": {"type": "string", "minLength": 1}, "minItems": 1, "uniqueItems": True
 }  # fmt: skip

@@ -6,7 +6,6 @@ Parts add nodes, cords and links first, then masses and supports; laws name what
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,27 +17,9 @@ from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import ContactSet, Cords, Creases, FilmRegion, Layers, Links, Motion
+from membrane_rs.scene.cord import Cord
 from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
-
-
-@dataclass(frozen=True)
-class Cord:
-    """A chain of equal segments, each a spring that buckles at once."""
-
-    segments: int
-    length: float
-    """Without load [m]."""
-    axial_stiffness: float
-    """EA [N]."""
-    linear_density: float
-    """Mass per length [kg/m]."""
-    strain_limit: float
-    """Of a segment; a run stops beyond it."""
-
-    @property
-    def rest_length(self) -> float:
-        """Of a segment without load [m]."""
-        return self.length / self.segments
+from membrane_rs.scene.selection import groups_of
 
 
 class Builder:
@@ -178,7 +159,7 @@ class Builder:
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
         nodes = np.arange(self.node_count, self.node_count + cord.segments + 1)
-        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1), positions)
+        return self.append(cord, where, nodes, np.linspace(start, flat, cord.segments + 1), positions)
 
     def add_cord(self, cord: Cord, where: str, start: Floats, end: Floats | int, path: Floats | None = None) -> Ints:
         """Append a cord, with the node sets "tether-<k>", "tether-<k>-start" and "tether-<k>-end"; return its nodes.
@@ -205,14 +186,41 @@ class Builder:
                 positions = cord_along(np.vstack([start, between, stowed]), cord.length, cord.segments)
         except InputError as error:
             raise SceneError(f"{where}.segments = {cord.segments}: {error}") from None
-        return self._append(cord, nodes, np.linspace(start, flat, cord.segments + 1)[:count], positions[:count])
+        return self.append(cord, where, nodes, np.linspace(start, flat, cord.segments + 1)[:count], positions[:count])
 
-    def _append(self, cord: Cord, nodes: Ints, reference: Floats, positions: Floats) -> Ints:
-        """Append a cord of these nodes, with positions of those that are new. Raises SceneError for taken names."""
-        name = f"tether-{len(self._cords)}"
-        for key, value in {name: nodes, f"{name}-start": nodes[:1], f"{name}-end": nodes[-1:]}.items():
+    def place_of(self, node: int) -> tuple[Floats, Floats]:
+        """Where a node is in the flat shape and at the start, (3,) each [m]."""
+        for reference, positions in zip(self._reference, self._positions, strict=True):
+            if node < len(reference):
+                return reference[node], positions[node]
+            node -= len(reference)
+        raise IndexError(node)
+
+    def append(
+        self,
+        cord: Cord,
+        where: str,
+        nodes: Ints,
+        reference: Floats,
+        positions: Floats,
+        *,
+        kind: str = "tether",
+        name: str | None = None,
+    ) -> Ints:
+        """Append a cord of these nodes, with places of those that are new; its node sets have its name, if it has one,
+        in place of "<kind>-<k>".
+
+        Raises
+        ------
+        SceneError
+            A node set that has one of these names already.
+        """
+        own = name or f"{kind}-{len(self._cords)}"
+        for key, value in {own: nodes, f"{own}-start": nodes[:1], f"{own}-end": nodes[-1:]}.items():
+            if key in self.node_sets and name is None:
+                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a {kind}; rename the set")
             if key in self.node_sets:
-                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a tether; rename the set")
+                raise SceneError(f"{where}.name = {name!r}: there is a node set {key!r} already; rename one of them")
             self.node_sets[key] = value
         self._reference.append(reference)
         self._positions.append(positions)
@@ -330,7 +338,7 @@ class Builder:
     def _extra_masses(self) -> Floats:
         masses = np.zeros(self.node_count)
         for cord, nodes in self._cords:
-            half = 0.5 * cord.linear_density * cord.rest_length
+            half = 0.5 * cord.linear_density * cord.rest_lengths
             masses[nodes[:-1]] += half
             masses[nodes[1:]] += half
         for nodes, mass in self._masses:
@@ -342,26 +350,19 @@ class Builder:
         cords = [cord for cord, _ in self._cords]
         counts = [cord.segments for cord in cords]
         pairs = [np.column_stack([nodes[:-1], nodes[1:]]) for _, nodes in self._cords]
-        rest = np.repeat([cord.rest_length for cord in cords], counts)
+        rest = np.concatenate([np.zeros(0), *(cord.rest_lengths for cord in cords)])
+        wound = [k for k, cord in enumerate(cords) if cord.winch is not None]
+        firsts = np.cumsum([0, *counts])
+        winch = [(segment, j) for j, k in enumerate(wound) for segment in range(firsts[k], firsts[k + 1])]
         return Cords(
             nodes=np.vstack([np.zeros((0, 2), np.int64), *pairs]),
             stiffness=np.repeat([cord.axial_stiffness for cord in cords], counts) / rest,
             rest_length=rest,
             strain_limit=np.repeat([cord.strain_limit for cord in cords], counts),
+            critical_strain=np.repeat([cord.critical_strain for cord in cords], counts),
+            winch=np.array(winch, np.int64).reshape(-1, 2),
+            winches=tuple(cord.winch for cord in cords if cord.winch is not None),
         )
-
-
-def groups_of(wanted: str | Sequence[str] | Sequence[int]) -> Sequence[str] | Sequence[Sequence[int]]:
-    """Names of sets one by one, or indices as one group."""
-    if isinstance(wanted, str):
-        return [wanted]
-    names = [name for name in wanted if isinstance(name, str)]
-    return names or [[index for index in wanted if not isinstance(index, str)]]
-
-
-def has_numbers(wanted: str | Sequence[str] | Sequence[int] | None) -> bool:
-    """Whether these are indices, which belong to one mesh, and no names of sets."""
-    return wanted is not None and not isinstance(wanted, str) and not isinstance(wanted[0], str)
 
 
 def _check_masses(assembly: Assembly, mesh_count: int) -> None:

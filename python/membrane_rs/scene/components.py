@@ -209,7 +209,7 @@ class Creases(Component):
 
 @dataclass(frozen=True, eq=False)
 class Cords(Component):
-    """Cord segments, one after the other; each bears tension alone.
+    """Cord segments, one after the other; each bears tension alone, unless it buckles later.
 
     Attributes
     ----------
@@ -221,6 +221,12 @@ class Cords(Component):
         l, without load [m].
     strain_limit : (s,) float
         Strain at which a run stops [-].
+    critical_strain : (s,) float
+        Compressive strain at which it buckles [-]; 0: it bears tension alone.
+    winch : (w, 2) int
+        Segments whose length changes with time, and the number of the schedule that each follows.
+    winches : sequence of Schedule
+        Factors of the length without load [-].
 
     Examples
     --------
@@ -234,6 +240,9 @@ class Cords(Component):
     stiffness: Floats
     rest_length: Floats
     strain_limit: Floats
+    critical_strain: Floats
+    winch: Ints
+    winches: Sequence[Schedule]
 
     def __len__(self) -> int:
         """How many segments."""
@@ -366,3 +375,5 @@ class Model:
     """Of nodes that move as prescribed; no node follows two."""
     regions: Sequence[FilmRegion] = ()
     """Of the film; no triangle belongs to two."""
+    winches: Sequence[Schedule] = ()
+    """Factors of the lengths of cords [-]."""

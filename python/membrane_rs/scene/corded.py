@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-from membrane_rs.scene.builder import Cord
+from membrane_rs.scene.cord import Cord
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import Doubt, implausible
 
@@ -66,7 +66,19 @@ def cord_of(part: Corded, length: float) -> Cord:
     return Cord(part.segments, length, part.axial_stiffness, part.linear_density, part.strain_limit)
 
 
-def implausible_waves(part: Corded, where: str) -> Iterator[Doubt]:
+class Line(Protocol):
+    """What has the stiffness and the mass of a cord."""
+
+    @property
+    def axial_stiffness(self) -> float:
+        """EA [N]."""
+
+    @property
+    def linear_density(self) -> float:
+        """Mass per length [kg/m]."""
+
+
+def implausible_waves(part: Line, where: str) -> Iterator[Doubt]:
     """A wave runs along a cord as it does along some material."""
     if part.linear_density == 0.0:
         return

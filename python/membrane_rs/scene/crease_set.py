@@ -11,8 +11,9 @@ from annotated_types import Ge, Le
 
 from membrane_rs._validation import Finite, NodeSets, NonNegative, Rows, Unit, show, validated
 from membrane_rs.errors import InputError, SceneError
-from membrane_rs.scene.builder import Builder, has_numbers
+from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.part import Part
+from membrane_rs.scene.selection import has_numbers
 
 
 @validated

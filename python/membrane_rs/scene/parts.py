@@ -6,7 +6,7 @@ Parts are plain checked values, which add nodes, masses and cords to a scene's a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -19,70 +19,36 @@ from membrane_rs.errors import InputError, SceneError
 from membrane_rs.folding.pattern import cord_path
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.corded import Corded, cord_of, implausible_waves
+from membrane_rs.scene.corded_parts import Boltrope, Cord
 from membrane_rs.scene.crease_set import CreaseSet
 from membrane_rs.scene.held import Fixed, Moved
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
 from membrane_rs.scene.region import Region
-from membrane_rs.scene.scales import film_mass, hub_frequency, outermost, pull_of_spin
+from membrane_rs.scene.scales import hub_frequency, outermost, pull_of_spin
 from membrane_rs.scene.spool import Spool
+from membrane_rs.scene.tips import LIGHT_TIP, TipMasses, count_of, implausible_tip
 
-__all__ = ["PARTS", "Bridges", "CreaseSet", "Fixed", "Moved", "Part", "Region", "Tether", "Tethers", "TipMasses"]
+__all__ = [
+    "PARTS",
+    "Boltrope",
+    "Bridges",
+    "Cord",
+    "CreaseSet",
+    "Fixed",
+    "Moved",
+    "Part",
+    "Region",
+    "Tether",
+    "Tethers",
+    "TipMasses",
+]
 
 SHORTEST = 1e-12
 """Ends of a cord that are nearer to each other than this are one point [m]."""
-HEAVY_TIP, HEAVIEST_TIP = 100.0, 100.0
-"""Mass at a tip over that of the whole film [-], and by itself [kg], from which it is hardly meant: in the deployment
-experiments it is a sixth of the film, and 0.5 kg on the sail of 14 m that has flown."""
-LIGHT_TIP = 1e-6
-"""Mass of all tips over that of the film or the cord, below which it has no effect [-]."""
 THIN_RIM = 1e-3
 """Radius of the rim over that of the flat sail: its shaft is then less than a millimetre on one metre [-]."""
-
-
-@validated
-class TipMasses(Part):
-    """The same mass added to each of some nodes.
-
-    Parameters
-    ----------
-    mass : float
-        For each node [kg], above 0.
-    nodes : str or sequence of int
-        A node set, or node indices.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        A value outside its range, or of a wrong type.
-
-    Examples
-    --------
-    >>> from membrane_rs import TipMasses
-    >>> TipMasses(mass=0.36e-3).nodes
-    'corners'
-    """
-
-    kind: ClassVar[str] = "tip_masses"
-    mass: Annotated[Positive, Unit("kg")]
-    nodes: Nodes = "corners"
-
-    def add_loads(self, builder: Builder, where: str) -> None:
-        """Add the masses. Raises SceneError for nodes that are not there."""
-        builder.add_mass(builder.nodes(self.nodes, where), self.mass)
-
-    def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
-        """Each is lighter than `HEAVY_TIP` times the film, which else would be a thread without mass; together they
-        weigh more than `LIGHT_TIP` of it, below which they have no effect.
-        """
-        count = max(1, _count(self.nodes, scene))
-        yield from _tip(f"{where}.mass", self.mass, scene, LIGHT_TIP * film_mass(scene) / count)
-
-    def resized(self, sizes: Mapping[str, tuple[int, int]]) -> TipMasses:
-        """Masses on a node set keep their sum."""
-        before, now = sizes.get(self.nodes, (1, 1)) if isinstance(self.nodes, str) else (1, 1)
-        return replace(self, mass=self.mass * before / now) if before != now else self
 
 
 @validated
@@ -183,7 +149,7 @@ class Tethers(Corded):
 
         Where stiffness and density of the cords fit each other, the spin is doubted rather than the stiffness.
         """
-        hub, tension = hub_frequency(scene), pull_of_spin(scene) / _count(self.nodes, scene)
+        hub, tension = hub_frequency(scene), pull_of_spin(scene) / count_of(self.nodes, scene)
         least = tension / self.strain_limit
         if self.axial_stiffness >= least:
             return
@@ -313,7 +279,7 @@ class Tether(Corded):
         """A wave runs along a cord as it does along some material; a mass at its end is lighter than `HEAVIEST_TIP`."""
         yield from implausible_waves(self, where)
         least = LIGHT_TIP * self.linear_density * self._length if self.tip_mass > 0.0 else 0.0
-        yield from _tip(f"{where}.tip_mass", self.tip_mass, scene, least)
+        yield from implausible_tip(f"{where}.tip_mass", self.tip_mass, scene, least)
 
     @property
     def _length(self) -> float:
@@ -371,20 +337,17 @@ class Bridges(Part):
         return f"a stiffness of {self.stiffness / gain**2:.3g} N/m or less would take it out of the limit"
 
 
-def _count(nodes: str | Sequence[int], scene: Surroundings) -> int:
-    return int(np.size(scene.assemble().node_sets[nodes] if isinstance(nodes, str) else nodes))
-
-
-def _tip(place: str, mass: float, scene: Surroundings, least: float) -> Iterator[Doubt]:
-    reason, most, film = f"a mass at a tip is lighter than {HEAVIEST_TIP:g} kg", HEAVIEST_TIP, film_mass(scene)
-    if film > 0.0:
-        reason, most = f"that is {mass / film:.3g} times the mass of the film, {film:.3g} kg", HEAVY_TIP * film
-    if mass < least:
-        reason = f"what it hangs on is more than {1.0 / LIGHT_TIP:.0e} times as heavy, so that it has no effect"
-    units = {"g": 1e-3, "mg": 1e-6}
-    yield from implausible(place, mass, "kg", reason, least=least, most=most, units=units, derived_from=FILM)
-
-
-_ALL: tuple[type[Part], ...] = (TipMasses, Tethers, Tether, Fixed, Moved, Bridges, Region, CreaseSet)
+_ALL: tuple[type[Part], ...] = (
+    TipMasses,
+    Tethers,
+    Tether,
+    Cord,
+    Boltrope,
+    Fixed,
+    Moved,
+    Bridges,
+    Region,
+    CreaseSet,
+)
 PARTS: dict[str, type[Part]] = {part.kind: part for part in _ALL}
 """The one list of parts: its `kind` in a scene file, and its class."""

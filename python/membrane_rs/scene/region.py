@@ -25,12 +25,13 @@ from membrane_rs._validation import (
 )
 from membrane_rs.errors import InputError, SceneError
 from membrane_rs.material import Material
-from membrane_rs.scene.builder import Builder, has_numbers
+from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.components import FilmRegion, Optics
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.optics import OF_SIDES, optics_of
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import FILM, STRETCHED, Doubt, implausible
+from membrane_rs.scene.selection import has_numbers
 
 MOST_STRAIN = 0.5
 """Magnitude of a natural strain, at most [-]."""

@@ -180,7 +180,9 @@ def _plain(plain: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_units(made: dict[str, Any], unit: str | None) -> dict[str, Any]:
-    """A number, or the numbers of a list, or text with a unit."""
+    """A number, or the numbers of a list, or text with a unit; of several forms those that hold numbers."""
+    if any("items" in form for form in made.get("anyOf", ())):
+        return {"anyOf": [_with_units(form, unit) if "items" in form else form for form in made["anyOf"]]}
     if made.get("type") == "array":
         return {**made, "items": _with_units(made["items"], unit)}
     text: dict[str, Any] = {"$ref": f"#/definitions/{_label(unit)}"}

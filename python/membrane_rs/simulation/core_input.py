@@ -125,6 +125,7 @@ def model_of(scene: Scene, assembly: Assembly) -> Model:
         layers=assembly.layers,
         motions=assembly.motions,
         regions=assembly.regions,
+        winches=assembly.cords.winches,
     )
 
 

@@ -178,7 +178,15 @@ class Readings(HubReadings):
         rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
         lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
         strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
+        hauled = self._core.link_readings("winches")
+        if hauled is not None:
+            strains[len(rest) + self._hauled] = hauled.strain
         return strains
+
+    @property
+    def _hauled(self) -> Ints:
+        """Segments of cords whose length changes with time."""
+        return self.assembly.cords.winch[:, 0]
 
     def buckled(self) -> NDArray[np.bool_]:
         """(S,) whether each spring is shorter than its critical length; a slack cord counts as buckled.
@@ -198,6 +206,9 @@ class Readings(HubReadings):
             readings = self._core.link_readings(name)
             if readings is not None:
                 found[rows] = readings.buckled
+        hauled = self._core.link_readings("winches")
+        if hauled is not None:
+            found[edges + self._hauled] = hauled.buckled
         films = self._core.film_states()
         if films is not None:
             found[:edges] = films.buckled
@@ -269,8 +280,13 @@ class Readings(HubReadings):
         (s,) float64
             [N]
         """
-        found = self._core.link_readings("tethers")
-        return np.zeros(0) if found is None else found.tension
+        found, hauled = self._core.link_readings("tethers"), self._core.link_readings("winches")
+        if found is None:
+            return np.zeros(0)
+        tensions: Floats = found.tension.copy()
+        if hauled is not None:
+            tensions[self._hauled] = hauled.tension
+        return tensions
 
     def body_loads(self) -> dict[str, BodyLoad]:
         """Force and torque of film and cords on each body now, by its name.

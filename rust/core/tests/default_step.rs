@@ -20,7 +20,7 @@ fn chain(masses: u32, stiffness: f64) -> Model {
         extra_masses: vec![1.0; count],
         fixed: vec![0],
         cords: (0..masses)
-            .map(|i| Cord { nodes: [i, i + 1], stiffness, rest_length: 1.0, strain_limit: 1e9 })
+            .map(|i| Cord { nodes: [i, i + 1], stiffness, rest_length: 1.0, strain_limit: 1e9, ..Default::default() })
             .collect(),
         ..Model::default()
     }

@@ -25,7 +25,7 @@ fn moving(method: Method, settings: Settings) -> Simulation {
 
 /// A mass with friction between two slack cords, which become taut at once: there an adaptive run rejects steps.
 fn slack() -> Simulation {
-    let cord = |nodes| Cord { nodes, stiffness: 1e3, rest_length: 2.5, strain_limit: 10.0 };
+    let cord = |nodes| Cord { nodes, stiffness: 1e3, rest_length: 2.5, strain_limit: 10.0, ..Default::default() };
     let model = Model {
         positions: (0..3).map(|i| [2.0 * f64::from(i), 0.0, 0.0]).collect(),
         velocities: vec![[0.0; 3], [0.0, 9.0, 0.0], [0.0; 3]],

@@ -29,7 +29,13 @@ fn yo_yo(segments: usize, tip: f64, cord: f64, stiffness: f64) -> (Model, Vec<La
             let node = first + k as u32;
             if k > 0 {
                 let nodes = [node - 1, node];
-                model.cords.push(Cord { nodes, stiffness: stiffness / step, rest_length: step, strain_limit: 1.0 });
+                model.cords.push(Cord {
+                    nodes,
+                    stiffness: stiffness / step,
+                    rest_length: step,
+                    strain_limit: 1.0,
+                    ..Default::default()
+                });
                 model.contacts.nodes.push(node);
             }
             let share = if k == 0 || k == segments { 0.5 } else { 1.0 };
@@ -80,7 +86,13 @@ fn a_slow_change_of_shape_turns_the_hub_by_its_momentum() {
         velocities: vec![[0.0; 3]; 2],
         extra_masses: vec![0.0, 0.01],
         fixed: vec![0],
-        cords: vec![Cord { nodes: [0, 1], stiffness: 40.0, rest_length: 0.19, strain_limit: 9.0 }],
+        cords: vec![Cord {
+            nodes: [0, 1],
+            stiffness: 40.0,
+            rest_length: 0.19,
+            strain_limit: 9.0,
+            ..Default::default()
+        }],
         ..Model::default()
     };
     let (rate, inertia) = (20.0, 5e-4);
@@ -135,7 +147,7 @@ fn the_hub_nutates_with_the_masses_that_it_holds() {
         model.positions.extend([[arm * cosine, arm * sine, 0.0], [reach * cosine, reach * sine, 0.0]]);
         model.extra_masses.extend([0.0, 0.25 * mass]);
         let nodes = [2 * k as u32, 2 * k as u32 + 1];
-        model.cords.push(Cord { nodes, stiffness, rest_length: rest, strain_limit: 1.0 });
+        model.cords.push(Cord { nodes, stiffness, rest_length: rest, strain_limit: 1.0, ..Default::default() });
         model.fixed.push(nodes[0]);
     }
     model.velocities = vec![[0.0; 3]; 8];

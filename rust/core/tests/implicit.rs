@@ -21,7 +21,7 @@ fn method(spectral_radius: f64) -> Box<dyn Integrator> {
 
 /// A mass of 1 kg between two stretched cords, omega = 1 rad/s along them, `offset` \[m\] from equilibrium.
 fn oscillator(offset: f64) -> Model {
-    let cord = |nodes| Cord { nodes, stiffness: 0.5, rest_length: 1.0, strain_limit: 10.0 };
+    let cord = |nodes| Cord { nodes, stiffness: 0.5, rest_length: 1.0, strain_limit: 10.0, ..Default::default() };
     Model {
         positions: vec![[0.0; 3], [2.0 + offset, 0.0, 0.0], [4.0, 0.0, 0.0]],
         velocities: vec![[0.0; 3]; 3],

@@ -20,7 +20,13 @@ fn chain(masses: usize, k: f64, m: f64, speed: f64) -> Model {
         extra_masses: vec![m; n],
         fixed: vec![0, n as u32 - 1],
         cords: (0..n as u32 - 1)
-            .map(|i| Cord { nodes: [i, i + 1], stiffness: k, rest_length: 1.0, strain_limit: 10.0 })
+            .map(|i| Cord {
+                nodes: [i, i + 1],
+                stiffness: k,
+                rest_length: 1.0,
+                strain_limit: 10.0,
+                ..Default::default()
+            })
             .collect(),
         ..Model::default()
     }

@@ -21,7 +21,13 @@ fn chain(name: &str, substeps: u32, dt: f64) -> Simulation {
         extra_masses: vec![1.0; 5],
         fixed: vec![0, 4],
         cords: (0..4)
-            .map(|i| Cord { nodes: [i, i + 1], stiffness: 7.0, rest_length: 1.0, strain_limit: 10.0 })
+            .map(|i| Cord {
+                nodes: [i, i + 1],
+                stiffness: 7.0,
+                rest_length: 1.0,
+                strain_limit: 10.0,
+                ..Default::default()
+            })
             .collect(),
         ..Model::default()
     };
@@ -122,7 +128,9 @@ fn oscillator(substeps: u32, ratio: f64, phase: f64) -> Simulation {
         velocities: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0; 3]],
         extra_masses: vec![mass; 3],
         fixed: vec![0, 2],
-        cords: (0..2).map(|i| Cord { nodes: [i, i + 1], stiffness, rest_length: 0.5, strain_limit: 10.0 }).collect(),
+        cords: (0..2)
+            .map(|i| Cord { nodes: [i, i + 1], stiffness, rest_length: 0.5, strain_limit: 10.0, ..Default::default() })
+            .collect(),
         ..Model::default()
     };
     let frequency = f64::sqrt(2.0 * stiffness / mass);

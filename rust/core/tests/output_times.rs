@@ -63,7 +63,7 @@ fn output_times_change_no_bit_of_a_run_whole_or_resumed_within_a_step() {
 
 /// One mass between two held nodes: a linear oscillator along x with omega = 1.
 fn oscillator_model() -> Model {
-    let cord = |nodes| Cord { nodes, stiffness: 0.5, rest_length: 1.0, strain_limit: 10.0 };
+    let cord = |nodes| Cord { nodes, stiffness: 0.5, rest_length: 1.0, strain_limit: 10.0, ..Default::default() };
     Model {
         positions: vec![[0.0; 3], [2.3, 0.0, 0.0], [4.0, 0.0, 0.0]],
         velocities: vec![[0.0; 3]; 3],

@@ -114,7 +114,13 @@ fn nets_of_three_tiles() -> [Model; 2] {
     let Model { positions, velocities, .. } = film_of_three_tiles(0.0);
     let nodes: Vec<[u32; 2]> = (2..positions.len() as u32).map(|node| [node - 2, node]).collect();
     let bare = Model { extra_masses: vec![1.0; positions.len()], positions, velocities, ..Model::default() };
-    let cord = |nodes: &[u32; 2]| Cord { nodes: *nodes, stiffness: 50.0, rest_length: 0.005, strain_limit: 1e9 };
+    let cord = |nodes: &[u32; 2]| Cord {
+        nodes: *nodes,
+        stiffness: 50.0,
+        rest_length: 0.005,
+        strain_limit: 1e9,
+        ..Default::default()
+    };
     let cords = nodes.iter().map(cord).collect();
     [Model { cords, ..bare.clone() }, Model { bridges: Bridges { nodes, stiffness: 3.0 }, ..bare }]
 }

@@ -31,7 +31,13 @@ fn stack(substeps: u32) -> Scene {
         model.extra_masses.push(1e-6);
     }
     for nodes in (first..first + 4).map(|node| [node, node + 1]) {
-        let cord = membrane_core::model::input::Cord { nodes, stiffness: 1e3, rest_length: 0.0149, strain_limit: 1e9 };
+        let cord = membrane_core::model::input::Cord {
+            nodes,
+            stiffness: 1e3,
+            rest_length: 0.0149,
+            strain_limit: 1e9,
+            ..Default::default()
+        };
         model.cords.push(cord);
     }
     let shakes = Dice(11).vectors(model.positions.len(), 0.4);

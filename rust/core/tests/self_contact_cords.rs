@@ -28,6 +28,7 @@ fn cord(scene: &mut Scene, [from, to]: [[f64; 3]; 2], segments: u32, velocity: [
         stiffness: 100.0 / length,
         rest_length: 0.999 * length,
         strain_limit: 1e9,
+        ..Default::default()
     }));
     first as usize
 }

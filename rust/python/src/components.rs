@@ -71,6 +71,7 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         regions: regions_of(&model)?,
         creases: creases_of(&creases)?,
         cords: cords_of(&model.component("cords")?)?,
+        winches: winches_of(&model)?,
         bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
         contacts: ContactSet { nodes: contacts?.array("nodes", indices)? },
         layers: layers?.array("triangles", indices)?,
@@ -94,9 +95,12 @@ fn schedule_of(motion: &Component<'_>, name: &str) -> PyResult<Option<Schedule>>
     if object.is_none() {
         return Ok(None);
     }
-    let schedule = Component::new(&name, &object);
-    let (times, values, ease) = (schedule.value("times")?, schedule.value("values")?, schedule.value("ease")?);
-    Schedule::new(times, values, ease).map(Some).map_err(|error| wrong_value(format!("{name}: {error}")))
+    schedule(&Component::new(&name, &object)).map(Some)
+}
+
+fn schedule(component: &Component<'_>) -> PyResult<Schedule> {
+    let (times, values, ease) = (component.value("times")?, component.value("values")?, component.value("ease")?);
+    Schedule::new(times, values, ease).map_err(|error| wrong_value(format!("{}: {error}", component.name)))
 }
 
 /// The film, or `None`.
@@ -201,22 +205,40 @@ fn creases_of(creases: &Component<'_>) -> PyResult<Creases> {
     })
 }
 
-/// The segments of the tethers.
+/// The segments of the cords.
 fn cords_of(cords: &Component<'_>) -> PyResult<Vec<Cord>> {
     let nodes = cords.array("nodes", index_rows)?;
-    let columns = ["stiffness", "rest_length", "strain_limit"].map(|name| cords.array(name, numbers));
-    let [stiffness, rest_length, strain_limit] = columns;
-    let (stiffness, rest_length, strain_limit) = (stiffness?, rest_length?, strain_limit?);
-    if [&stiffness, &rest_length, &strain_limit].iter().any(|column| column.len() != nodes.len()) {
+    let names = ["stiffness", "rest_length", "strain_limit", "critical_strain"];
+    let columns = names.into_iter().map(|name| cords.array(name, numbers)).collect::<PyResult<Vec<_>>>()?;
+    if columns.iter().any(|column| column.len() != nodes.len()) {
         return Err(wrong_value("the arrays of the cords must have equally many rows".to_owned()));
     }
     let cord = |(row, nodes)| Cord {
         nodes,
-        stiffness: stiffness[row],
-        rest_length: rest_length[row],
-        strain_limit: strain_limit[row],
+        stiffness: columns[0][row],
+        rest_length: columns[1][row],
+        strain_limit: columns[2][row],
+        critical_strain: columns[3][row],
+        winch: None,
     };
-    Ok(nodes.into_iter().enumerate().map(cord).collect())
+    let mut found: Vec<Cord> = nodes.into_iter().enumerate().map(cord).collect();
+    for [segment, winch] in cords.array("winch", index_rows)? {
+        let Some(cord) = found.get_mut(segment as usize) else {
+            return Err(wrong_value(format!("cords.winch: there is no segment {segment}")));
+        };
+        cord.winch = Some(winch as usize);
+    }
+    Ok(found)
+}
+
+/// The schedules of the winches.
+fn winches_of(model: &Component<'_>) -> PyResult<Vec<Schedule>> {
+    let winches: Vec<Bound<'_, PyAny>> = model.value("winches")?;
+    winches
+        .iter()
+        .enumerate()
+        .map(|(row, object)| schedule(&Component::new(&format!("winches[{row}]"), object)))
+        .collect()
 }
 
 /// The settings of an object; without `instructions`, the widest of the machine.

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws.air_drag import AirDrag
     from membrane_rs.scene.laws.bending import Bending
     from membrane_rs.scene.laws.catalogue import LAWS
+    from membrane_rs.scene.laws.cord_drag import CordDrag
     from membrane_rs.scene.laws.creases import Creases
     from membrane_rs.scene.laws.gravity import Gravity
     from membrane_rs.scene.laws.mass_damping import MassDamping
@@ -35,6 +36,7 @@ __all__ = [
     "LAWS",
     "AirDrag",
     "Bending",
+    "CordDrag",
     "Creases",
     "Gravity",
     "Law",
@@ -58,6 +60,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.scene.laws.air_drag": ("AirDrag",),
             "membrane_rs.scene.laws.bending": ("Bending",),
             "membrane_rs.scene.laws.catalogue": ("LAWS",),
+            "membrane_rs.scene.laws.cord_drag": ("CordDrag",),
             "membrane_rs.scene.laws.creases": ("Creases",),
             "membrane_rs.scene.laws.gravity": ("Gravity",),
             "membrane_rs.scene.laws.mass_damping": ("MassDamping",),

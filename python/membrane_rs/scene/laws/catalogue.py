@@ -5,6 +5,7 @@ from __future__ import annotations
 from membrane_rs.scene.law import Law
 from membrane_rs.scene.laws.air_drag import AirDrag
 from membrane_rs.scene.laws.bending import Bending
+from membrane_rs.scene.laws.cord_drag import CordDrag
 from membrane_rs.scene.laws.creases import Creases
 from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
@@ -27,6 +28,7 @@ LAWS: dict[str, type[Law]] = {
         Creases,
         Bending,
         AirDrag,
+        CordDrag,
         Spin,
         Gravity,
         Pressure,

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Law, bridges, moved, springs};
+use super::{Law, bridges, moved, springs, winches};
 use crate::assembly::Assembly;
 use crate::elements::link::SpringNetworks;
 use crate::error::{Error, Result};
@@ -118,6 +118,8 @@ laws! {
     "bending" Bending(bending::BendingParameters),
     /// Drag of the residual air, eq. (5).
     "air_drag" AirDrag(air_drag::AirDragParameters),
+    /// Drag of air across cords.
+    "cord_drag" CordDrag(cord_drag::CordDragParameters),
     /// The frame that turns with the hub.
     "spin" Spin(rotating_frame::SpinParameters),
     /// Weight, fixed in inertial space.
@@ -145,7 +147,7 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
     specs.iter().filter_map(|spec| spec.parameters().spin()).next_back().unwrap_or_default()
 }
 
-/// Builds the laws of a scene, with those of the tethers, bridges and moved nodes of the model.
+/// Builds the laws of a scene, with those of the cords, winches, bridges and moved nodes of the model.
 ///
 /// # Errors
 /// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `LimitWithoutSprings`,
@@ -166,6 +168,9 @@ pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>
     }
     if !assembly.model.cords.is_empty() {
         laws.push(Box::new(springs::Springs::tethers(&context)));
+    }
+    if let Some(winches) = winches::Winches::new(assembly) {
+        laws.push(Box::new(winches));
     }
     if !assembly.model.bridges.nodes.is_empty() {
         laws.push(Box::new(bridges::Bridges::new(assembly)));

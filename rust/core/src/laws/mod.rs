@@ -9,6 +9,7 @@ mod body;
 mod body_friction;
 mod bridges;
 mod buckling;
+mod cord_drag;
 mod creases;
 mod facet_load;
 mod gravity;
@@ -24,6 +25,7 @@ mod nodal;
 mod point_forces;
 mod pressure;
 mod rotating_frame;
+mod segments;
 mod self_contact;
 mod solar_pressure;
 mod spool_contact;
@@ -31,6 +33,7 @@ pub(crate) mod spring_damping;
 pub(crate) mod springs;
 mod triangle_damping;
 mod triangles;
+mod winches;
 
 use std::sync::Arc;
 

@@ -172,7 +172,7 @@ impl SpringDamping {
             own.push(Network::new(networks.film(assembly), &edges, parameters, square, limit.transpose()?, assembly)?);
         }
         if !assembly.model.cords.is_empty() {
-            let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.stiffness)).collect();
+            let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.spring_constant())).collect();
             let limit = (limited != Limited::None).then(|| Springs::tethers(context));
             own.push(Network::new(networks.cords(assembly), &cords, parameters, None, limit, assembly)?);
         }

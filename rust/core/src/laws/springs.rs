@@ -168,10 +168,10 @@ impl Springs {
     /// The tethers.
     pub(super) fn tethers(context: &Context<'_>) -> Self {
         let cords = context.assembly.model.cords.iter().map(|cord| Spring {
-            stiffness: cord.stiffness,
+            stiffness: cord.spring_constant(),
             rest_length: cord.rest_length,
-            critical_length: cord.rest_length,
-            strain_limit: cord.strain_limit,
+            critical_length: cord.rest_length * (1.0 - cord.critical_strain),
+            strain_limit: if cord.winch.is_some() { f64::INFINITY } else { cord.strain_limit },
         });
         Self::in_batches("tethers", context.networks.cords(context.assembly), &cords.collect::<Vec<_>>())
     }

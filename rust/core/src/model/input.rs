@@ -36,8 +36,8 @@ pub enum NegativeSprings {
     Unused,
 }
 
-/// A tension-only spring between two nodes: a segment of a tether.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A spring between two nodes that buckles: a segment of a cord.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cord {
     /// Its ends.
     pub nodes: [u32; 2],
@@ -47,6 +47,17 @@ pub struct Cord {
     pub rest_length: f64,
     /// Strain at which a run stops.
     pub strain_limit: f64,
+    /// Compressive strain at which it buckles, from 0 (tension alone) to 1 (never).
+    pub critical_strain: f64,
+    /// The winch of its cord, by its number in `Model::winches`; `None`: its length stays as it is.
+    pub winch: Option<usize>,
+}
+
+impl Cord {
+    /// The constant of the spring that it is \[N/m\]; 0 where a winch hauls it in, whose law has its force.
+    pub fn spring_constant(&self) -> f64 {
+        if self.winch.is_some() { 0.0 } else { self.stiffness }
+    }
 }
 
 /// Edges along which the film is folded.
@@ -131,6 +142,8 @@ pub struct Model {
     pub creases: Creases,
     /// Segments of tethers.
     pub cords: Vec<Cord>,
+    /// Schedules of winches: factors of the lengths of cords.
+    pub winches: Vec<Schedule>,
     /// Node pairs held together.
     pub bridges: Bridges,
     /// Nodes in contact with the spool.
@@ -162,7 +175,18 @@ impl Model {
         self.check_layers()?;
         self.bridges.check(n)?;
         check_indices("cord", &self.cord_nodes(), n)?;
-        self.cords.iter().try_for_each(Cord::check)
+        self.cords.iter().try_for_each(Cord::check)?;
+        self.check_winches()
+    }
+
+    /// Refuses winches that are not there, and lengths that are not above zero.
+    fn check_winches(&self) -> Result<()> {
+        for winch in self.cords.iter().filter_map(|cord| cord.winch) {
+            let is_there = winch < self.winches.len();
+            within("number of the winch of a cord", winch as f64, is_there, "it must be that of a schedule")?;
+        }
+        let mut factors = self.winches.iter().flat_map(Schedule::values);
+        factors.try_for_each(|&factor| positive("factor of the length of a cord", factor))
     }
 
     /// Refuses layers of triangles that are not there.
@@ -238,7 +262,9 @@ impl Cord {
     fn check(&self) -> Result<()> {
         positive("stiffness of a cord [N/m]", self.stiffness)?;
         positive("rest length of a cord [m]", self.rest_length)?;
-        positive("strain limit of a cord", self.strain_limit)
+        positive("strain limit of a cord", self.strain_limit)?;
+        let is_share = (0.0..=1.0).contains(&self.critical_strain);
+        within("critical strain of a cord", self.critical_strain, is_share, "it lies between 0 and 1")
     }
 }
 

@@ -198,6 +198,12 @@ impl Schedule {
         (1..times.len()).filter(|&k| times[k] == times[k - 1]).map(|k| times[k])
     }
 
+    /// The times at which it jumps, or its rate does.
+    pub fn breaks(&self) -> impl Iterator<Item = f64> {
+        let Knots { times, ease, .. } = &self.knots;
+        (0..times.len()).filter(|&k| *ease == 0.0 || (k > 0 && times[k] == times[k - 1])).map(|k| times[k])
+    }
+
     /// The value from the last knot on.
     pub fn last(&self) -> f64 {
         self.knots.values[self.knots.values.len() - 1]

@@ -113,7 +113,7 @@ fn add_tethers(model: &mut Model, corners: [u32; 4]) {
             let next = model.positions.len() as u32;
             model.positions.push([closer * end[0], closer * end[1], (1.0 - at) * end[2]]);
             let (stiffness, strain_limit) = (TETHER.0 / rest_length, 1e9);
-            model.cords.push(Cord { nodes: [last, next], stiffness, rest_length, strain_limit });
+            model.cords.push(Cord { nodes: [last, next], stiffness, rest_length, strain_limit, ..Default::default() });
             model.extra_masses.push(TETHER.1 * rest_length);
             model.contacts.nodes.push(next);
             last = next;

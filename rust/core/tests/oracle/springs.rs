@@ -40,7 +40,7 @@ pub fn cords(assembly: &Assembly) -> impl Iterator<Item = Spring> {
         nodes: cord.nodes,
         stiffness: cord.stiffness,
         rest_length: cord.rest_length,
-        critical_length: cord.rest_length,
+        critical_length: cord.rest_length * (1.0 - cord.critical_strain),
         damping: 0.0,
         is_limited: false,
     })

@@ -93,7 +93,10 @@ impl Surface {
         let first_segment = edges.len();
         let mut is_of_cord = vec![false; assembly.masses.len()];
         if with_cords && !triangles.is_empty() {
-            for nodes in model.cord_nodes().into_iter().map(|nodes| numbering.to_internal(nodes)) {
+            // A cord along edges of the film touches as these do.
+            let is_edge = |&[a, b]: &[u32; 2]| known.contains_key(&[a.min(b), a.max(b)]);
+            let segments = model.cord_nodes().into_iter().map(|nodes| numbering.to_internal(nodes));
+            for nodes in segments.filter(|nodes| !is_edge(nodes)) {
                 let own = owned(&nodes, &mut has_owner);
                 own.iter().for_each(|&node| is_of_cord[node as usize] = true);
                 edges.push(nodes);

@@ -38,7 +38,13 @@ fn sheets(gap: f64) -> Model {
     model.reference = model.positions.clone();
     let first = model.positions.len() as u32;
     model.positions.extend((0..4).map(|k| [SIZE * (f64::from(k) - 0.2), 0.01, 0.5 * gap]));
-    let cord = |k| Cord { nodes: [first + k, first + k + 1], stiffness: 1.0, rest_length: SIZE, strain_limit: 1e9 };
+    let cord = |k| Cord {
+        nodes: [first + k, first + k + 1],
+        stiffness: 1.0,
+        rest_length: SIZE,
+        strain_limit: 1e9,
+        ..Default::default()
+    };
     model.cords = (0..3).map(cord).collect();
     model.velocities = vec![[0.0; 3]; model.positions.len()];
     model.extra_masses = vec![1e-6; model.positions.len()];
