@@ -40,6 +40,20 @@ pub(crate) fn spring_constants<'py>(
     Ok(PyArray1::from_vec(py, checked(constants)?))
 }
 
+/// Corners (r, 4) int64 in turn of the rectangles that the triangles form in pairs; the diagonal from the first to the
+/// third corner is no edge. No crease (c, 2) may be a diagonal.
+#[pyfunction]
+pub(crate) fn rectangles<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    creases: &Bound<'py, PyAny>,
+) -> PyResult<Indices<'py>> {
+    let mesh = mesh_of(reference, triangles)?;
+    let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
+    indices_to_python(py, &checked(mesh.rectangles(&hinges))?.corners())
+}
+
 /// A third of each triangle's mass on each of its nodes [kg], for an areal density rho h [kg/m2].
 #[pyfunction]
 pub(crate) fn lumped_masses<'py>(

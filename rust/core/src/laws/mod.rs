@@ -23,6 +23,7 @@ mod moved;
 mod nodal;
 mod point_forces;
 mod pressure;
+mod rectangles;
 mod rotating_frame;
 mod self_contact;
 mod solar_pressure;

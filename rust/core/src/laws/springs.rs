@@ -23,7 +23,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use self::measures::{EnergyKernel, ExcessKernel, StiffnessKernel};
-use self::stress::FilmTriangles;
+pub(super) use self::stress::FilmTriangles;
 use super::buckling::Buckling;
 use super::{
     Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce,
@@ -59,15 +59,15 @@ pub struct SpringParameters {
 
 /// One spring, before the arrangement in batches.
 #[derive(Debug, Clone, Copy)]
-struct Spring {
-    stiffness: f64,
-    rest_length: f64,
-    critical_length: f64,
-    strain_limit: f64,
+pub(super) struct Spring {
+    pub(super) stiffness: f64,
+    pub(super) rest_length: f64,
+    pub(super) critical_length: f64,
+    pub(super) strain_limit: f64,
 }
 
 /// The law: a set of springs, with one entry per batch, and its name.
-pub(crate) struct Springs {
+pub struct Springs {
     name: &'static str,
     links: Arc<Links>,
     parameters: Arc<Coded<Parameters>>,
@@ -75,7 +75,7 @@ pub(crate) struct Springs {
     /// Whether any constant is negative.
     has_negative: bool,
     /// The triangles of a film.
-    film: Option<FilmTriangles>,
+    pub(super) film: Option<FilmTriangles>,
 }
 
 /// Parameters of a batch of springs.
@@ -124,8 +124,8 @@ impl LawParameters for SpringParameters {
         Some(FilmElements::Links)
     }
 
-    fn springs(&self) -> Option<SpringParameters> {
-        Some(*self)
+    fn springs(&self, context: &Context<'_>) -> Option<Result<Springs>> {
+        Some(Springs::membrane(*self, context))
     }
 
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
@@ -179,7 +179,7 @@ impl Springs {
         self.parameters.clone()
     }
 
-    fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
+    pub(super) fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
         let pack = |padding: f64, of: fn(&Spring) -> f64| {
             let values = merged(springs.iter().map(of).collect());
             links.elements.pack(padding, |row| values[row]).into_iter()

@@ -9,6 +9,7 @@ pub mod hub_motion;
 pub mod input;
 pub mod mesh;
 pub mod names;
+pub mod rectangles;
 pub mod schedule;
 mod spring_constants;
 pub mod turn;
