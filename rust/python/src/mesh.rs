@@ -1,5 +1,6 @@
 //! Functions of triangles, for the package's `Mesh`.
 
+use membrane_core::model::input::Film;
 use membrane_core::model::mesh::{Mesh, check_indices, unique_edges};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -52,6 +53,23 @@ pub(crate) fn rectangles<'py>(
     let mesh = mesh_of(reference, triangles)?;
     let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
     indices_to_python(py, &checked(mesh.rectangles(&hinges))?.corners())
+}
+
+/// Spring constants of the edges and of the second diagonals of these rectangles [N/m], the latter in their order.
+#[pyfunction]
+pub(crate) fn rectangle_constants<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    creases: &Bound<'py, PyAny>,
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+    thickness: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let mesh = mesh_of(reference, triangles)?;
+    let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
+    let film = Film { youngs_modulus, poisson_ratio, density: 0.0, thickness };
+    Ok(PyArray1::from_vec(py, checked(checked(mesh.rectangles(&hinges))?.stiffness(film))?))
 }
 
 /// A third of each triangle's mass on each of its nodes [kg], for an areal density rho h [kg/m2].

@@ -159,7 +159,7 @@ impl Rectangles {
     ///
     /// # Errors
     /// `SlenderRectangles`.
-    pub(crate) fn stiffness(&self, film: Film) -> Result<Vec<f64>> {
+    pub fn stiffness(&self, film: Film) -> Result<Vec<f64>> {
         let mut sums = vec![0.0; self.ends.len()];
         for rectangle in &self.all {
             for (springs, constant) in rectangle.springs.iter().zip(rectangle.constants(film)) {
