@@ -53,9 +53,7 @@ def spring_constants(
 def rectangles(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Corners (r, 4) in turn of the rectangles that the triangles form in pairs; the diagonal from the first to the
-    third corner is no edge. No crease (c, 2) may be a diagonal.
-    """
+    """Corners (r, 4) in turn of the rectangles that pairs of triangles form; from the first to the third is no edge."""
 
 def rectangle_constants(
     reference: NDArray[np.float64],

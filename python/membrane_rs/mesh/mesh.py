@@ -240,7 +240,7 @@ class Mesh(HasCard, Stored, Triangulation):
         --------
         >>> from membrane_rs.folding import Strip
         >>> Strip(length=0.1, width=0.01, columns=10).mesh().find_rectangles()[:2].tolist()
-        [[1, 12, 11, 0], [1, 2, 13, 12]]
+        [[2, 3, 1, 0], [2, 4, 5, 3]]
         """
         return np.asarray(_core.rectangles(self.reference, self.triangles, self.creases), dtype=np.int64)
 
