@@ -69,7 +69,7 @@ pub(crate) fn rectangle_constants<'py>(
     let mesh = mesh_of(reference, triangles)?;
     let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
     let film = Film { youngs_modulus, poisson_ratio, density: 0.0, thickness };
-    Ok(PyArray1::from_vec(py, checked(checked(mesh.rectangles(&hinges))?.stiffness(film))?))
+    Ok(PyArray1::from_vec(py, checked(checked(mesh.rectangles(&hinges))?.stiffness(|_| film))?))
 }
 
 /// A third of each triangle's mass on each of its nodes [kg], for an areal density rho h [kg/m2].

@@ -155,15 +155,17 @@ impl Rectangles {
         self.all.iter().map(|rectangle| rectangle.corners).collect()
     }
 
-    /// Spring constant of each of `ends`, summed over the rectangles \[N/m\].
+    /// Spring constant of each of `ends`, summed over the rectangles \[N/m\]. `film_of` is the film of a triangle; a
+    /// rectangle has the mean of the constants by both of its films.
     ///
     /// # Errors
     /// `SlenderRectangles`.
-    pub fn stiffness(&self, film: Film) -> Result<Vec<f64>> {
+    pub fn stiffness(&self, film_of: impl Fn(usize) -> Film) -> Result<Vec<f64>> {
         let mut sums = vec![0.0; self.ends.len()];
         for rectangle in &self.all {
-            for (springs, constant) in rectangle.springs.iter().zip(rectangle.constants(film)) {
-                springs.iter().for_each(|&row| sums[row as usize] += constant);
+            let [first, second] = rectangle.halves.map(|(triangle, _)| rectangle.constants(film_of(triangle as usize)));
+            for (springs, (one, other)) in rectangle.springs.iter().zip(first.into_iter().zip(second)) {
+                springs.iter().for_each(|&row| sums[row as usize] += 0.5 * (one + other));
             }
         }
         let count = sums.iter().filter(|&&k| k < 0.0).count();
@@ -173,7 +175,7 @@ impl Rectangles {
                 of: sums.len(),
                 worst: sums[row],
                 edge: self.ends[row].map(|node| node as usize),
-                most: (2.0 / (1.0 - film.poisson_ratio)).sqrt(),
+                most: (2.0 / (1.0 - film_of(0).poisson_ratio)).sqrt(),
             }),
             _ => Ok(sums),
         }
@@ -195,7 +197,7 @@ mod tests {
     /// Energy of the springs in a uniform strain e_x, e_y and shear strain g, over E h and the area.
     fn energy(mesh: &Mesh, film: Film, [ex, ey, g]: [f64; 3]) -> f64 {
         let rectangles = mesh.rectangles(&[]).unwrap();
-        let constants = rectangles.stiffness(film).unwrap();
+        let constants = rectangles.stiffness(|_| film).unwrap();
         let of_spring = |(&nodes, k): (&[u32; 2], &f64)| {
             let [i, j] = nodes.map(|node| mesh.reference[node as usize]);
             let [x, y, _] = sub(j, i);
@@ -238,24 +240,34 @@ mod tests {
     #[test]
     fn a_square_at_one_third_has_six_equal_springs_and_common_sides_add() {
         let third = Film { poisson_ratio: 1.0 / 3.0, ..FILM };
-        let all = rectangle(2.0, 2.0, true).rectangles(&[]).unwrap().stiffness(third).unwrap();
+        let all = rectangle(2.0, 2.0, true).rectangles(&[]).unwrap().stiffness(|_| third).unwrap();
         assert_eq!(all.len(), 6);
         assert!(all.iter().all(|k| (k / (0.375 * 1.5) - 1.0).abs() < 1e-14), "{all:?}");
         let reference = (0..6).map(|i| [f64::from(i % 3), f64::from(i / 3), 0.0]).collect();
         let mesh = Mesh::new(reference, vec![[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 5, 4]]).unwrap();
         let rectangles = mesh.rectangles(&[]).unwrap();
         let common = mesh.edges.iter().position(|&edge| edge == [1, 4]).unwrap();
-        for (row, k) in rectangles.stiffness(third).unwrap().into_iter().enumerate() {
+        for (row, k) in rectangles.stiffness(|_| third).unwrap().into_iter().enumerate() {
             assert!((k / (0.375 * 1.5) - if row == common { 2.0 } else { 1.0 }).abs() < 1e-14);
         }
         assert_eq!(rectangles.ends[mesh.edges.len()..], [[1, 3], [1, 5]]);
     }
 
     #[test]
+    fn a_rectangle_of_two_films_has_the_mean_of_their_constants() {
+        let rectangles = rectangle(1.0, 1.2, true).rectangles(&[]).unwrap();
+        let film_of = |row: usize| Film { thickness: [0.5, 0.1][row], ..FILM };
+        let plain = rectangles.stiffness(|_| FILM).unwrap();
+        for (k, plain) in rectangles.stiffness(film_of).unwrap().into_iter().zip(plain) {
+            assert!((k / plain - 0.6).abs() < 1e-15);
+        }
+    }
+
+    #[test]
     fn a_slender_rectangle_is_refused_with_its_edge_and_the_limit() {
         for nu in [0.0, 1.0 / 3.0, 0.34] {
             let (film, limit) = (Film { poisson_ratio: nu, ..FILM }, (2.0_f64 / (1.0 - nu)).sqrt());
-            let of = |ratio: f64| rectangle(ratio, 1.0, true).rectangles(&[]).unwrap().stiffness(film);
+            let of = |ratio: f64| rectangle(ratio, 1.0, true).rectangles(&[]).unwrap().stiffness(|_| film);
             assert!(of(0.999 * limit).is_ok());
             match of(1.001 * limit).unwrap_err() {
                 Error::SlenderRectangles { count, of, edge, worst, most } => {
