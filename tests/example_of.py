@@ -12,6 +12,10 @@ BESIDE_OTHERS = ("torque",)
 """Fields that a class refuses without another one."""
 
 
+ONE_OF_SEVERAL: dict[str, dict[str, Any]] = {"region": {"nodes": "some_name"}, "crease_set": {"stiffness": 2.0}}
+"""Fields of which a kind needs one, though each has a default."""
+
+
 def example_of(cls: type[Any], **changes: Any) -> Any:
     """An instance: fields without a default get a value of their type, each number and point another one.
 
@@ -23,7 +27,7 @@ def example_of(cls: type[Any], **changes: Any) -> Any:
 def needed(cls: type[Any]) -> dict[str, Any]:
     """Values for the fields that have no default, and for those of schedules."""
     known: Mapping[str, Any] = cls.__pydantic_fields__
-    return {
+    return ONE_OF_SEVERAL.get(getattr(cls, "kind", ""), {}) | {
         name: _value(info.annotation, k)
         for k, (name, info) in enumerate(known.items())
         if info.is_required() or (_is_schedule(info.annotation) and name not in BESIDE_OTHERS)

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
         Springs,
         Triangles,
     )
-    from membrane_rs.scene.parts import Bridges, Fixed, Moved, Tether, Tethers, TipMasses
+    from membrane_rs.scene.parts import Bridges, CreaseSet, Fixed, Moved, Region, Tether, Tethers, TipMasses
     from membrane_rs.scene.run_settings import RunSettings
     from membrane_rs.scene.schedule import Schedule
     from membrane_rs.scene.stage import Stage
@@ -66,6 +66,7 @@ __all__ = [
     "AuditWarning",
     "Bending",
     "Bridges",
+    "CreaseSet",
     "Creases",
     "Cylinder",
     "DisplayError",
@@ -89,6 +90,7 @@ __all__ = [
     "PointForces",
     "Pressure",
     "Rectangles",
+    "Region",
     "Run",
     "RunSettings",
     "Scene",
@@ -157,7 +159,7 @@ _PLACES = {
         "Springs",
         "Triangles",
     ),
-    "membrane_rs.scene.parts": ("Bridges", "Fixed", "Moved", "Tether", "Tethers", "TipMasses"),
+    "membrane_rs.scene.parts": ("Bridges", "CreaseSet", "Fixed", "Moved", "Region", "Tether", "Tethers", "TipMasses"),
     "membrane_rs.scene.run_settings": ("RunSettings",),
     "membrane_rs.scene.schedule": ("Schedule",),
     "membrane_rs.scene.stage": ("Stage",),

@@ -8,7 +8,7 @@ from typing import Any, get_args, get_origin
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator
 
-from membrane_rs._numbers import AUTO, Auto, OuterUnit, Unit, UnitOf, number, numbers, vector, whole
+from membrane_rs._numbers import AUTO, Auto, OuterUnit, Unit, UnitOf, number, numbers, pair, vector, whole
 from membrane_rs._quantities import to_si
 from membrane_rs._renamed import new_names
 
@@ -68,7 +68,7 @@ def in_si(cls: type, values: Mapping[str, Any], where: str, outer: str | None = 
 def takes_numbers(cls: type, name: str) -> tuple[bool, bool]:
     """Whether a field takes a number that need not be whole, and whether it takes a list of them."""
     checks = {item.func for item in metadata(cls, name) if isinstance(item, BeforeValidator)}
-    return number in checks and not is_table(cls, name), bool({vector, numbers} & checks)
+    return number in checks and not is_table(cls, name), bool({vector, numbers, pair} & checks)
 
 
 def range_of(cls: type, name: str) -> str:

@@ -90,7 +90,7 @@ def listed(value: object) -> object:
     """Lists and numpy arrays as tuples; anything else as it is."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    return tuple(value) if isinstance(value, list) else value
+    return tuple(value) if isinstance(value, list | range) else value
 
 
 def vector(value: object) -> object:
@@ -109,6 +109,23 @@ def numbers(value: object) -> object:
     return value
 
 
+def pair(value: object) -> object:
+    """Two of something, as a tuple."""
+    value = listed(value)
+    if not isinstance(value, tuple) or len(value) != 2:
+        raise wrong_type("two numbers")
+    return value
+
+
+def points(value: object) -> object:
+    """A list of points in a plane, as a tuple of tuples."""
+    value = listed(value)
+    found = tuple(listed(point) for point in value) if isinstance(value, tuple) else ()
+    if not found or not all(isinstance(point, tuple) and len(point) == 2 for point in found):
+        raise wrong_type("a list of points (x, y)")
+    return found
+
+
 def nodes(value: object) -> object:
     """The name of a node set, or indices as a tuple."""
     value = listed(value)
@@ -116,13 +133,22 @@ def nodes(value: object) -> object:
         if not value:
             raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
         return value
+    return _indices(value, "the name of a node set or a list of node indices", "node")
+
+
+def rows(value: object) -> object:
+    """Indices as a tuple."""
+    return _indices(listed(value), "a list of indices", "index")
+
+
+def _indices(value: object, wanted: str, one: str) -> tuple[int, ...]:
     if not isinstance(value, tuple) or not all(map(_is_whole, value)):
-        raise wrong_type("the name of a node set or a list of node indices")
+        raise wrong_type(wanted)
     found = tuple(int(i) for i in value)
     if not found or min(found) < 0 or max(found) > MOST:
-        raise PydanticCustomError("bad_nodes", f"must hold at least one node, none below 0 or above {MOST}")
+        raise PydanticCustomError("bad_nodes", f"must hold at least one {one}, none below 0 or above {MOST}")
     if len(set(found)) < len(found):
-        raise PydanticCustomError("bad_nodes", "must not name a node twice")
+        raise PydanticCustomError("bad_nodes", f"must not name a {one} twice")
     return found
 
 
@@ -163,19 +189,20 @@ Flag = Annotated[bool, BeforeValidator(flag)]
 """True or False, and nothing that merely looks like it."""
 Vector = Annotated[tuple[Finite, Finite, Finite], BeforeValidator(vector)]
 """Three finite numbers, from a tuple, list or array."""
+Pair = Annotated[tuple[Finite, Finite], BeforeValidator(pair)]
+"""Two finite numbers, from a tuple, list or array."""
 Times = Annotated[Sequence[NonNegative], BeforeValidator(numbers)]
 """Any number of times, none negative, from a tuple, list or array."""
 Numbers = Annotated[Sequence[Finite], BeforeValidator(numbers)]
 """Any number of finite numbers, from a tuple, list or array."""
-_NODES_OF_FILES: dict[str, list[dict[str, object]]] = {
-    "anyOf": [
-        {"type": "string", "minLength": 1},
-        {
-            "type": "array", "items": {"type": "integer", "minimum": 0, "maximum": MOST},
-            "minItems": 1, "uniqueItems": True,
-        },
-    ]
+Points = Annotated[Sequence[tuple[Finite, Finite]], BeforeValidator(points)]
+"""Points in a plane, from a list, tuple or array of pairs."""
+_ROWS_OF_FILES: dict[str, object] = {
+    "type": "array", "items": {"type": "integer", "minimum": 0, "maximum": MOST}, "minItems": 1, "uniqueItems": True
 }  # fmt: skip
+Rows = Annotated[Sequence[int], BeforeValidator(rows), WithJsonSchema(_ROWS_OF_FILES)]
+"""Indices (tuple, list or array), none twice."""
+_NODES_OF_FILES: dict[str, list[dict[str, object]]] = {"anyOf": [{"type": "string", "minLength": 1}, _ROWS_OF_FILES]}
 Nodes = Annotated[str | Sequence[int], BeforeValidator(nodes), WithJsonSchema(_NODES_OF_FILES)]
 """The name of a node set, or node indices (tuple, list or array), none twice."""
 _NAMES_OF_FILES: dict[str, object] = {

@@ -51,6 +51,11 @@ class Material:
     thickness: Annotated[Positive, Unit("m")]
     softening: Annotated[Finite, Ge(1), Le(1e6)] | None = field(default=None, kw_only=True)
 
+    @property
+    def bending_stiffness(self) -> float:
+        """D = E h^3 / (12 (1 - nu^2)), of a plate per width [N m]."""
+        return self.youngs_modulus * self.thickness**3 / (12.0 * (1.0 - self.poisson_ratio**2))
+
     def as_simulated(self) -> Material:
         """The material with its softening carried out.
 

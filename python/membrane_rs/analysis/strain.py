@@ -28,8 +28,9 @@ def triangle_strains(reference: Floats, positions: Floats, triangles: Ints) -> F
     return strains
 
 
-def peak_stress(strains: Floats, youngs_modulus: float, poisson_ratio: float) -> float:
-    """The largest principal stress of a film [Pa], from the principal strains (m, 2) of its triangles, m > 0.
+def peak_stress(strains: Floats, youngs_modulus: float | Floats, poisson_ratio: float) -> float:
+    """The largest principal stress of a film [Pa], from the principal strains (m, 2) of its triangles, m > 0, of one
+    Young's modulus or of (m,) [Pa].
 
     Plane stress, E/(1 - nu^2) (e1 + nu e2); where that would press across, the film is
     wrinkled and carries E e1 along its wrinkles only (tension field); 0 where all of it is slack.
@@ -37,7 +38,7 @@ def peak_stress(strains: Floats, youngs_modulus: float, poisson_ratio: float) ->
     large, small = strains.T
     nu = poisson_ratio
     taut = (large + nu * small) / (1.0 - nu**2)
-    return youngs_modulus * max(0.0, float(np.where(small > -nu * large, taut, large).max()))
+    return max(0.0, float((youngs_modulus * np.where(small > -nu * large, taut, large)).max()))
 
 
 def _gram(points: Floats, triangles: Ints) -> Floats:

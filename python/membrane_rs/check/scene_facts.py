@@ -8,6 +8,7 @@ from membrane_rs._validation import check_kind
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
 from membrane_rs.scene.hub import hub_of
+from membrane_rs.scene.scales import film_mass
 from membrane_rs.scene.softened import with_softening
 
 
@@ -55,7 +56,7 @@ def facts(scene: Scene) -> dict[str, str]:
         found["material"] = f"{film.youngs_modulus:.4g} Pa, {film.density:.4g} kg/m3 (waves at {waves:.4g} m/s)"
         if film.softening is not None:
             found["softening"] = f"{film.softening:g}-fold in stretch"
-        masses = {"film": area * scene.material.thickness * scene.material.density} | masses
+        masses = {"film": film_mass(own)} | masses
     shares = ", ".join(f"{name} {mass:.4g} kg" for name, mass in masses.items() if mass > 0.0)
     found["mass"] = f"{sum(masses.values()):.4g} kg ({shares})"
     hub = hub_of(scene)

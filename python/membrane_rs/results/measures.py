@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from membrane_rs.analysis import strain
 from membrane_rs.analysis.deployment import Corners
 from membrane_rs.simulation.motion import Motion, check_simulation
@@ -73,4 +75,7 @@ def peak_stress(sim: Motion) -> float:
     if (sim.film_states() >= 0).all():
         return sim.largest_film_stress()
     strains = strain.triangle_strains(mesh.reference, sim.positions[: mesh.node_count], mesh.triangles)
-    return strain.peak_stress(strains, film.youngs_modulus, film.poisson_ratio)
+    moduli = np.full(len(strains), film.youngs_modulus)
+    for region in sim.stage_scene.assemble().regions:
+        moduli[region.triangles] = region.youngs_modulus
+    return strain.peak_stress(strains, moduli, film.poisson_ratio)

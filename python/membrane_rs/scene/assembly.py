@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from membrane_rs._arrays import Floats, Ints
-from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, Layers, Links, Motion
+from membrane_rs.scene.components import Component, ContactSet, Cords, Creases, FilmRegion, Layers, Links, Motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,8 @@ class Assembly(Component):
         The mesh's node sets and the cords' own.
     motions : sequence of Motion
         Of the nodes that move as prescribed.
+    regions : sequence of FilmRegion
+        Of the membrane, with a film of their own.
 
     Examples
     --------
@@ -71,3 +73,4 @@ class Assembly(Component):
     layers: Layers
     node_sets: Mapping[str, Ints]
     motions: Sequence[Motion] = ()
+    regions: Sequence[FilmRegion] = ()

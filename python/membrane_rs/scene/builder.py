@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -15,9 +14,10 @@ from membrane_rs._arrays import Floats, Ints
 from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import nearest, show
 from membrane_rs.errors import InputError, SceneError
+from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.scene.assembly import Assembly
-from membrane_rs.scene.components import ContactSet, Cords, Creases, Layers, Links, Motion
+from membrane_rs.scene.components import ContactSet, Cords, Creases, FilmRegion, Layers, Links, Motion
 from membrane_rs.scene.cords import cord_along, cord_positions, cord_round_axis
 
 
@@ -48,6 +48,8 @@ class Builder:
     ----------
     mesh : Mesh or None
         The membrane.
+    material : Material or None
+        What it is made of.
     reference, positions : (n, 3) float
         Of the membrane alone: flat, and at the start [m].
     mesh_count, node_count : int
@@ -56,8 +58,8 @@ class Builder:
         Those of the mesh, and those of the cords so far.
     """
 
-    def __init__(self, mesh: Mesh | None) -> None:
-        self.mesh = mesh
+    def __init__(self, mesh: Mesh | None, material: Material | None) -> None:
+        self.mesh, self.material = mesh, material
         self.reference: Floats = np.zeros((0, 3)) if mesh is None else np.asarray(mesh.reference)
         self.positions: Floats = np.zeros((0, 3)) if mesh is None else np.asarray(mesh.positions)
         self.node_sets: dict[str, Ints] = {}
@@ -73,6 +75,9 @@ class Builder:
         self._layers: Ints = np.zeros(0, np.int64)
         self._loaded: Ints = np.zeros(0, np.int64)
         self._bridge_stiffness = 0.0
+        self._regions: list[tuple[FilmRegion, str]] = []
+        self._creases: dict[str, Floats] = {}
+        self._crease_places: dict[str, list[tuple[str, Ints]]] = {}
 
     def nodes(self, wanted: str | Sequence[int], where: str, *, of_mesh: bool = False, field: str = "nodes") -> Ints:
         """Node indices from a set's name or from themselves, of the whole scene so far or of the mesh alone; `field` of
@@ -104,15 +109,47 @@ class Builder:
         SceneError
             A node set or a node that is not there.
         """
-        sets = [wanted] if isinstance(wanted, str) else wanted
-        one_by_one = [name for name in sets if isinstance(name, str)]
-        groups: list[Any] = one_by_one or [wanted]
+        triangles = np.zeros((0, 3), np.int64) if self.mesh is None else self.mesh.triangles
+        return self.elements_inside(triangles, wanted, where, field)
+
+    def elements_inside(
+        self, elements: Ints, wanted: str | Sequence[str] | Sequence[int], where: str, field: str
+    ) -> Ints:
+        """Rows of elements (m, k) whose nodes all belong to one of some node sets of the mesh, or to the nodes of these
+        indices; ascending.
+
+        Raises
+        ------
+        SceneError
+            A node set or a node that is not there.
+        """
         found: Ints = np.zeros(0, np.int64)
-        for group in groups:
+        for group in groups_of(wanted):
             nodes = self.nodes(group, where, of_mesh=True, field=field)
-            if self.mesh is not None:
-                inside = np.isin(self.mesh.triangles, nodes).all(axis=1)
-                found = np.union1d(found, np.flatnonzero(inside))
+            found = np.union1d(found, np.flatnonzero(np.isin(elements, nodes).all(axis=1)))
+        return found
+
+    def triangles_of_sets(self, wanted: str | Sequence[str] | Sequence[int], where: str, field: str) -> Ints:
+        """Triangles of some triangle sets of the mesh, or of these indices; ascending.
+
+        Raises
+        ------
+        SceneError
+            A triangle set or a triangle that is not there.
+        """
+        count = 0 if self.mesh is None else len(self.mesh.triangles)
+        sets = {} if self.mesh is None else self.mesh.triangle_sets
+        if wanted == "all" and count and "all" not in sets:
+            return np.arange(count)
+        found: Ints = np.zeros(0, np.int64)
+        for group in groups_of(wanted):
+            if isinstance(group, str) and group not in sets:
+                hint = nearest(group, sets) if sets else "this mesh has none"
+                raise SceneError(f"{where}.{field} = {group!r}: no such triangle set; {hint}")
+            found = np.union1d(found, sets[group] if isinstance(group, str) else np.array(group, np.int64))
+        if found.size and found.max() >= count:
+            allowed = f"from 0 to {count - 1}" if count else "none, for there is no mesh"
+            raise SceneError(f"{where}.{field}: triangle {found.max()} is not there; must be {allowed}")
         return found
 
     @property
@@ -212,6 +249,26 @@ class Builder:
         """Let point forces act on these nodes."""
         self._loaded = np.unique(nodes)
 
+    def add_region(self, region: FilmRegion, where: str) -> None:
+        """Give triangles a film of their own. Raises SceneError where another part has given one of them its own."""
+        for other, place in self._regions:
+            both = np.intersect1d(region.triangles, other.triangles)
+            if both.size:
+                what = f"triangle {both[0]} ({both.size} such) belongs to {place} too"
+                raise SceneError(f"{where}: {what}; leave it out of one of them, or make a region of what they share")
+        self._regions.append((region, where))
+
+    def set_creases(self, creases: Ints, field: str, value: float, where: str) -> None:
+        """Give creases a value of their own. Raises SceneError where another part has given one of them its own."""
+        for place, others in self._crease_places.setdefault(field, []):
+            both = np.intersect1d(creases, others)
+            if both.size:
+                what = f"crease {both[0]} ({both.size} such) has one of {place} too"
+                raise SceneError(f"{where}.{field} = {value:g}: {what}; leave it out of one of them")
+        self._crease_places[field].append((where, creases))
+        count = 0 if self.mesh is None else len(self.mesh.creases)
+        self._creases.setdefault(field, np.full(count, np.nan))[creases] = value
+
     def link_bridges(self, stiffness: float, where: str) -> None:
         """Give the links of the mesh their stiffness [N/m]. Raises SceneError where they have one already."""
         if self._bridge_stiffness:
@@ -237,6 +294,7 @@ class Builder:
         mesh = self.mesh
         none = np.zeros((0, 2), np.int64)
         angles = np.zeros(0) if mesh is None else np.asarray(mesh.fold_angles)
+        unset = np.full(len(angles) if self._creases else 0, np.nan)
         touched = np.unique(np.concatenate([np.zeros(0, np.int64), *self._contacts]))
         assembly = Assembly(
             node_count=self.node_count,
@@ -246,6 +304,11 @@ class Builder:
             creases=Creases(
                 nodes=none if mesh is None else np.array(mesh.creases, np.int64),
                 fold_signs=np.where(angles < 0, -1.0, 1.0),
+                fold_angles=np.abs(angles),
+                **{
+                    field: self._creases.get(field, unset)
+                    for field in ("stiffness", "contact_penalty", "natural_angle")
+                },
             ),
             extra_masses=self._extra_masses(),
             tips=np.concatenate([np.zeros(0, np.int64), *(nodes for nodes, mass in self._masses if mass > 0.0)]),
@@ -259,6 +322,7 @@ class Builder:
             layers=Layers(self._layers),
             node_sets=self.node_sets,
             motions=tuple(motion for motion, _ in self._motions),
+            regions=tuple(region for region, _ in self._regions),
         )
         _check_masses(assembly, self.mesh_count)
         return assembly
@@ -285,6 +349,19 @@ class Builder:
             rest_length=rest,
             strain_limit=np.repeat([cord.strain_limit for cord in cords], counts),
         )
+
+
+def groups_of(wanted: str | Sequence[str] | Sequence[int]) -> Sequence[str] | Sequence[Sequence[int]]:
+    """Names of sets one by one, or indices as one group."""
+    if isinstance(wanted, str):
+        return [wanted]
+    names = [name for name in wanted if isinstance(name, str)]
+    return names or [[index for index in wanted if not isinstance(index, str)]]
+
+
+def has_numbers(wanted: str | Sequence[str] | Sequence[int] | None) -> bool:
+    """Whether these are indices, which belong to one mesh, and no names of sets."""
+    return wanted is not None and not isinstance(wanted, str) and not isinstance(wanted[0], str)
 
 
 def _check_masses(assembly: Assembly, mesh_count: int) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs.scene.schedule import Schedule
 
-__all__ = ["ContactSet", "Cords", "Creases", "Layers", "Links", "Motion"]
+__all__ = ["ContactSet", "Cords", "Creases", "FilmRegion", "Layers", "Links", "Motion", "Optics"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +74,90 @@ class Film(Component):
     """"refuse", "clip", "keep" or "unused"."""
 
 
+@dataclass(frozen=True)
+class Optics:
+    """What both sides of a film do with light, shares from 0 to 1 [-].
+
+    Attributes
+    ----------
+    front_specular, back_specular : float
+        Reflected as by a mirror [-].
+    front_diffuse, back_diffuse : float
+        Reflected to all sides [-].
+    front_emissivity, back_emissivity : float
+        Emissivity [-].
+    front_lambert, back_lambert : float
+        Momentum of emitted light along the normal, as a share of that of a beam [-].
+
+    Examples
+    --------
+    >>> from membrane_rs.scene.components import Optics
+    >>> Optics(0.8, 0.1, 1.0, 2 / 3, 0.8, 0.1, 1.0, 2 / 3).front_specular
+    0.8
+    """
+
+    front_specular: float
+    front_diffuse: float
+    front_emissivity: float
+    front_lambert: float
+    back_specular: float
+    back_diffuse: float
+    back_emissivity: float
+    back_lambert: float
+
+
+@dataclass(frozen=True, eq=False)
+class FilmRegion(Component):
+    """Triangles whose film has properties of its own.
+
+    Attributes
+    ----------
+    triangles : (k,) int
+        Ascending; no triangle belongs to two regions.
+    youngs_modulus, poisson_ratio, density, thickness : float
+        Of its film [Pa, -, kg/m3, m].
+    areal_mass : float
+        Beside that of the film [kg/m2].
+    buckling : float or None
+        alpha between creases [-]; None: that of the law.
+    bending_stiffness : float or None
+        D [N m]; None: that of a plate of its film.
+    curvature : tuple of float
+        Natural curvature along x and y, and the mixed one, in the flat shape [1/m].
+    natural_strain : tuple of float
+        Strain along x and y, and the mixed one, of the flat shape at which the film is free of stress [-].
+    optics : Optics or None
+        In sunlight; None: those of the law.
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> from membrane_rs import Region, scenes
+    >>> scene = scenes.load("hanging-strip")
+    >>> patch = Region([0, 1], thickness=25e-6)
+    >>> found = dataclasses.replace(scene, parts=[*scene.parts, patch]).assemble().regions[0]
+    >>> len(found.triangles) > 0, found.thickness
+    (True, 2.5e-05)
+    """
+
+    triangles: Ints
+    youngs_modulus: float
+    poisson_ratio: float
+    density: float
+    thickness: float
+    areal_mass: float
+    buckling: float | None
+    bending_stiffness: float | None
+    curvature: tuple[float, float, float]
+    natural_strain: tuple[float, float, float]
+    optics: Optics | None
+
+    @property
+    def areal_density(self) -> float:
+        """Mass per area [kg/m2]."""
+        return self.density * self.thickness + self.areal_mass
+
+
 @dataclass(frozen=True, eq=False)
 class Creases(Component):
     """Lines along which the film is folded.
@@ -84,6 +168,10 @@ class Creases(Component):
         The two nodes of each.
     fold_signs : (c,) float
         +1 for a valley or a flat crease, -1 for a mountain [-].
+    fold_angles : (c,) float
+        By how much each is folded in the pattern, from 0 (flat) to pi (shut) [rad].
+    stiffness, contact_penalty, natural_angle : (c,) float
+        beta [-], gamma [-] and theta0 [rad] of each; NaN where they are those of the law. Empty where all are.
 
     Examples
     --------
@@ -95,6 +183,10 @@ class Creases(Component):
 
     nodes: Ints
     fold_signs: Floats
+    fold_angles: Floats
+    stiffness: Floats
+    contact_penalty: Floats
+    natural_angle: Floats
 
     def __len__(self) -> int:
         """How many creases."""
@@ -258,3 +350,5 @@ class Model:
     layers: Layers
     motions: Sequence[Motion] = ()
     """Of nodes that move as prescribed; no node follows two."""
+    regions: Sequence[FilmRegion] = ()
+    """Of the film; no triangle belongs to two."""

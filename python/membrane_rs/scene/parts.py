@@ -19,14 +19,16 @@ from membrane_rs.errors import InputError, SceneError
 from membrane_rs.folding.pattern import cord_path
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.corded import Corded, cord_of, implausible_waves
+from membrane_rs.scene.crease_set import CreaseSet
 from membrane_rs.scene.held import Fixed, Moved
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.part import Part
 from membrane_rs.scene.plausible import FILM, RATES, Doubt, implausible
+from membrane_rs.scene.region import Region
 from membrane_rs.scene.scales import film_mass, hub_frequency, outermost, pull_of_spin
 from membrane_rs.scene.spool import Spool
 
-__all__ = ["PARTS", "Bridges", "Fixed", "Moved", "Part", "Tether", "Tethers", "TipMasses"]
+__all__ = ["PARTS", "Bridges", "CreaseSet", "Fixed", "Moved", "Part", "Region", "Tether", "Tethers", "TipMasses"]
 
 SHORTEST = 1e-12
 """Ends of a cord that are nearer to each other than this are one point [m]."""
@@ -383,5 +385,6 @@ def _tip(place: str, mass: float, scene: Surroundings, least: float) -> Iterator
     yield from implausible(place, mass, "kg", reason, least=least, most=most, units=units, derived_from=FILM)
 
 
-PARTS: dict[str, type[Part]] = {part.kind: part for part in (TipMasses, Tethers, Tether, Fixed, Moved, Bridges)}
+_ALL: tuple[type[Part], ...] = (TipMasses, Tethers, Tether, Fixed, Moved, Bridges, Region, CreaseSet)
+PARTS: dict[str, type[Part]] = {part.kind: part for part in _ALL}
 """The one list of parts: its `kind` in a scene file, and its class."""

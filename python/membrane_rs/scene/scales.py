@@ -20,7 +20,18 @@ def film_mass(scene: Surroundings) -> float:
     """Of the membrane [kg]; 0 without one."""
     if scene.mesh is None or scene.material is None:
         return 0.0
-    return float(scene.mesh.areas().sum()) * scene.material.density * scene.material.thickness
+    density = scene.material.density * scene.material.thickness
+    if not scene.assemble().regions:
+        return float(scene.mesh.areas().sum()) * density
+    return float(scene.mesh.areas() @ areal_densities(scene, density))
+
+
+def areal_densities(scene: Surroundings, of_film: float) -> Floats:
+    """(m,) mass per area of each triangle, `of_film` outside of the regions [kg/m2]."""
+    found = np.full(len(scene.assemble().triangles), of_film)
+    for region in scene.assemble().regions:
+        found[region.triangles] = region.areal_density
+    return found
 
 
 def outermost(scene: Surroundings, *, with_cords: bool = True) -> float:
@@ -80,19 +91,21 @@ def node_masses(scene: Surroundings) -> Floats:
     if scene not in _MASSES:
         masses: Floats = scene.assemble().extra_masses.copy()
         if scene.mesh is not None and scene.material is not None:
-            masses[: scene.mesh.node_count] += _film_masses(scene.mesh, scene.material)
+            masses[: scene.mesh.node_count] += _film_masses(scene, scene.mesh, scene.material)
         _MASSES[scene] = frozen(masses)
     return _MASSES[scene]
 
 
-def _film_masses(mesh: Mesh, material: Material) -> Floats:
+def _film_masses(scene: Surroundings, mesh: Mesh, material: Material) -> Floats:
     """(n,) [kg]; of a mesh that is refused for a triangle without area, which has no mass, as well."""
-    try:
-        return mesh.masses(material)
-    except MeshError:
-        shares = np.repeat(mesh.areas() * (material.density * material.thickness / 3.0), 3)
-        found: Floats = np.bincount(mesh.triangles.ravel(), shares, mesh.node_count).astype(np.float64)
-        return found
+    if not scene.assemble().regions:
+        try:
+            return mesh.masses(material)
+        except MeshError:
+            pass
+    shares = np.repeat(mesh.areas() * areal_densities(scene, material.density * material.thickness) / 3.0, 3)
+    found: Floats = np.bincount(mesh.triangles.ravel(), shares, mesh.node_count).astype(np.float64)
+    return found
 
 
 _MASSES: WeakKeyDictionary[Surroundings, Floats] = WeakKeyDictionary()

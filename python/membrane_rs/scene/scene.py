@@ -353,7 +353,7 @@ class Scene(Valued, HasCard):
             return self.staged(0).assemble()
         if self.as_simulated is not self:
             return self.as_simulated.assemble()
-        builder = Builder(self.mesh)
+        builder = Builder(self.mesh, self.material)
         for k, part in enumerate(self.parts):
             with computable(f"parts[{k}]", SceneError):
                 part.add_nodes(builder, f"parts[{k}]")

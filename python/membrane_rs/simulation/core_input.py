@@ -123,6 +123,7 @@ def model_of(scene: Scene, assembly: Assembly) -> Model:
         contacts=assembly.contacts,
         layers=assembly.layers,
         motions=assembly.motions,
+        regions=assembly.regions,
     )
 
 

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::layout::Renumbering;
 use crate::model::input::{Model, NegativeSprings};
 use crate::model::mesh::{Hinge, Mesh};
+use crate::model::regions::FilmOfTriangles;
 use crate::simd::dispatch::InstructionSet;
 
 /// A model with connectivity, masses, spring constants and renumbering.
@@ -13,6 +14,8 @@ pub struct Assembly {
     pub model: Model,
     /// The connectivity of the mesh.
     pub mesh: Mesh,
+    /// The film of each triangle; `None` without triangles or without a film.
+    pub film: Option<FilmOfTriangles>,
     /// Spring constant of each edge of the mesh, after the treatment of negative ones \[N/m\].
     pub edge_stiffness: Vec<f64>,
     /// The parts of the triangles in these, before that treatment, side k opposite corner k; none without springs
@@ -35,21 +38,22 @@ impl Assembly {
     ///
     /// # Errors
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
-    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`.
+    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`, `RegionsOverlap`.
     pub fn new(model: Model, instructions: InstructionSet) -> Result<Self> {
         model.check()?;
         let n = model.positions.len();
         let mesh = Mesh::new(model.reference.clone(), model.triangles.clone())?;
         let mut masses = model.extra_masses.clone();
         let (mut edge_stiffness, mut side_stiffness) = (Vec::new(), Vec::new());
-        if let (Some(film), false) = (model.film, mesh.triangles.is_empty()) {
-            film.check()?;
-            for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(film.density * film.thickness)?) {
+        let film = model.film.filter(|_| !mesh.triangles.is_empty());
+        let film = film.map(|film| FilmOfTriangles::new(film, &model.regions, mesh.triangles.len())).transpose()?;
+        if let Some(film) = &film {
+            for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(|row| film.of(row).areal_density())?) {
                 *mass += share;
             }
             edge_stiffness = vec![0.0; mesh.edges.len()];
             if model.negative_springs != NegativeSprings::Unused {
-                side_stiffness = mesh.all_side_constants(film.youngs_modulus, film.poisson_ratio, film.thickness)?;
+                side_stiffness = mesh.all_side_constants(|row| film.of(row).film)?;
                 edge_stiffness = mesh.sums_on_edges(&side_stiffness);
                 treat_negative(&mut edge_stiffness, &mesh.edges, model.negative_springs)?;
             }
@@ -71,6 +75,7 @@ impl Assembly {
         Ok(Self {
             model,
             mesh,
+            film,
             edge_stiffness,
             side_stiffness,
             hinges,
@@ -81,7 +86,7 @@ impl Assembly {
         })
     }
 
-    /// Mass of a square of film with side `length` \[kg\].
+    /// Mass of a square with side `length` of the film outside of all regions \[kg\].
     pub fn square_of_film(&self, length: Option<f64>) -> Option<f64> {
         length.zip(self.model.film).map(|(length, film)| film.density * film.thickness * length * length)
     }

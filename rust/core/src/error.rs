@@ -24,6 +24,17 @@ pub enum Error {
     )]
     TriangleOutOfRange { what: &'static str, row: usize, triangle: usize, triangle_count: usize },
 
+    /// A triangle of two regions.
+    #[error("triangle {triangle} belongs to two regions; leave it out of one of them")]
+    RegionsOverlap { triangle: usize },
+
+    /// A natural curvature beyond what an edge of the mesh can follow.
+    #[error(
+        "the natural curvature of the film folds edge {edge:?} by {degrees:.0} degrees: a mesh follows at most 90 from \
+         triangle to triangle; make it finer there, or the curvature smaller"
+    )]
+    CurvatureBeyondMesh { edge: [usize; 2], degrees: f64 },
+
     /// An array with a wrong number of rows.
     #[error("{what} has {found} rows but {expected} are needed; give one row per {per}")]
     LengthMismatch { what: &'static str, found: usize, expected: usize, per: &'static str },

@@ -28,7 +28,7 @@ fn hinge(angle: f64, speed: f64) -> Model {
         reference,
         triangles: vec![[0, 2, 1], [0, 1, 3]],
         film: Some(FILM),
-        creases: Creases { nodes: vec![[0, 1]], fold_signs: vec![1.0] },
+        creases: Creases { nodes: vec![[0, 1]], fold_signs: vec![1.0], ..Creases::default() },
         extra_masses: vec![0.0; 4],
         fixed: vec![0, 1, 2],
         ..Model::default()

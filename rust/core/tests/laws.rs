@@ -47,7 +47,8 @@ fn power_residual(bench: &mut Bench, row: usize) -> (f64, f64) {
 #[test]
 fn the_power_of_every_law_is_that_of_its_forces_and_of_its_energy() {
     for (seed, laws) in (0..6).flat_map(|seed| law_sets().map(move |laws| (seed, laws))) {
-        let mut bench = Bench::crumpled(&laws, seed, 0.004);
+        let of_kind = if seed < 3 { Bench::crumpled } else { Bench::patched };
+        let mut bench = of_kind(&laws, seed, 0.004);
         for row in 0..bench.laws.len() {
             for direction in 0..4 {
                 bench.state.velocities = bench.vectors(1000 * seed + direction, 1.0);

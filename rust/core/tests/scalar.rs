@@ -51,7 +51,7 @@ fn unstructured() -> Model {
     creases
         .retain(|pair| model.triangles.iter().filter(|nodes| pair.iter().all(|end| nodes.contains(end))).count() == 2);
     let fold_signs = (0..creases.len()).map(|row| if row % 3 == 0 { 1.0 } else { -1.0 }).collect();
-    model.creases = Creases { nodes: creases, fold_signs };
+    model.creases = Creases { nodes: creases, fold_signs, ..Creases::default() };
     model.bridges.nodes.clear();
     // Nodes without triangles have no mass of film.
     model.extra_masses.fill(1e-6);

@@ -3,9 +3,11 @@
 
 mod common;
 
-use common::{Dice, every_law, every_law_with_limited_dashpots, sheet};
+use common::patches::patched;
+use common::{Dice, every_law, every_law_with_limited_dashpots, law_sets, sheet};
 use membrane_core::arrays::blocks::TILE;
 use membrane_core::laws::{LawSpec, WorkClass};
+use membrane_core::model::input::Model;
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
 
@@ -18,7 +20,10 @@ fn sheet_in_motion(size: (usize, usize), method: &str, settings: Settings) -> Si
 }
 
 fn sheet_with(laws: &[LawSpec], (columns, rows): (usize, usize), method: &str, settings: Settings) -> Simulation {
-    let mut model = sheet(columns, rows, 0.01);
+    simulation_of(sheet(columns, rows, 0.01), laws, method, settings)
+}
+
+fn simulation_of(mut model: Model, laws: &[LawSpec], method: &str, settings: Settings) -> Simulation {
     let kicks = Dice(1).vectors(model.positions.len(), 2e-4);
     for (point, kick) in model.positions.iter_mut().zip(kicks) {
         (0..3).for_each(|axis| point[axis] += kick[axis]);
@@ -57,6 +62,23 @@ fn a_trajectory_has_the_same_bits_at_every_width() {
         let mut simulation = disturbed(instructions);
         simulation.step(500).unwrap();
         assert_eq!(simulation.progress(), baseline.progress(), "{}", instructions.name());
+    }
+}
+
+#[test]
+fn so_has_a_trajectory_with_regions_of_the_film() {
+    for laws in law_sets().take(3) {
+        let run = |instructions: InstructionSet| {
+            let settings = Settings { instructions, energy_tolerance: 1.0, ..Settings::default() };
+            let mut simulation = simulation_of(patched(sheet(19, 13, 0.01)), &laws, "rk4", settings);
+            simulation.set_dt(1e-7).unwrap();
+            simulation.step(50).unwrap();
+            simulation.progress()
+        };
+        let baseline = run(InstructionSet::Baseline);
+        for instructions in InstructionSet::ALL.into_iter().filter(|instructions| instructions.is_available()) {
+            assert_eq!(run(instructions), baseline, "{}", instructions.name());
+        }
     }
 }
 

@@ -1,7 +1,11 @@
 //! The components of a model and the settings of a run, from Python objects with these attributes.
 
 use membrane_core::integrators::Tolerance;
-use membrane_core::model::input::{Bridges, ContactSet, Cord, Creases, Film, Model, Motion, NegativeSprings};
+use membrane_core::model::input::{
+    Bridges, ContactSet, Cord, Creases, Film, Model, Motion, NegativeSprings, OwnCrease,
+};
+use membrane_core::model::optics::{OpticalSide, Optics};
+use membrane_core::model::regions::{Region, RegionFilm};
 use membrane_core::model::schedule::Schedule;
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::Settings;
@@ -62,10 +66,8 @@ pub(crate) fn model_of(object: &Bound<'_, PyAny>) -> PyResult<Model> {
         triangles: surface.array("triangles", index_rows)?,
         film,
         negative_springs,
-        creases: Creases {
-            nodes: creases.array("nodes", index_rows)?,
-            fold_signs: creases.array("fold_signs", numbers)?,
-        },
+        regions: regions_of(&model)?,
+        creases: creases_of(&creases)?,
         cords: cords_of(&model.component("cords")?)?,
         bridges: Bridges { nodes: bridges.array("nodes", index_rows)?, stiffness: bridges.value("stiffness")? },
         contacts: ContactSet { nodes: contacts?.array("nodes", indices)? },
@@ -118,6 +120,70 @@ fn film_of(film: &Component<'_>) -> PyResult<(Option<Film>, NegativeSprings)> {
         thickness: film.value("thickness")?,
     };
     Ok((Some(film), negative_springs))
+}
+
+/// Regions whose film has properties of its own.
+fn regions_of(model: &Component<'_>) -> PyResult<Vec<Region>> {
+    let regions: Vec<Bound<'_, PyAny>> = model.value("regions")?;
+    let region_of = |(row, object)| {
+        let region = Component::new(&format!("regions[{row}]"), object);
+        let film = Film {
+            youngs_modulus: region.value("youngs_modulus")?,
+            poisson_ratio: region.value("poisson_ratio")?,
+            density: region.value("density")?,
+            thickness: region.value("thickness")?,
+        };
+        let film = RegionFilm {
+            film,
+            areal_mass: region.value("areal_mass")?,
+            buckling: region.value("buckling")?,
+            bending_stiffness: region.value("bending_stiffness")?,
+            curvature: region.value("curvature")?,
+            natural_strain: region.value("natural_strain")?,
+            optics: optics_of(&region)?,
+        };
+        Ok(Region { triangles: region.array("triangles", indices)?, film })
+    };
+    regions.iter().enumerate().map(region_of).collect()
+}
+
+/// Optical properties of a region, or `None`.
+fn optics_of(region: &Component<'_>) -> PyResult<Option<Optics>> {
+    let optics = region.component("optics")?;
+    if optics.object.is_none() {
+        return Ok(None);
+    }
+    let side = |name: &str| {
+        Ok::<_, PyErr>(OpticalSide {
+            specular: optics.value(&format!("{name}_specular"))?,
+            diffuse: optics.value(&format!("{name}_diffuse"))?,
+            emissivity: optics.value(&format!("{name}_emissivity"))?,
+            lambert: optics.value(&format!("{name}_lambert"))?,
+        })
+    };
+    Ok(Some(Optics { front: side("front")?, back: side("back")? }))
+}
+
+/// The creases; what of a column is not a number belongs to the law.
+fn creases_of(creases: &Component<'_>) -> PyResult<Creases> {
+    let columns = ["stiffness", "contact_penalty", "natural_angle"].map(|name| creases.array(name, numbers));
+    let [stiffness, contact_penalty, natural_angle] = columns;
+    let (stiffness, contact_penalty, natural_angle) = (stiffness?, contact_penalty?, natural_angle?);
+    if [&contact_penalty, &natural_angle].iter().any(|column| column.len() != stiffness.len()) {
+        return Err(wrong_value("the arrays of the creases must have equally many rows".to_owned()));
+    }
+    let given = |value: f64| (!value.is_nan()).then_some(value);
+    let own = |row: usize| OwnCrease {
+        stiffness: given(stiffness[row]),
+        contact_penalty: given(contact_penalty[row]),
+        natural_angle: given(natural_angle[row]),
+    };
+    Ok(Creases {
+        nodes: creases.array("nodes", index_rows)?,
+        fold_signs: creases.array("fold_signs", numbers)?,
+        fold_angles: creases.array("fold_angles", numbers)?,
+        own: (0..stiffness.len()).map(own).collect(),
+    })
 }
 
 /// The segments of the tethers.

@@ -24,7 +24,9 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::NegativeSprings { .. }
         | Error::NotRectangles { .. }
         | Error::SlenderRectangles { .. }
-        | Error::NotAHinge { .. } => python::MeshError::new_err(text),
+        | Error::NotAHinge { .. }
+        | Error::RegionsOverlap { .. }
+        | Error::CurvatureBeyondMesh { .. } => python::MeshError::new_err(text),
         _ => python::InputError::new_err(text),
     }
 }

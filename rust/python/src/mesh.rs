@@ -80,7 +80,7 @@ pub(crate) fn lumped_masses<'py>(
     triangles: &Bound<'py, PyAny>,
     areal_density: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    Ok(PyArray1::from_vec(py, checked(mesh_of(reference, triangles)?.lumped_masses(areal_density))?))
+    Ok(PyArray1::from_vec(py, checked(mesh_of(reference, triangles)?.lumped_masses(|_| areal_density))?))
 }
 
 /// Checks that each crease is an edge with two triangles of one winding, and counts them.

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Le
 
-from membrane_rs._validation import Finite, NonNegative, Positive, Unit, validated
+from membrane_rs._validation import Finite, Fraction, NonNegative, Positive, Unit, validated
+from membrane_rs.errors import InputError
 from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 
 
@@ -31,16 +32,21 @@ class Creases(Law):
     contact_penalty : float
         gamma [-], how many times stiffer the crease is below 0; 1 or above, 1 meaning no contact.
     natural_angle : float
-        theta0 [rad], from 0 (shut) over pi (flat) to 2 pi.
+        theta0 [rad], from 0 (shut) over pi (flat) to 2 pi. A part `CreaseSet` may give creases their own stiffness,
+        penalty and angle.
     length_scale : float or None
         H [m]. None: the mean height of the two facets in the reference mesh, crease by crease.
     collapse : float
         The fraction of a facet's area below which its moment fades [-], from 0 (never) to 1.
+    fold_fraction : float or None
+        In place of natural_angle: theta0 = pi - fold_fraction phi, with phi the magnitude of the fold angle that the
+        mesh has for each crease, `Mesh.fold_angles` [-]; from 0 (flat) to 1 (folded as in the pattern). By keyword
+        alone.
 
     Raises
     ------
     InputError, InputTypeError
-        A value outside its range, or of a wrong type.
+        A value outside its range, or of a wrong type; a natural_angle beside a fold_fraction.
 
     Examples
     --------
@@ -57,6 +63,17 @@ class Creases(Law):
     natural_angle: Annotated[Finite, Ge(0), Le(2 * math.pi), Unit("rad")] = 0.0
     length_scale: Annotated[Positive | None, Unit("m")] = None
     collapse: Annotated[Finite, Ge(0), Le(1)] = 0.05
+    fold_fraction: Fraction | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that the natural state is given once."""
+        if self.fold_fraction is not None and self.natural_angle != 0.0:
+            what = "is not used with fold_fraction, by which each crease has its own; leave one of them out"
+            raise InputError(f"Creases.natural_angle = {self.natural_angle:g}: {what} (rad)")
+
+    def replaced_by(self, name: str) -> tuple[str, ...]:
+        """One natural angle by a fraction of each fold, and the other way round."""
+        return {"fold_fraction": ("natural_angle",), "natural_angle": ("fold_fraction",)}.get(name, ())
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """Without creases, or their stiffness, there is no moment."""

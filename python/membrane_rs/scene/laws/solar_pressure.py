@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, field, replace
 from typing import Annotated, Any, ClassVar
 
-from membrane_rs._validation import Fraction, Positive, Unit, Vector, show, validated
+from membrane_rs._validation import Fraction, Positive, Unit, Vector, validated
 from membrane_rs.errors import InputError
+from membrane_rs.scene.components import Optics
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.laws._factor import largest_factor
+from membrane_rs.scene.optics import OF_SIDES, optics_of
 from membrane_rs.scene.plausible import Doubt, implausible
 from membrane_rs.scene.schedule import Schedule
 
@@ -17,9 +19,6 @@ ASTRONOMICAL_UNIT = 149_597_870_700.0
 """[m], by its definition."""
 NEAREST, FARTHEST = 0.04 * ASTRONOMICAL_UNIT, 200.0 * ASTRONOMICAL_UNIT
 """Distances from the sun [m]: a little less than that of the nearest spacecraft, and more than that of the farthest."""
-ROUNDING = 1e-12
-"""By which two shares may be more than 1 together."""
-_OF_SIDES = ("specular", "diffuse", "emissivity", "lambert")
 
 
 @validated
@@ -97,30 +96,23 @@ class SolarPressure(Law):
         """Check the direction, and the shares of each side together."""
         if not any(self.sun):
             raise InputError(f"SolarPressure.sun = {self.sun}: must not be 0; (0, 0, 1) is the hub's axis")
-        for side in ("front", "back"):
-            specular, diffuse = self._of(side, "specular"), self._of(side, "diffuse")
-            if specular + diffuse > 1.0 + ROUNDING:
-                what = f"reflects more than all light with {side}_specular = {show(specular)}"
-                remedy = f"must be at most {1.0 - specular:g}"
-                raise InputError(f"SolarPressure.{side}_diffuse = {show(diffuse)}: {what}; {remedy}")
-        if self._of("front", "emissivity") + self._of("back", "emissivity") == 0.0:
-            what = "with back_emissivity = 0 nothing emits what the film absorbs; set one of them above 0"
-            raise InputError(f"SolarPressure.front_emissivity = {show(self.front_emissivity)}: {what}")
+        self._optics()
 
-    def _of(self, side: str, name: str) -> float:
-        """A property of a side: of the back that of the front where it has none of its own."""
-        given: float | None = getattr(self, f"{side}_{name}")
-        front: float = getattr(self, f"front_{name}")
-        return front if given is None else given
+    def _optics(self) -> Optics:
+        """Of both sides. Raises InputError."""
+        names = [f"{side}_{name}" for side in ("front", "back") for name in OF_SIDES]
+        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        return optics_of("SolarPressure", given)
 
     def core_parameters(self) -> dict[str, Any]:
         """All of them, with those of the front where the back has none of its own."""
-        return asdict(self) | {f"back_{name}": self._of("back", name) for name in _OF_SIDES}
+        return asdict(self) | asdict(self._optics())
 
     def simpler(self) -> tuple[str, SolarPressure] | None:
         """Emission alike from both sides, which has no recoil."""
-        own = [self._of("back", name) != self._of("front", name) for name in ("emissivity", "lambert")]
-        if not any(own):
+        found = self._optics()
+        front, back = (found.front_emissivity, found.front_lambert), (found.back_emissivity, found.back_lambert)
+        if front == back:
             return None
         return "recoil of emission", replace(self, back_emissivity=None, back_lambert=None)
 

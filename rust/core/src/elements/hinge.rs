@@ -63,7 +63,16 @@ impl<V: SimdF64> Facets<V> {
     /// The fold angle, from -pi to pi: its cut is where the hinge is shut, from either side \[rad\].
     #[inline(always)]
     pub(crate) fn fold_angle(&self) -> V {
-        V::atan2(self.length * dot(self.normal_d, self.c), dot(self.normal_c, self.normal_d))
+        let [sine, cosine] = self.unscaled_direction();
+        V::atan2(sine, cosine)
+    }
+
+    /// The fold angle less a natural one, given by its sine and cosine, from -pi to pi: its cut is where it is shut from
+    /// the natural angle \[rad\].
+    #[inline(always)]
+    pub(crate) fn fold_beyond(&self, natural: [V; 2]) -> V {
+        let [sine, cosine] = turned_back(self.unscaled_direction(), natural);
+        V::atan2(sine, cosine)
     }
 
     /// The sine and the cosine of the fold angle; 0 where a facet has no area.
@@ -71,7 +80,14 @@ impl<V: SimdF64> Facets<V> {
     pub(crate) fn fold_direction(&self) -> [V; 2] {
         let [square_c, square_d] = self.squares();
         let inverse = V::all(1.0) / (square_c.sqrt() * square_d.sqrt()).max(V::all(f64::MIN_POSITIVE));
-        [self.length * dot(self.normal_d, self.c) * inverse, dot(self.normal_c, self.normal_d) * inverse]
+        let [sine, cosine] = self.unscaled_direction();
+        [sine * inverse, cosine * inverse]
+    }
+
+    /// The sine and the cosine of the fold angle, times the product of the lengths of both normals.
+    #[inline(always)]
+    fn unscaled_direction(&self) -> [V; 2] {
+        [self.length * dot(self.normal_d, self.c), dot(self.normal_c, self.normal_d)]
     }
 
     /// The squares of the lengths of both normals.
@@ -104,6 +120,12 @@ impl<V: SimdF64> Facets<V> {
         let inverse = V::all(-1.0) / self.length_square;
         [dot(self.c, self.e) * inverse, dot(self.d, self.e) * inverse]
     }
+}
+
+/// The sine and the cosine of an angle less another one.
+#[inline(always)]
+pub(crate) fn turned_back<V: SimdF64>([sine, cosine]: [V; 2], [other_sine, other_cosine]: [V; 2]) -> [V; 2] {
+    [sine * other_cosine - cosine * other_sine, cosine * other_cosine + sine * other_sine]
 }
 
 /// Factors of the normals of facets C and D in the forces -dU/dx of a batch, with U = w_C w_D u.

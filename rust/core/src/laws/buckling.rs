@@ -14,6 +14,10 @@
 //!     L - l_cr = (L - l_cr of the film) + (alpha_c - alpha) pi^2 h^2 / (12 l_c)   [m]
 //!
 //! On creases of length l_c = l0 all forms agree.
+//!
+//! A region of the film has its own h, and may have its own alpha. An edge between two films buckles at the sum of the
+//! forces of its triangles: its L - l_cr is the mean of theirs by their spring constants. So is its rest length where
+//! films are free of stress at a strain of their own.
 
 use std::f64::consts::PI;
 
@@ -21,6 +25,7 @@ use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::{non_negative, positive};
 use crate::model::mesh;
+use crate::model::regions::RegionFilm;
 
 /// Parameters of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,12 +40,32 @@ pub(super) struct Buckling {
     pub(super) crease_length: Option<f64>,
 }
 
+/// An edge of the mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    /// In the reference [m].
+    pub(super) length: f64,
+    pub(super) is_crease: bool,
+}
+
+/// All edges of the mesh.
+pub(super) fn edges(assembly: &Assembly) -> Vec<Edge> {
+    let of_nodes = |nodes: &[u32; 2]| {
+        let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
+        let span = mesh::sub(b, a);
+        Edge { length: mesh::dot(span, span).sqrt(), is_crease: false }
+    };
+    let mut edges: Vec<Edge> = assembly.mesh.edges.iter().map(of_nodes).collect();
+    assembly.hinges.iter().for_each(|hinge| edges[hinge.edge as usize].is_crease = true);
+    edges
+}
+
 impl Buckling {
-    /// Reference length and L - l_cr of each edge of the mesh [m].
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// `OutOfRange` for a parameter.
-    pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
+    /// `OutOfRange`.
+    pub(super) fn check(self) -> Result<()> {
         non_negative("buckling parameter", self.parameter)?;
         non_negative("buckling parameter on creases", self.on_creases)?;
         for (what, length) in [("buckling length [m]", self.length), ("crease length [m]", self.crease_length)] {
@@ -48,27 +73,85 @@ impl Buckling {
                 positive(what, length)?;
             }
         }
-        let mut is_crease = vec![false; assembly.mesh.edges.len()];
-        for hinge in &assembly.hinges {
-            is_crease[hinge.edge as usize] = true;
+        Ok(())
+    }
+
+    /// L - l_cr of an edge of a film [m].
+    pub(super) fn shortening(self, film: &RegionFilm, Edge { length, is_crease }: Edge) -> f64 {
+        let unit = PI * PI * film.film.thickness * film.film.thickness / 12.0;
+        let parameter = film.buckling.unwrap_or(self.parameter);
+        let of = |alpha: f64| {
+            let own = alpha * unit / length;
+            self.length.map_or(own, |l0| own * (length / l0) * (length / l0))
+        };
+        match self.crease_length {
+            _ if !is_crease => of(parameter),
+            None => of(self.on_creases),
+            Some(line) => (of(parameter) + (self.on_creases - parameter) * unit / line).max(0.0),
         }
-        let thickness = assembly.model.film.map_or(0.0, |film| film.thickness);
-        let unit = PI * PI * thickness * thickness / 12.0;
-        let shortenings = assembly.mesh.edges.iter().zip(is_crease).map(|(nodes, is_crease)| {
-            let [a, b] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let span = mesh::sub(b, a);
-            let length = mesh::dot(span, span).sqrt();
-            let of = |alpha: f64| {
-                let own = alpha * unit / length;
-                self.length.map_or(own, |l0| own * (length / l0) * (length / l0))
-            };
-            let shortening = match self.crease_length {
-                _ if !is_crease => of(self.parameter),
-                None => of(self.on_creases),
-                Some(line) => (of(self.parameter) + (self.on_creases - self.parameter) * unit / line).max(0.0),
-            };
-            (length, shortening)
-        });
-        Ok(shortenings.collect())
+    }
+
+    /// Rest length and L - l_cr of each edge of the mesh [m].
+    ///
+    /// # Errors
+    /// `OutOfRange` for a parameter.
+    pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
+        self.check()?;
+        let Some(films) = &assembly.film else { return Ok(Vec::new()) };
+        let edges = edges(assembly);
+        if !films.has_regions() {
+            let whole = films.of_no_region();
+            return Ok(edges.iter().map(|&edge| (edge.length, self.shortening(whole, edge))).collect());
+        }
+        let mut means = vec![[Mean::default(); 2]; edges.len()];
+        for (triangle, sides) in assembly.mesh.triangle_edges.iter().enumerate() {
+            let film = films.of(triangle);
+            let constants = assembly.side_stiffness.get(triangle).copied().unwrap_or([1.0; 3]);
+            for (side, constant) in sides.iter().map(|&side| side as usize).zip(constants) {
+                let [length, shortening] = &mut means[side];
+                length.add(self.rest_length(assembly, film, side, edges[side].length), constant.max(0.0));
+                shortening.add(self.shortening(film, edges[side]), constant.max(0.0));
+            }
+        }
+        Ok(means.iter().map(|[length, shortening]| (length.value(), shortening.value())).collect())
+    }
+
+    /// Length of an edge in the film free of stress [m].
+    fn rest_length(self, assembly: &Assembly, film: &RegionFilm, edge: usize, length: f64) -> f64 {
+        if film.natural_strain == [0.0; 3] {
+            return length;
+        }
+        let [a, b] = assembly.mesh.edges[edge].map(|node| assembly.mesh.reference[node as usize]);
+        let span = film.natural(mesh::sub(b, a));
+        mesh::dot(span, span).sqrt()
+    }
+}
+
+/// A weighted mean: of equal values that value, to the last bit.
+#[derive(Debug, Clone, Copy)]
+struct Mean {
+    sum: f64,
+    shares: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Default for Mean {
+    fn default() -> Self {
+        Self { sum: 0.0, shares: 0.0, least: f64::INFINITY, most: f64::NEG_INFINITY }
+    }
+}
+
+impl Mean {
+    fn add(&mut self, value: f64, share: f64) {
+        self.sum += share * value;
+        self.shares += share;
+        self.least = self.least.min(value);
+        self.most = self.most.max(value);
+    }
+
+    fn value(&self) -> f64 {
+        let middle = 0.5 * (self.least + self.most);
+        if self.shares > 0.0 { (self.sum / self.shares).clamp(self.least, self.most) } else { middle }
     }
 }

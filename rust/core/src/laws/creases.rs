@@ -18,7 +18,7 @@
 mod sides;
 mod tangent;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use serde::Deserialize;
 
@@ -47,6 +47,8 @@ pub struct CreaseParameters {
     pub contact_penalty: f64,
     /// theta0, the natural crease angle \[rad\].
     pub natural_angle: f64,
+    /// With it theta0 of each crease is pi less this share of the angle by which the pattern folds it.
+    pub fold_fraction: Option<f64>,
     /// H; `None`: the mean height of the two facets of each crease \[m\].
     pub length_scale: Option<f64>,
     /// c: the area of a facet, relative to its reference area, at which w is half its value for a large area.
@@ -59,7 +61,15 @@ impl LawParameters for CreaseParameters {
     }
 
     fn example() -> Self {
-        Self { stiffness: 10.0, contact_penalty: 100.0, natural_angle: 1.0, length_scale: None, collapse: 0.05 }
+        let (natural_angle, fold_fraction) = (1.0, None);
+        Self {
+            stiffness: 10.0,
+            contact_penalty: 100.0,
+            natural_angle,
+            fold_fraction,
+            length_scale: None,
+            collapse: 0.05,
+        }
     }
 }
 
@@ -69,6 +79,9 @@ struct Creases {
     sides: Sides,
     contact_penalty: f64,
     natural_angle: f64,
+    /// gamma and theta0 of each crease, by batch; `None` where all have those of the law.
+    own: Option<Vec<[F64x8; 2]>>,
+    largest_penalty: f64,
     /// Whether c is zero; the force is then singular as a facet collapses.
     is_singular: bool,
     instructions: InstructionSet,
@@ -76,23 +89,44 @@ struct Creases {
 
 impl Creases {
     fn new(parameters: CreaseParameters, assembly: &Assembly) -> Result<Self> {
-        let CreaseParameters { stiffness, contact_penalty, natural_angle, length_scale, collapse } = parameters;
+        let CreaseParameters { stiffness, contact_penalty, natural_angle, fold_fraction, length_scale, collapse } =
+            parameters;
         non_negative("stiffness of the creases", stiffness)?;
         non_negative("contact penalty of the creases", contact_penalty)?;
         finite("natural angle of the creases [rad]", natural_angle)?;
+        fold_fraction.map_or(Ok(()), |fraction| finite("fold fraction of the creases", fraction))?;
         non_negative("collapse of the creases", collapse)?;
         length_scale.map_or(Ok(()), |length| positive("length scale of the creases [m]", length))?;
-        let bending = assembly.model.film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0);
-        let sign = |row: usize| assembly.model.creases.fold_signs[row];
-        let hinges = HingeSet::new(assembly, &assembly.hinges, collapse, sign, |_, HingeSize { length, areas }| {
+        let creases = &assembly.model.creases;
+        let bending = |row: usize| {
+            let of_facet = |&facet: &u32| {
+                let film = assembly.film.as_ref().map(|film| film.of(facet as usize).film);
+                film.map_or(0.0, |film| film.youngs_modulus * film.thickness.powi(3) / 12.0)
+            };
+            let [c, d] = assembly.hinges[row].triangles.each_ref().map(of_facet);
+            if c == d { c } else { 0.5 * (c + d) }
+        };
+        let kappa = |row: usize, HingeSize { length, areas }: HingeSize| {
             let height = length_scale.unwrap_or((areas[0] + areas[1]) / length);
-            stiffness * bending * length / height
+            creases.own(row).stiffness.unwrap_or(stiffness) * bending(row) * length / height
+        };
+        let hinges = HingeSet::new(assembly, &assembly.hinges, collapse, |row| creases.fold_signs[row], kappa);
+        let penalty = |row: usize| creases.own(row).contact_penalty.unwrap_or(contact_penalty);
+        let natural = |row: usize| {
+            let of_pattern = |fraction: f64| PI - fraction * creases.fold_angle(row);
+            creases.own(row).natural_angle.unwrap_or(fold_fraction.map_or(natural_angle, of_pattern))
+        };
+        let own = (fold_fraction.is_some() || !creases.own.is_empty()).then(|| {
+            let penalties = hinges.elements.pack(contact_penalty, penalty).into_iter();
+            penalties.zip(hinges.elements.pack(natural_angle, natural)).map(|(gamma, angle)| [gamma, angle]).collect()
         });
         Ok(Self {
             sides: Sides::own(&hinges.elements),
             hinges,
             contact_penalty,
             natural_angle,
+            own,
+            largest_penalty: (0..assembly.hinges.len()).map(penalty).fold(1.0, f64::max),
             is_singular: collapse == 0.0,
             instructions: assembly.instructions,
         })
@@ -105,12 +139,22 @@ impl Creases {
         (facets, angle)
     }
 
-    /// u [J] and du/dtheta [N m] of creases of this stiffness, with its factors of the weights.
+    /// gamma and theta0 of the batch at this place.
     #[inline(always)]
-    fn potential<V: SimdF64>(&self, kappa: V, angle: V) -> (V, V) {
-        let opening = angle - V::all(self.natural_angle);
+    fn penalty_and_natural_angle<V: SimdF64>(&self, place: usize) -> [V; 2] {
+        match &self.own {
+            None => [V::all(self.contact_penalty), V::all(self.natural_angle)],
+            Some(own) => [V::load(&own[place][0]), V::load(&own[place][1])],
+        }
+    }
+
+    /// u [J] and du/dtheta [N m] of the batch at this place, of this stiffness, with its factors of the weights.
+    #[inline(always)]
+    fn potential<V: SimdF64>(&self, place: usize, kappa: V, angle: V) -> (V, V) {
+        let [penalty, natural_angle] = self.penalty_and_natural_angle::<V>(place);
+        let opening = angle - natural_angle;
         let inside = angle.min(V::zero()) + (angle - V::all(TAU)).max(V::zero());
-        let overlap = V::all(self.contact_penalty - 1.0) * inside;
+        let overlap = (penalty - V::all(1.0)) * inside;
         (V::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
     }
 }
@@ -120,14 +164,14 @@ impl HingePotential for Creases {
     fn of_batch<V: SimdF64>(&self, place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V) {
         let sign = V::load(&parameters.sign);
         let angle = facets.angle(sign, V::load(&self.sides.least_angles()[place]));
-        let (energy, moment) = self.potential(V::load(&parameters.stiffness), angle);
+        let (energy, moment) = self.potential(place, V::load(&parameters.stiffness), angle);
         // theta = pi - sign phi.
         (energy, sign * moment)
     }
 
     /// In contact.
     fn largest_factor(&self) -> f64 {
-        self.contact_penalty.max(1.0)
+        self.largest_penalty
     }
 }
 

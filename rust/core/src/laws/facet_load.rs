@@ -14,24 +14,27 @@ use nalgebra::Vector3;
 
 /// The force on a node of a facet as a function of the facet's normal.
 pub(super) trait FacetLoad {
-    /// The force \[N\] by twice the vector area \[m2\]; `presence` is 1 for a facet, 0 in padding lanes.
-    fn on_node<V: SimdF64>(&self, presence: V, normal: Vec3<V>) -> Vec3<V>;
+    /// The force \[N\] by twice the vector area \[m2\] of the batch at this place among all batches; `presence` is 1 for
+    /// a facet, 0 in padding lanes.
+    fn on_node<V: SimdF64>(&self, place: usize, presence: V, normal: Vec3<V>) -> Vec3<V>;
 
-    /// The change of the force by a change of twice the vector area.
-    fn change(&self, normal: &Vector3<f64>, by: &Block) -> Block;
+    /// The change of the force by a change of twice the vector area, of the facet in a lane of a batch.
+    fn change(&self, place: (usize, usize), normal: &Vector3<f64>, by: &Block) -> Block;
 }
 
 /// A load on facets as a function of time and of the frame.
 pub(super) trait FacetLoadLaw: Send + Sync {
     /// The load at an instant.
-    type Load: FacetLoad;
+    type Load<'a>: FacetLoad
+    where
+        Self: 'a;
     /// Name in scenes, errors and energies.
     const NAME: &'static str;
     /// The remedy for a fault by it.
     const REMEDY: &'static str;
 
     /// The load at an instant.
-    fn at(&self, at: Instant<'_>) -> Self::Load;
+    fn at<'a>(&'a self, at: Instant<'_>) -> Self::Load<'a>;
 
     /// By which it is multiplied.
     fn factor(&self) -> &Factor;
@@ -68,7 +71,7 @@ impl<L: FacetLoad> BatchKernel for LoadKernel<'_, L> {
         for batch in 0..pass.len() {
             let corners = positions.read::<V>(batch);
             let [u, v, w] = velocities.read::<V>(batch);
-            let force = self.load.on_node(V::load(&presence[batch]), normal(&corners));
+            let force = self.load.on_node(pass.place(batch), V::load(&presence[batch]), normal(&corners));
             power += dot(force, sum(u, sum(v, w)));
             sums.add(batch, [force; 3]);
         }
@@ -94,7 +97,7 @@ impl<L: FacetLoad> BatchKernel for TorqueKernel<'_, L> {
         for batch in 0..pass.len() {
             let corners = positions.read::<V>(batch);
             let [x, y, _] = sum(corners[0], sum(corners[1], corners[2]));
-            let [fx, fy, _] = self.load.on_node(V::load(&presence[batch]), normal(&corners));
+            let [fx, fy, _] = self.load.on_node(pass.place(batch), V::load(&presence[batch]), normal(&corners));
             torque += x * fy - y * fx;
         }
         torque
@@ -102,8 +105,8 @@ impl<L: FacetLoad> BatchKernel for TorqueKernel<'_, L> {
 }
 
 impl<L> LoadedFacets<L> {
-    pub(super) fn new(load: L, assembly: &Assembly) -> Self {
-        Self { load, facets: FacetSet::new(assembly), torque: 0.0, instructions: assembly.instructions }
+    pub(super) fn new(load: L, facets: FacetSet, assembly: &Assembly) -> Self {
+        Self { load, facets, torque: 0.0, instructions: assembly.instructions }
     }
 }
 
@@ -165,12 +168,12 @@ impl<L: FacetLoadLaw> Linearisation for LoadedFacets<L> {
     /// With n = (b - a) x (c - a), dn/db = -[c - a]x and dn/dc = [b - a]x.
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
         let load = self.load.at(instant);
-        for (_, _, nodes) in self.facets.elements.each() {
+        for (batch, lane, nodes) in self.facets.elements.each() {
             let [a, b, c] = nodes.map(|node| at(instant.positions, node));
             let (to_b, to_c) = (b - a, c - a);
             let normal = to_b.cross(&to_c);
-            let by_b = load.change(&normal, &-cross_matrix(&to_c));
-            let by_c = load.change(&normal, &cross_matrix(&to_b));
+            let by_b = load.change((batch, lane), &normal, &-cross_matrix(&to_c));
+            let by_c = load.change((batch, lane), &normal, &cross_matrix(&to_b));
             for node in nodes {
                 jacobian.by_position(node, nodes[1], &by_b);
                 jacobian.by_position(node, nodes[2], &by_c);

@@ -16,6 +16,7 @@ use serde::Deserialize;
 use super::facet_load::{FacetLoad, FacetLoadLaw, LoadedFacets};
 use super::{Context, Instant, Law, LawParameters};
 use crate::arrays::jacobian::Block;
+use crate::elements::facet::FacetSet;
 use crate::error::Result;
 use crate::model::checks::finite;
 use crate::model::factor::Factor;
@@ -36,7 +37,7 @@ impl LawParameters for PressureParameters {
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
         finite("pressure on the film [Pa]", self.pressure)?;
         let load = Pressure { sixth: self.pressure / 6.0, factor: self.factor.clone() };
-        Ok(Box::new(LoadedFacets::new(load, context.assembly)))
+        Ok(Box::new(LoadedFacets::new(load, FacetSet::new(context.assembly), context.assembly)))
     }
 
     fn example() -> Self {
@@ -52,7 +53,7 @@ struct Pressure {
 }
 
 impl FacetLoadLaw for Pressure {
-    type Load = Load;
+    type Load<'a> = Load;
     const NAME: &'static str = "pressure";
     const REMEDY: &'static str = "use a smaller dt or a smaller pressure";
 
@@ -73,11 +74,11 @@ struct Load {
 
 impl FacetLoad for Load {
     #[inline(always)]
-    fn on_node<V: SimdF64>(&self, presence: V, normal: Vec3<V>) -> Vec3<V> {
+    fn on_node<V: SimdF64>(&self, _place: usize, presence: V, normal: Vec3<V>) -> Vec3<V> {
         scale(V::all(self.sixth) * presence, normal)
     }
 
-    fn change(&self, _normal: &Vector3<f64>, by: &Block) -> Block {
+    fn change(&self, _place: (usize, usize), _normal: &Vector3<f64>, by: &Block) -> Block {
         by * self.sixth
     }
 }

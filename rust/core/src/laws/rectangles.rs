@@ -47,7 +47,8 @@ impl LawParameters for RectangleParameters {
 /// # Errors
 /// `SlenderRectangles`.
 pub(super) fn stiffness(rectangles: &Rectangles, assembly: &Assembly) -> Result<Vec<f64>> {
-    assembly.model.film.map_or_else(|| Ok(vec![0.0; rectangles.ends.len()]), |film| rectangles.stiffness(|_| film))
+    let Some(films) = &assembly.film else { return Ok(vec![0.0; rectangles.ends.len()]) };
+    rectangles.stiffness(|triangle| films.of(triangle).film)
 }
 
 impl RectangleParameters {

@@ -19,6 +19,8 @@
 //!
 //!     dF/dN = -(P/6) [(1 - r_s) sign(q) s s^T + (2 r_s |c| + b) c I + u ((4 r_s |c| + b) s - (4 r_s |c| + b) c u)^T]
 //!
+//! A region of the film may have optical properties of its own.
+//!
 //! No shadows: each triangle is lit as if it were alone. The load has no potential; its work is external.
 
 use nalgebra::Vector3;
@@ -27,10 +29,13 @@ use serde::Deserialize;
 use super::facet_load::{FacetLoad, FacetLoadLaw, LoadedFacets};
 use super::{Context, Instant, Law, LawParameters};
 use crate::arrays::jacobian::Block;
+use crate::assembly::Assembly;
+use crate::elements::facet::FacetSet;
 use crate::error::Result;
 use crate::model::checks::{finite, positive, within};
 use crate::model::factor::Factor;
-use crate::simd::lanes::{SimdF64, Vec3, dot, scale, sum};
+use crate::model::optics::{OpticalSide, Optics};
+use crate::simd::lanes::{F64x8, SimdF64, Vec3, dot, scale, sum};
 
 /// P at one astronomical unit \[Pa\].
 const PRESSURE: f64 = 4.56e-6;
@@ -68,15 +73,41 @@ pub struct SolarPressureParameters {
     pub factor: Factor,
 }
 
-/// What a side does with the light that falls on it.
+/// What a side does with the light that falls on it, of one facet or of a batch.
 #[derive(Clone, Copy)]
-struct Side {
+struct Side<T = f64> {
     /// 1 - r_s.
-    along_sun: f64,
+    along_sun: T,
     /// 2 r_s.
-    mirrored: f64,
+    mirrored: T,
     /// 2/3 r_d + k.
-    scattered: f64,
+    scattered: T,
+}
+
+/// Front and back.
+fn sides(Optics { front, back }: Optics) -> [Side; 2] {
+    let emissivity = front.emissivity + back.emissivity;
+    let to_back = front.emissivity * front.lambert - back.emissivity * back.lambert;
+    let side = |lit: OpticalSide, recoil: f64| Side {
+        along_sun: 1.0 - lit.specular,
+        mirrored: 2.0 * lit.specular,
+        scattered: 2.0 / 3.0 * lit.diffuse + (1.0 - lit.specular - lit.diffuse) * recoil / emissivity,
+    };
+    [side(front, to_back), side(back, -to_back)]
+}
+
+/// Front and back of each facet, by batch; `None` where no region has optical properties of its own.
+fn own_sides(whole: Optics, facets: &FacetSet, assembly: &Assembly) -> Option<Vec<[Side<F64x8>; 2]>> {
+    let films = assembly.film.as_ref().filter(|films| films.any(|film| film.optics.is_some()))?;
+    let of_rows: Vec<[Side; 2]> =
+        (0..assembly.mesh.triangles.len()).map(|row| sides(films.of(row).optics.unwrap_or(whole))).collect();
+    let packed = |side: usize, value: fn(&Side) -> f64| facets.elements.pack(0.0, |row| value(&of_rows[row][side]));
+    let of_side = |side: usize| {
+        let along_sun = packed(side, |side| side.along_sun).into_iter();
+        let others = packed(side, |side| side.mirrored).into_iter().zip(packed(side, |side| side.scattered));
+        along_sun.zip(others).map(|(along_sun, (mirrored, scattered))| Side { along_sun, mirrored, scattered })
+    };
+    Some(of_side(0).zip(of_side(1)).map(|(front, back)| [front, back]).collect())
 }
 
 impl SolarPressureParameters {
@@ -86,40 +117,24 @@ impl SolarPressureParameters {
         }
         within("direction to the sun", 0.0, self.sun != [0.0; 3], "it must not be 0; (0, 0, 1) is along the axis")?;
         positive("distance from the sun [m]", self.distance)?;
-        let shares = [
-            ("specular share of the front", self.front_specular),
-            ("diffuse share of the front", self.front_diffuse),
-            ("emissivity of the front", self.front_emissivity),
-            ("Lambert coefficient of the front", self.front_lambert),
-            ("specular share of the back", self.back_specular),
-            ("diffuse share of the back", self.back_diffuse),
-            ("emissivity of the back", self.back_emissivity),
-            ("Lambert coefficient of the back", self.back_lambert),
-        ];
-        for (what, share) in shares {
-            within(what, share, (0.0..=1.0).contains(&share), "it must be 0 to 1")?;
-        }
-        let both = [
-            ("reflected share of the front", self.front_specular + self.front_diffuse),
-            ("reflected share of the back", self.back_specular + self.back_diffuse),
-        ];
-        for (what, share) in both {
-            within(what, share, share <= 1.0 + f64::EPSILON, "specular and diffuse share together are at most 1")?;
-        }
-        let emitted = self.front_emissivity + self.back_emissivity;
-        within("emissivity of both sides", emitted, emitted > 0.0, "one must emit what the film absorbs")
+        self.optics().check()
     }
 
-    /// Front and back.
-    fn sides(&self) -> [Side; 2] {
-        let emissivity = self.front_emissivity + self.back_emissivity;
-        let to_back = self.front_emissivity * self.front_lambert - self.back_emissivity * self.back_lambert;
-        let side = |specular: f64, diffuse: f64, recoil: f64| Side {
-            along_sun: 1.0 - specular,
-            mirrored: 2.0 * specular,
-            scattered: 2.0 / 3.0 * diffuse + (1.0 - specular - diffuse) * recoil / emissivity,
-        };
-        [side(self.front_specular, self.front_diffuse, to_back), side(self.back_specular, self.back_diffuse, -to_back)]
+    fn optics(&self) -> Optics {
+        Optics {
+            front: OpticalSide {
+                specular: self.front_specular,
+                diffuse: self.front_diffuse,
+                emissivity: self.front_emissivity,
+                lambert: self.front_lambert,
+            },
+            back: OpticalSide {
+                specular: self.back_specular,
+                diffuse: self.back_diffuse,
+                emissivity: self.back_emissivity,
+                lambert: self.back_lambert,
+            },
+        }
     }
 }
 
@@ -135,8 +150,10 @@ impl LawParameters for SolarPressureParameters {
         let sixth = PRESSURE / distance / distance / 6.0;
         finite("pressure of sunlight at its distance [Pa]", sixth)?;
         let sun = [x / length, y / length, z / length];
-        let load = SolarPressure { sun, sixth, sides: self.sides(), factor: self.factor.clone() };
-        Ok(Box::new(LoadedFacets::new(load, context.assembly)))
+        let (facets, optics) = (FacetSet::new(context.assembly), self.optics());
+        let (sides, own) = (sides(optics), own_sides(optics, &facets, context.assembly));
+        let load = SolarPressure { sun, sixth, sides, own, factor: self.factor.clone() };
+        Ok(Box::new(LoadedFacets::new(load, facets, context.assembly)))
     }
 
     fn example() -> Self {
@@ -164,39 +181,64 @@ struct SolarPressure {
     sixth: f64,
     /// Front and back.
     sides: [Side; 2],
+    /// See `own_sides`.
+    own: Option<Vec<[Side<F64x8>; 2]>>,
     factor: Factor,
 }
 
 /// The load at an instant.
-struct Light {
+struct Light<'a> {
+    load: &'a SolarPressure,
     /// s in the frame.
     sun: [f64; 3],
     /// P/6 [Pa].
     sixth: f64,
-    sides: [Side; 2],
 }
 
-impl FacetLoad for Light {
+impl FacetLoad for Light<'_> {
     #[inline(always)]
-    fn on_node<V: SimdF64>(&self, presence: V, normal: Vec3<V>) -> Vec3<V> {
-        let (sun, [front, back]) = (self.sun.map(V::all), self.sides);
+    fn on_node<V: SimdF64>(&self, place: usize, presence: V, normal: Vec3<V>) -> Vec3<V> {
+        let sun = self.sun.map(V::all);
         let flow = dot(normal, sun);
-        let of_side = |front: f64, back: f64| flow.below(V::zero(), V::all(back), V::all(front));
-        let along_sun = of_side(front.along_sun, back.along_sun);
-        let mirrored = of_side(front.mirrored, back.mirrored);
-        let scattered = of_side(front.scattered, back.scattered);
+        let of_side = |front: V, back: V| flow.below(V::zero(), back, front);
+        let lit = match &self.load.own {
+            None => {
+                let [front, back] = self.load.sides;
+                Side {
+                    along_sun: of_side(V::all(front.along_sun), V::all(back.along_sun)),
+                    mirrored: of_side(V::all(front.mirrored), V::all(back.mirrored)),
+                    scattered: of_side(V::all(front.scattered), V::all(back.scattered)),
+                }
+            }
+            Some(own) => {
+                let [front, back] = &own[place];
+                Side {
+                    along_sun: of_side(V::load(&front.along_sun), V::load(&back.along_sun)),
+                    mirrored: of_side(V::load(&front.mirrored), V::load(&back.mirrored)),
+                    scattered: of_side(V::load(&front.scattered), V::load(&back.scattered)),
+                }
+            }
+        };
         let length = dot(normal, normal).sqrt().max(V::all(NO_AREA));
         let cosine = flow / length;
-        let along_normal = (mirrored * cosine.abs() + scattered) * cosine;
+        let along_normal = (lit.mirrored * cosine.abs() + lit.scattered) * cosine;
         let strength = V::all(-self.sixth) * presence;
-        scale(strength, sum(scale(along_sun * flow.abs(), sun), scale(along_normal, normal)))
+        scale(strength, sum(scale(lit.along_sun * flow.abs(), sun), scale(along_normal, normal)))
     }
 
-    fn change(&self, normal: &Vector3<f64>, by: &Block) -> Block {
+    fn change(&self, (batch, lane): (usize, usize), normal: &Vector3<f64>, by: &Block) -> Block {
+        let own = self.load.own.as_ref().map(|own| {
+            own[batch].map(|Side { along_sun, mirrored, scattered }| Side {
+                along_sun: along_sun.0[lane],
+                mirrored: mirrored.0[lane],
+                scattered: scattered.0[lane],
+            })
+        });
+        let [front, back] = own.unwrap_or(self.load.sides);
         let sun = Vector3::from(self.sun);
         let unit = normal / normal.norm().max(NO_AREA);
         let cosine = unit.dot(&sun);
-        let (side, sign) = if normal.dot(&sun) < 0.0 { (self.sides[1], -1.0) } else { (self.sides[0], 1.0) };
+        let (side, sign) = if normal.dot(&sun) < 0.0 { (back, -1.0) } else { (front, 1.0) };
         let along_normal = (side.mirrored * cosine.abs() + side.scattered) * cosine;
         let steepness = 2.0 * side.mirrored * cosine.abs() + side.scattered;
         let by_normal = sun * sun.transpose() * (side.along_sun * sign)
@@ -207,13 +249,13 @@ impl FacetLoad for Light {
 }
 
 impl FacetLoadLaw for SolarPressure {
-    type Load = Light;
+    type Load<'a> = Light<'a>;
     const NAME: &'static str = "solar_pressure";
     const REMEDY: &'static str = "use a smaller dt, or check the distance from the sun";
 
-    fn at(&self, at: Instant<'_>) -> Light {
+    fn at<'a>(&'a self, at: Instant<'_>) -> Light<'a> {
         let sixth = self.sixth * self.factor.value(at.time);
-        Light { sun: at.frame.components_of(self.sun), sixth, sides: self.sides }
+        Light { load: self, sun: at.frame.components_of(self.sun), sixth }
     }
 
     fn factor(&self) -> &Factor {

@@ -32,10 +32,10 @@ impl TriangleDamping {
     pub(super) fn new(parameters: DampingParameters, assembly: &Assembly) -> Result<Self> {
         let flat = FlatTriangles::new(assembly)?;
         let square = assembly.square_of_film(parameters.length);
-        let modulus = assembly.model.film.map_or(1.0, |film| film.youngs_modulus * film.thickness);
         let mut times = Vec::with_capacity(assembly.mesh.triangles.len());
         for (triangle, &nodes) in assembly.mesh.triangles.iter().enumerate() {
             let squares: f64 = assembly.mesh.side_lengths(triangle).iter().map(|side| side * side).sum::<f64>() / 3.0;
+            let modulus = assembly.film.as_ref().map_or(1.0, |film| film.of(triangle).membrane_stiffness());
             let stiffness = 2.0 * modulus * assembly.mesh.area(triangle)? / squares;
             let nodes = assembly.numbering.to_internal(nodes);
             let of = |values: &[f64]| nodes.map(|node| values[node as usize]);

@@ -34,7 +34,7 @@ mod wrinkles;
 use serde::Deserialize;
 
 use self::wrinkles::principal;
-use super::buckling::Buckling;
+use super::buckling::{Buckling, Edge, edges};
 use super::{
     Context, Excess, FilmElements, FilmStates, Inspection, Instant, Kernels, Law, LawParameters, Linearisation,
     Properties, WorkClass,
@@ -96,8 +96,8 @@ struct Triangles {
     critical_strain: Vec<Tensor>,
     compression: f64,
     strain_limit: f64,
-    /// E_Y [Pa].
-    youngs_modulus: f64,
+    /// E_Y of each triangle, in external order [Pa].
+    moduli: Vec<f64>,
     /// The edges opposite the corners of each triangle, and the number of edges, in external order.
     sides: Vec<[u32; 3]>,
     edge_count: usize,
@@ -117,36 +117,37 @@ impl Triangles {
         let inside = (0.0..=1.0).contains(&compression);
         within("compression of the triangles", compression, inside, "it lies between 0 and 1")?;
         positive("strain limit of the triangles", strain_limit)?;
-        let strains = |on_creases| {
-            let buckling = Buckling { parameter: buckling, on_creases, length, crease_length };
-            let shortenings = buckling.shortenings(assembly)?;
-            Ok(shortenings.into_iter().map(|(length, shortening)| shortening / length).collect::<Vec<f64>>())
-        };
-        let (plain, creased) = (strains(buckling)?, strains(buckling_on_creases)?);
+        let buckling = Buckling { parameter: buckling, on_creases: buckling_on_creases, length, crease_length };
+        buckling.check()?;
+        let all_edges = edges(assembly);
         let flat = FlatTriangles::new(assembly)?;
         let mut sides = Vec::with_capacity(assembly.mesh.triangles.len());
-        let critical_strains: Vec<[f64; 3]> = Corners::all(assembly)
-            .map(|corners| {
-                sides.push(corners.edges);
-                let edges = corners.edges.map(|edge| edge as usize);
-                let mean = edges.iter().map(|&edge| plain[edge].min(creased[edge])).sum::<f64>() / 3.0;
-                let mut critical = [mean, mean, 0.0];
-                for (&edge, direction) in edges.iter().zip(corners.directions()) {
-                    // Along a crease, its own critical strain; the tensor is positive in every direction.
-                    let difference = if creased[edge] > plain[edge] { (creased[edge] - mean).max(0.0) } else { 0.0 };
-                    (0..3).for_each(|i| critical[i] += difference * direction[i]);
-                }
-                critical
-            })
-            .collect();
+        let mut critical_strains = Vec::with_capacity(sides.capacity());
+        for (triangle, corners) in Corners::all(assembly).enumerate() {
+            let film = assembly.film.as_ref().map(|film| film.of(triangle));
+            let strain_of = |edge: Edge| film.map_or(0.0, |film| buckling.shortening(film, edge) / edge.length);
+            let edges = corners.edges.map(|edge| all_edges[edge as usize]);
+            let plain = edges.map(|edge| strain_of(Edge { is_crease: false, ..edge }));
+            let creased = edges.map(strain_of);
+            let mean = plain.iter().zip(creased).map(|(&plain, creased)| plain.min(creased)).sum::<f64>() / 3.0;
+            let mut critical = [mean, mean, 0.0];
+            for (k, direction) in corners.directions().into_iter().enumerate() {
+                // Along a crease, its own critical strain; the tensor is positive in every direction.
+                let difference = if creased[k] > plain[k] { (creased[k] - mean).max(0.0) } else { 0.0 };
+                (0..3).for_each(|i| critical[i] += difference * direction[i]);
+            }
+            sides.push(corners.edges);
+            critical_strains.push(critical);
+        }
         let [a, b, c] = [0, 1, 2].map(|i| flat.elements.pack(0.0, |row| critical_strains[row][i]));
         let critical_strain = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]).collect();
+        let modulus = |row| assembly.film.as_ref().map_or(0.0, |film| film.of(row).film.youngs_modulus);
         Ok(Self {
             flat,
             critical_strain,
             compression,
             strain_limit,
-            youngs_modulus: assembly.model.film.map_or(0.0, |film| film.youngs_modulus),
+            moduli: (0..assembly.mesh.triangles.len()).map(modulus).collect(),
             sides,
             edge_count: assembly.mesh.edges.len(),
             instructions: assembly.instructions,

@@ -1,7 +1,10 @@
 //! The input of a simulation in external order, as components with their checks.
 
-use super::checks::{positive, within};
+use std::f64::consts::PI;
+
+use super::checks::{finite, non_negative, positive, within};
 use super::mesh::{check_finite, check_indices};
+use super::regions::Region;
 use super::schedule::Schedule;
 use crate::error::{Error, Result};
 
@@ -52,6 +55,21 @@ pub struct Creases {
     pub nodes: Vec<[u32; 2]>,
     /// For each +1 (valley) or -1 (mountain).
     pub fold_signs: Vec<f64>,
+    /// By how much each is folded in the pattern, 0 flat, pi shut \[rad\]; empty: by pi.
+    pub fold_angles: Vec<f64>,
+    /// For each what it has of its own in place of the law's; empty: nothing.
+    pub own: Vec<OwnCrease>,
+}
+
+/// What one crease has in place of the parameters of the law.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct OwnCrease {
+    /// beta.
+    pub stiffness: Option<f64>,
+    /// gamma.
+    pub contact_penalty: Option<f64>,
+    /// theta0 \[rad\].
+    pub natural_angle: Option<f64>,
 }
 
 /// Links of zero length that hold pairs of nodes together, all of one stiffness.
@@ -102,6 +120,8 @@ pub struct Model {
     pub triangles: Vec<[u32; 3]>,
     /// The film; required with triangles.
     pub film: Option<Film>,
+    /// Regions whose film has properties of its own.
+    pub regions: Vec<Region>,
     /// Treatment of negative spring constants.
     pub negative_springs: NegativeSprings,
     /// Its creases.
@@ -182,7 +202,32 @@ impl Model {
 impl Creases {
     /// Checks that each has a sign; `Mesh::hinges` checks the nodes.
     fn check(&self) -> Result<()> {
-        same_length("fold_signs", self.fold_signs.len(), self.nodes.len(), "crease")
+        same_length("fold_signs", self.fold_signs.len(), self.nodes.len(), "crease")?;
+        for (what, count) in [("fold_angles", self.fold_angles.len()), ("own creases", self.own.len())] {
+            if count > 0 {
+                same_length(what, count, self.nodes.len(), "crease")?;
+            }
+        }
+        self.fold_angles.iter().try_for_each(|&angle| finite("fold angle of a crease [rad]", angle))?;
+        self.own.iter().try_for_each(OwnCrease::check)
+    }
+
+    /// By how much a crease is folded in the pattern \[rad\].
+    pub fn fold_angle(&self, row: usize) -> f64 {
+        self.fold_angles.get(row).copied().unwrap_or(PI)
+    }
+
+    /// What a crease has of its own.
+    pub fn own(&self, row: usize) -> OwnCrease {
+        self.own.get(row).copied().unwrap_or_default()
+    }
+}
+
+impl OwnCrease {
+    fn check(&self) -> Result<()> {
+        self.stiffness.map_or(Ok(()), |beta| non_negative("stiffness of a crease", beta))?;
+        self.contact_penalty.map_or(Ok(()), |gamma| non_negative("contact penalty of a crease", gamma))?;
+        self.natural_angle.map_or(Ok(()), |angle| finite("natural angle of a crease [rad]", angle))
     }
 }
 

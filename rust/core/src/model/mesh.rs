@@ -20,11 +20,13 @@ pub struct Mesh {
 pub struct Hinge {
     /// The nodes A, B of the common edge and the apexes C, D of the facets.
     pub nodes: [u32; 4],
+    /// The triangles of facets C and D.
+    pub triangles: [u32; 2],
     /// Index of the common edge in `Mesh::edges`.
     pub edge: u32,
 }
 
-/// No apex on one side of an edge, and more than one.
+/// No triangle on one side of an edge, and more than one.
 const NONE: u32 = u32::MAX;
 const TWICE: u32 = u32::MAX - 1;
 
@@ -96,14 +98,14 @@ impl Mesh {
         Ok(area)
     }
 
-    /// Mass of each node: the sum of rho h S / 3 over its triangles \[kg\].
+    /// Mass of each node: the sum of m S / 3 over its triangles, with the mass m per area of each \[kg\].
     ///
     /// # Errors
     /// `DegenerateTriangle`.
-    pub fn lumped_masses(&self, areal_density: f64) -> Result<Vec<f64>> {
+    pub fn lumped_masses(&self, areal_density: impl Fn(usize) -> f64) -> Result<Vec<f64>> {
         let mut masses = vec![0.0; self.reference.len()];
         for (row, nodes) in self.triangles.iter().enumerate() {
-            let share = areal_density * self.area(row)? / 3.0;
+            let share = areal_density(row) * self.area(row)? / 3.0;
             for &node in nodes {
                 masses[node as usize] += share;
             }
@@ -111,24 +113,40 @@ impl Mesh {
         Ok(masses)
     }
 
-    /// Apexes on the left [0] and on the right [1] of each edge, directed from its lower to its higher node.
-    fn apexes(&self) -> Vec<[u32; 2]> {
-        let mut apexes = vec![[NONE; 2]; self.edges.len()];
-        for (nodes, edges) in self.triangles.iter().zip(&self.triangle_edges) {
+    /// Triangles on the left [0] and on the right [1] of each edge, directed from its lower to its higher node.
+    fn facets(&self) -> Vec<[u32; 2]> {
+        let mut facets = vec![[NONE; 2]; self.edges.len()];
+        for ((nodes, edges), triangle) in self.triangles.iter().zip(&self.triangle_edges).zip(0_u32..) {
             for k in 0..3 {
                 let side = usize::from(nodes[(k + 1) % 3] > nodes[(k + 2) % 3]);
-                let slot = &mut apexes[edges[k] as usize][side];
-                *slot = if *slot == NONE { nodes[k] } else { TWICE };
+                let slot = &mut facets[edges[k] as usize][side];
+                *slot = if *slot == NONE { triangle } else { TWICE };
             }
         }
-        apexes
+        facets
+    }
+
+    /// The hinge of an edge between two triangles, each on its own side.
+    fn hinge(&self, edge: usize, triangles: [u32; 2]) -> Hinge {
+        let [a, b] = self.edges[edge];
+        let [c, d] = triangles.map(|triangle| {
+            let [p, q, r] = self.triangles[triangle as usize];
+            if p != a && p != b {
+                p
+            } else if q != a && q != b {
+                q
+            } else {
+                r
+            }
+        });
+        Hinge { nodes: [a, b, c, d], triangles, edge: edge as u32 }
     }
 
     /// The hinges of all edges between two triangles of the same winding, in the order of the edges.
     pub fn inner_hinges(&self) -> Vec<Hinge> {
-        let each = self.edges.iter().zip(self.apexes()).zip(0_u32..);
-        let inner = each.filter(|((_, apexes), _)| apexes.iter().all(|&apex| apex < TWICE));
-        inner.map(|((&[a, b], [c, d]), edge)| Hinge { nodes: [a, b, c, d], edge }).collect()
+        let inner =
+            self.facets().into_iter().enumerate().filter(|(_, facets)| facets.iter().all(|&facet| facet < TWICE));
+        inner.map(|(edge, facets)| self.hinge(edge, facets)).collect()
     }
 
     /// The hinges of `creases` (node pairs in any order).
@@ -140,20 +158,20 @@ impl Mesh {
         if creases.is_empty() {
             return Ok(Vec::new());
         }
-        let apexes = self.apexes();
+        let facets = self.facets();
         let mut hinges = Vec::with_capacity(creases.len());
         for (crease, &[a, b]) in creases.iter().enumerate() {
             let fail = |reason| Error::NotAHinge { crease, nodes: [a as usize, b as usize], reason };
             let pair = [a.min(b), a.max(b)];
             let edge = self.edges.binary_search(&pair).map_err(|_| fail("is no edge of the mesh"))?;
-            let [c, d] = apexes[edge];
+            let [c, d] = facets[edge];
             if c == TWICE || d == TWICE {
                 return Err(fail("has triangles of opposite winding, or more than two"));
             }
             if c == NONE || d == NONE {
                 return Err(fail("lies on the boundary"));
             }
-            hinges.push(Hinge { nodes: [pair[0], pair[1], c, d], edge: edge as u32 });
+            hinges.push(self.hinge(edge, [c, d]));
         }
         Ok(hinges)
     }
@@ -222,7 +240,7 @@ mod tests {
     #[test]
     fn the_left_facet_follows_the_winding() {
         let hinge = square().hinges(&[[2, 0]]).unwrap()[0];
-        assert_eq!(hinge, Hinge { nodes: [0, 2, 3, 1], edge: 1 });
+        assert_eq!(hinge, Hinge { nodes: [0, 2, 3, 1], triangles: [1, 0], edge: 1 });
     }
 
     #[test]
@@ -245,7 +263,7 @@ mod tests {
 
     #[test]
     fn masses_sum_to_the_film() {
-        let masses = square().lumped_masses(3.0).unwrap();
+        let masses = square().lumped_masses(|_| 3.0).unwrap();
         assert_eq!(masses, [1.0, 0.5, 1.0, 0.5]);
     }
 
@@ -253,6 +271,6 @@ mod tests {
     fn a_flat_triangle_is_refused_by_number() {
         let reference = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
         let mesh = Mesh::new(reference, vec![[0, 1, 2]]).unwrap();
-        assert!(matches!(mesh.lumped_masses(1.0), Err(Error::DegenerateTriangle { triangle: 0, .. })));
+        assert!(matches!(mesh.lumped_masses(|_| 1.0), Err(Error::DegenerateTriangle { triangle: 0, .. })));
     }
 }

@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::input::Film;
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
 
@@ -17,20 +18,19 @@ impl Mesh {
     /// # Errors
     /// `DegenerateTriangle`, `SingularTriangle`.
     pub fn spring_constants(&self, youngs_modulus: f64, poisson_ratio: f64, thickness: f64) -> Result<Vec<f64>> {
-        Ok(self.sums_on_edges(&self.all_side_constants(youngs_modulus, poisson_ratio, thickness)?))
+        let film = Film { youngs_modulus, poisson_ratio, thickness, density: 1.0 };
+        Ok(self.sums_on_edges(&self.all_side_constants(|_| film)?))
     }
 
-    /// Spring constants of the sides of each triangle by eq. (1) \[N/m\].
+    /// Spring constants of the sides of each triangle of these films by eq. (1) \[N/m\].
     ///
     /// # Errors
     /// `DegenerateTriangle`, `SingularTriangle`.
-    pub(crate) fn all_side_constants(
-        &self,
-        youngs_modulus: f64,
-        poisson_ratio: f64,
-        thickness: f64,
-    ) -> Result<Vec<[f64; 3]>> {
-        let of_triangle = |triangle| self.side_constants(triangle, youngs_modulus, poisson_ratio, thickness);
+    pub(crate) fn all_side_constants(&self, film: impl Fn(usize) -> Film) -> Result<Vec<[f64; 3]>> {
+        let of_triangle = |triangle| {
+            let Film { youngs_modulus, poisson_ratio, thickness, .. } = film(triangle);
+            self.side_constants(triangle, youngs_modulus, poisson_ratio, thickness)
+        };
         (0..self.triangles.len()).map(of_triangle).collect()
     }
 

@@ -1,6 +1,7 @@
 //! Models common to the tests.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+pub mod patches;
 pub mod sail;
 pub mod toys;
 
@@ -63,7 +64,7 @@ pub fn sheet(columns: usize, rows: usize, size: f64) -> Model {
         reference,
         triangles,
         film: Some(FILM),
-        creases: Creases { nodes: lines, fold_signs },
+        creases: Creases { nodes: lines, fold_signs, ..Creases::default() },
         extra_masses,
         cords: vec![Cord { nodes: [last, 0], stiffness: 50.0, rest_length: 0.6 * size, strain_limit: 1e9 }],
         bridges: Bridges { nodes: vec![[0, node(columns, rows)]], stiffness: 3.0 },
@@ -214,6 +215,12 @@ impl Bench {
         }
         model.velocities = dice.vectors(model.positions.len(), 1.0);
         Self::new(model, specs)
+    }
+
+    /// The same with regions and creases of their own properties.
+    pub fn patched(specs: &[LawSpec], seed: u64, size: f64) -> Self {
+        let Self { assembly, .. } = Self::crumpled(specs, seed, size);
+        Self::new(patches::patched(assembly.model), specs)
     }
 
     /// Forces \[N\] and power \[W\] of one law in a state.

@@ -138,6 +138,7 @@ pub fn laws() -> Vec<LawSpec> {
             stiffness: 10.0,
             contact_penalty: 100.0,
             natural_angle: 0.0,
+            fold_fraction: None,
             length_scale: None,
             collapse: 0.05,
         }

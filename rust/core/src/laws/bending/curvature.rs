@@ -9,6 +9,7 @@
 //! facet on the other side is rigid; 0 on the boundary, along creases, and along edges folded at the start, where no
 //! moment acts.
 
+use self::element::Element;
 use super::edges::{InnerEdge, inner_edges};
 use super::{BendingParameters, PROPERTIES, remedy};
 use crate::arrays::blocks::tiles;
@@ -16,14 +17,15 @@ use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
-use crate::elements::facet::from_lowest;
-use crate::elements::hinge::{Facets, HingeForces};
+use crate::elements::hinge::{Facets, HingeForces, turned_back};
 use crate::elements::hinge_tangent::WeightedAngle;
+use crate::error::Result;
 use crate::laws::{Inspection, Instant, Kernels, Law, Linearisation, Properties};
 use crate::layout::{Coded, ElementSet, Entry};
-use crate::model::mesh;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{F64x8, LANES, SimdF64, Vec3, dot, scale, sum};
+
+mod element;
 
 /// Places of M_ij among the six distinct ones.
 const PLACES: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
@@ -33,6 +35,8 @@ const PLACES: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 pub(super) struct CurvatureBending {
     elements: ElementSet<6>,
     parameters: Coded<Parameters>,
+    /// Sine and cosine of the natural fold angle at each edge, by batch; `None` where all are naturally flat.
+    natural: Option<Vec<[[F64x8; 2]; 3]>>,
     is_singular: bool,
     instructions: InstructionSet,
 }
@@ -54,23 +58,17 @@ impl Entry for Parameters {
     }
 }
 
-/// One element.
-struct Element {
-    nodes: [u32; 6],
-    stiffness: [f64; 6],
-    softening: [f64; 4],
-}
-
 impl CurvatureBending {
-    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Self {
+    /// # Errors
+    /// `CurvatureBeyondMesh`.
+    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Result<Self> {
         let BendingParameters { fold_limit, collapse, .. } = parameters;
         let mut edges: Vec<Option<InnerEdge>> = vec![None; assembly.mesh.edges.len()];
         for edge in inner_edges(assembly, fold_limit) {
             edges[edge.hinge.edge as usize] = Some(edge);
         }
-        let all: Vec<Element> = (0..assembly.mesh.triangles.len())
-            .filter_map(|triangle| Element::new(triangle, parameters, assembly, &edges))
-            .collect();
+        let element = |triangle| Element::new(triangle, parameters, assembly, &edges).transpose();
+        let all = (0..assembly.mesh.triangles.len()).filter_map(element).collect::<Result<Vec<Element>>>()?;
         let nodes: Vec<[u32; 6]> = all.iter().map(|element| element.nodes).collect();
         let elements = ElementSet::new(&nodes, assembly.masses.len());
         let stiffness: [_; 6] = std::array::from_fn(|k| elements.pack(0.0, |row| all[row].stiffness[k]));
@@ -79,64 +77,32 @@ impl CurvatureBending {
             stiffness: stiffness.each_ref().map(|values| values[batch]),
             softening: softening.each_ref().map(|values| values[batch]),
         };
-        Self {
+        let is_curled = all.iter().any(|element| element.natural != [0.0; 3]);
+        let natural = is_curled.then(|| {
+            let sines: [_; 3] = std::array::from_fn(|k| elements.pack(0.0, |row| all[row].natural[k].sin()));
+            let cosines: [_; 3] = std::array::from_fn(|k| elements.pack(1.0, |row| all[row].natural[k].cos()));
+            let of_batch = |batch: usize| std::array::from_fn(|k| [sines[k][batch], cosines[k][batch]]);
+            (0..elements.batch_count()).map(of_batch).collect()
+        });
+        Ok(Self {
             parameters: Coded::new((0..elements.batch_count()).map(of_batch)),
+            natural,
             elements,
             is_singular: collapse == 0.0,
             instructions: assembly.instructions,
-        }
-    }
-}
-
-impl Element {
-    /// `None` for a triangle that has no stiffness.
-    fn new(
-        triangle: usize,
-        parameters: BendingParameters,
-        assembly: &Assembly,
-        edges: &[Option<InnerEdge>],
-    ) -> Option<Self> {
-        let BendingParameters { stiffness, collapse, .. } = parameters;
-        let (nodes, own_edges) = (assembly.mesh.triangles[triangle], assembly.mesh.triangle_edges[triangle]);
-        let points = nodes.map(|node| assembly.mesh.reference[node as usize]);
-        let sides: [[f64; 3]; 3] = std::array::from_fn(|k| mesh::sub(points[(k + 2) % 3], points[(k + 1) % 3]));
-        let lengths = assembly.mesh.side_lengths(triangle);
-        let normal = mesh::cross(sides[2], sides[0]);
-        let area = 0.5 * mesh::dot(normal, normal).sqrt();
-        let (mut apexes, mut factors, mut areas) = (nodes, [0.0; 3], [area; 3]);
-        for k in 0..3 {
-            let Some(edge) = edges[own_edges[k] as usize] else { continue };
-            let own = usize::from(edge.hinge.nodes[3] == nodes[k]);
-            apexes[k] = edge.hinge.nodes[3 - own];
-            areas[k] = edge.size.areas[1 - own];
-            if edge.bends[own] {
-                factors[k] = if edge.bends[1 - own] { 0.5 } else { 1.0 } * lengths[k] / area;
-            }
-        }
-        if factors == [0.0; 3] {
-            return None;
-        }
-        let film = assembly.model.film?;
-        let weights = (1.0 + collapse * collapse).powi(4);
-        let rigidity = stiffness * film.bending_stiffness() * area * weights;
-        let (_, places) = from_lowest(assembly.numbering.to_internal(nodes));
-        let own = |k: usize| (k + places) % 3;
-        let mut stiffness = [0.0; 6];
-        for (i, row) in PLACES.iter().enumerate() {
-            for (j, &place) in row.iter().enumerate().skip(i) {
-                let (i, j) = (own(i), own(j));
-                let cosine = mesh::dot(sides[i], sides[j]) / (lengths[i] * lengths[j]);
-                let (nu, square) = (film.poisson_ratio, if i == j { 1.0 } else { cosine * cosine });
-                stiffness[place] = rigidity * factors[i] * factors[j] * ((1.0 - nu) * square + nu);
-            }
-        }
-        let external = std::array::from_fn(|k| if k < 3 { nodes[own(k)] } else { apexes[own(k - 3)] });
-        let soft = |area: f64| 4.0 * (collapse * area).powi(2);
-        Some(Self {
-            nodes: assembly.numbering.to_internal(external),
-            stiffness,
-            softening: std::array::from_fn(|k| soft(if k == 0 { area } else { areas[own(k - 1)] })),
         })
+    }
+
+    /// The fold angle of hinge k of the batch at this place, less its natural one, and the sine and the cosine of it.
+    #[inline(always)]
+    fn bend<V: SimdF64>(&self, place: usize, k: usize, facets: &Facets<V>) -> (V, [V; 2]) {
+        match &self.natural {
+            None => (facets.fold_angle(), facets.fold_direction()),
+            Some(natural) => {
+                let natural = [V::load(&natural[place][k][0]), V::load(&natural[place][k][1])];
+                (facets.fold_beyond(natural), turned_back(facets.fold_direction(), natural))
+            }
+        }
     }
 }
 
@@ -170,13 +136,12 @@ struct Bent<V> {
 
 impl<V: SimdF64> Bent<V> {
     #[inline(always)]
-    fn new(points: &[Vec3<V>; 6], parameters: &Parameters) -> Self {
+    fn new(bending: &CurvatureBending, place: usize, points: &[Vec3<V>; 6], parameters: &Parameters) -> Self {
         let zeros = [V::zero(); 3];
         let mut bent = Self { angles: zeros, sines: zeros, cosines: zeros, weights: zeros, own: zeros, crossed: zeros };
         for k in 0..3 {
             let facets = Facets::new(of_hinge(points, k));
-            bent.angles[k] = facets.fold_angle();
-            [bent.sines[k], bent.cosines[k]] = facets.fold_direction();
+            (bent.angles[k], [bent.sines[k], bent.cosines[k]]) = bending.bend(place, k, &facets);
             bent.weights[k] = facets.weight(parameters.of_facets(k));
             bent.own[k] = V::load(&parameters.stiffness[k]) * bent.weights[k] * bent.angles[k];
         }
@@ -228,7 +193,7 @@ impl BatchKernel for MomentKernel<'_> {
         let parameters = self.bending.parameters.of(&pass);
         for batch in 0..pass.len() {
             let (points, parameters) = (positions.read::<V>(batch), &parameters[batch]);
-            let bent = Bent::new(&points, parameters);
+            let bent = Bent::new(self.bending, pass.place(batch), &points, parameters);
             let mut forces = [[V::zero(); 3]; 6];
             for k in 0..3 {
                 let (facets, [energy, slope]) = (Facets::new(of_hinge(&points, k)), bent.potential(k));
@@ -256,7 +221,7 @@ impl BatchKernel for EnergyKernel<'_> {
         let parameters = self.bending.parameters.of(&pass);
         let mut energy = V::zero();
         for batch in 0..pass.len() {
-            let bent = Bent::new(&positions.read::<V>(batch), &parameters[batch]);
+            let bent = Bent::new(self.bending, pass.place(batch), &positions.read::<V>(batch), &parameters[batch]);
             for k in 0..3 {
                 energy += V::all(0.5) * bent.weights[k] * bent.potential(k)[0];
             }
@@ -287,7 +252,7 @@ impl BatchKernel for StiffnessKernel<'_> {
             for k in 0..3 {
                 let facets = Facets::new(of_hinge(&points, k));
                 let [at_a, at_b, at_c, at_d] = facets.weighted_gradients(parameters.of_facets(k));
-                [_, cosines[k]] = facets.fold_direction();
+                (_, [_, cosines[k]]) = self.bending.bend(pass.place(batch), k, &facets);
                 let [a, b, c, d] = of_hinge(&p, k);
                 rotations[k] = dot(at_a, a) + dot(at_b, b) + dot(at_c, c) + dot(at_d, d);
             }
@@ -361,7 +326,7 @@ impl Linearisation for CurvatureBending {
         let x = Columns::of(instant.positions);
         for (batch, lane, nodes) in self.elements.each() {
             let Parameters { stiffness, softening } = self.parameters[batch];
-            let bent = Bent::<F64x8>::new(&self.elements.read_any(x, batch), &self.parameters[batch]);
+            let bent = Bent::<F64x8>::new(self, batch, &self.elements.read_any(x, batch), &self.parameters[batch]);
             let of_hinge = |k: usize| {
                 let nodes = CORNERS[k].map(|corner| nodes[corner]);
                 let points = nodes.map(|node| at(instant.positions, node));

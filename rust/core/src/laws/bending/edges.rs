@@ -1,9 +1,20 @@
-//! The edges across which the film may bend.
+//! The edges across which the film may bend, and their natural fold angles.
+//!
+//! A natural curvature K [1/m] is that of the surface z = x . K x / 2. On its nodes each facet has the slope of the
+//! surface between them, so that an edge AB, with the foot of an apex C at A + t AB and its height h, is folded by
+//!
+//!     phi_0 = q_C + q_D,   q_C = (c . K c - t b . K b) / (2 h_C)   [rad],   c = C - A, b = B - A
+//!
+//! to first order in K; a facet of another region has its own K.
+
+use std::f64::consts::FRAC_PI_2;
 
 use crate::assembly::Assembly;
 use crate::elements::hinge::Facets;
 use crate::elements::hinge_set::HingeSize;
-use crate::model::mesh::Hinge;
+use crate::error::{Error, Result};
+use crate::model::mesh::{Hinge, dot, sub};
+use crate::model::regions::{FilmOfTriangles, RegionFilm};
 use crate::simd::lanes::{F64x8, SimdF64};
 
 /// An edge between two triangles.
@@ -31,6 +42,31 @@ pub(super) fn inner_edges(assembly: &Assembly, fold_limit: f64) -> Vec<InnerEdge
         InnerEdge { hinge, size: HingeSize::of(&hinge, &assembly.mesh.reference), bends }
     };
     hinges.map(edge).collect()
+}
+
+/// The natural fold angle of a hinge between a film on the side of C and one on that of D.
+///
+/// # Errors
+/// `CurvatureBeyondMesh` above 90 degrees.
+pub(super) fn natural_fold(assembly: &Assembly, edge: &InnerEdge, films: [&RegionFilm; 2]) -> Result<f64> {
+    let [a, b, c, d] = edge.hinge.nodes.map(|node| assembly.mesh.reference[node as usize]);
+    let along = sub(b, a);
+    let mut fold = 0.0;
+    for ((apex, film), area) in [c, d].into_iter().zip(films).zip(edge.size.areas) {
+        let (to_apex, height) = (sub(apex, a), 2.0 * area / edge.size.length);
+        let foot = dot(to_apex, along) / dot(along, along);
+        fold += (film.natural_rise(to_apex) - foot * film.natural_rise(along)) / (2.0 * height);
+    }
+    if fold.abs() > FRAC_PI_2 {
+        let [a, b, ..] = edge.hinge.nodes.map(|node| node as usize);
+        return Err(Error::CurvatureBeyondMesh { edge: [a, b], degrees: fold.abs().to_degrees() });
+    }
+    Ok(fold)
+}
+
+/// The films of facet C and facet D.
+pub(super) fn films_of<'a>(films: &'a FilmOfTriangles, hinge: &Hinge) -> [&'a RegionFilm; 2] {
+    hinge.triangles.map(|triangle| films.of(triangle as usize))
 }
 
 /// The fold angle at these positions \[rad\].

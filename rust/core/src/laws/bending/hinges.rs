@@ -16,10 +16,11 @@
 //! and 2 D a b/d^2, a lattice of squares has 3/4 D only.
 //!
 //! Where the mesh is not a lattice, a b is the area of both facets of an edge, and k = D e^2 / (a b) where they are not
-//! right-angled; 3 b^2 - a^2 is at least b^2. Where one facet is rigid, the curvature belongs to the other one alone: k
+//! right-angled; 3 b^2 - a^2 is at least b^2. Between two films D is the harmonic mean by the areas of the facets: both
+//! bear one moment, and the fold angle is the sum of what it bends each. Where one facet is rigid, the curvature belongs to the other one alone: k
 //! is larger by the ratio of both areas to its own.
 
-use super::edges::{InnerEdge, inner_edges};
+use super::edges::{InnerEdge, films_of, inner_edges, natural_fold};
 use super::{BendingParameters, PROPERTIES, remedy};
 use crate::arrays::columns::Columns;
 use crate::arrays::jacobian::{JacobianBlocks, at, of_differences};
@@ -28,10 +29,12 @@ use crate::assembly::Assembly;
 use crate::elements::hinge::Facets;
 use crate::elements::hinge_set::{HingeParameters, HingePotential, HingeSet};
 use crate::elements::hinge_tangent::WeightedAngle;
+use crate::error::Result;
 use crate::laws::{Inspection, Instant, Kernels, Law, Linearisation, Properties};
 use crate::model::mesh::{dot, sub};
+use crate::model::regions::{FilmOfTriangles, RegionFilm};
 use crate::simd::dispatch::InstructionSet;
-use crate::simd::lanes::SimdF64;
+use crate::simd::lanes::{F64x8, SimdF64};
 
 /// Square of the cosine of an angle from which on it is a right one, 85 to 95 degrees: as the check of the form has it.
 const RIGHT: f64 = 0.007_596_123_493_895_97;
@@ -39,22 +42,62 @@ const RIGHT: f64 = 0.007_596_123_493_895_97;
 /// The law.
 pub(super) struct HingeBending {
     hinges: HingeSet,
+    /// Sine and cosine of the natural fold angle of each hinge, by batch; `None` where all are naturally flat.
+    natural: Option<Vec<[F64x8; 2]>>,
     is_singular: bool,
     instructions: InstructionSet,
 }
 
 impl HingeBending {
-    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Self {
+    /// # Errors
+    /// `CurvatureBeyondMesh`.
+    pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Result<Self> {
         let BendingParameters { stiffness, fold_limit, collapse, .. } = parameters;
-        let rigidity = stiffness * assembly.model.film.map_or(0.0, |film| film.bending_stiffness());
         let mut edges = inner_edges(assembly, fold_limit);
         edges.retain(|edge| edge.bends != [false; 2]);
         let hinges: Vec<_> = edges.iter().map(|edge| edge.hinge).collect();
-        let constant = |row: usize, _| rigidity * relative_constant(&edges[row], &assembly.mesh.reference);
-        Self {
-            hinges: HingeSet::new(assembly, &hinges, collapse, |_| 1.0, constant),
+        let constant = |row: usize, _| {
+            let rigidity = stiffness * assembly.film.as_ref().map_or(0.0, |films| mean_rigidity(films, &edges[row]));
+            rigidity * relative_constant(&edges[row], &assembly.mesh.reference)
+        };
+        let hinges = HingeSet::new(assembly, &hinges, collapse, |_| 1.0, constant);
+        let curled = assembly.film.as_ref().filter(|films| films.any(|film| film.curvature != [0.0; 3]));
+        let natural = curled.map(|films| {
+            let of_edge = |edge: &InnerEdge| natural_fold(assembly, edge, films_of(films, &edge.hinge));
+            let angles = edges.iter().map(of_edge).collect::<Result<Vec<f64>>>()?;
+            let sines = hinges.elements.pack(0.0, |row| angles[row].sin()).into_iter();
+            let cosines = hinges.elements.pack(1.0, |row| angles[row].cos());
+            Ok(sines.zip(cosines).map(|(sine, cosine)| [sine, cosine]).collect())
+        });
+        Ok(Self {
+            natural: natural.transpose()?,
+            hinges,
             is_singular: collapse == 0.0,
             instructions: assembly.instructions,
+        })
+    }
+
+    /// The fold angles of the batch at this place, less their natural ones [rad].
+    #[inline(always)]
+    fn angle<V: SimdF64>(&self, place: usize, facets: &Facets<V>) -> V {
+        match &self.natural {
+            None => facets.fold_angle(),
+            Some(natural) => facets.fold_beyond([V::load(&natural[place][0]), V::load(&natural[place][1])]),
+        }
+    }
+}
+
+/// D of an edge: of the facets that bend, the harmonic mean by their areas [N m].
+fn mean_rigidity(films: &FilmOfTriangles, edge: &InnerEdge) -> f64 {
+    let [c, d] = films_of(films, &edge.hinge).map(RegionFilm::bending_stiffness);
+    match edge.bends {
+        [true, false] => c,
+        [false, true] => d,
+        _ if c == d => c,
+        _ if c == 0.0 || d == 0.0 => 0.0,
+        _ => {
+            let [of_c, of_d] = edge.size.areas;
+            (of_c + of_d) / (of_c / c + of_d / d)
         }
     }
 }
@@ -81,11 +124,11 @@ fn relative_constant(edge: &InnerEdge, reference: &[[f64; 3]]) -> f64 {
     constant * whole / bending
 }
 
-/// k phi^2 / 2.
+/// k (phi - phi_0)^2 / 2.
 impl HingePotential for HingeBending {
     #[inline(always)]
-    fn of_batch<V: SimdF64>(&self, _place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V) {
-        let angle = facets.fold_angle();
+    fn of_batch<V: SimdF64>(&self, place: usize, parameters: &HingeParameters, facets: &Facets<V>) -> (V, V) {
+        let angle = self.angle(place, facets);
         let moment = V::load(&parameters.stiffness) * angle;
         (V::all(0.5) * moment * angle, -moment)
     }
@@ -139,7 +182,7 @@ impl Linearisation for HingeBending {
         let x = Columns::of(instant.positions);
         for (batch, lane, nodes) in self.hinges.elements.each() {
             let parameters = self.hinges.parameters[batch];
-            let angle = Facets::new(self.hinges.elements.read_any(x, batch)).fold_angle().0[lane];
+            let angle = self.angle::<F64x8>(batch, &Facets::new(self.hinges.elements.read_any(x, batch))).0[lane];
             let stiffness = parameters.stiffness.0[lane];
             let corners = nodes.map(|node| at(instant.positions, node));
             let weighted = WeightedAngle::new(corners, parameters.softening.map(|lanes| lanes.0[lane]));

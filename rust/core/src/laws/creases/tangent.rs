@@ -26,9 +26,10 @@ impl Creases {
 
     fn hessian(&self, batch: usize, lane: usize, angles: F64x8, corners: [Vector3<f64>; 4]) -> Square {
         let HingeParameters { sign, stiffness, softening } = self.hinges.parameters[batch];
-        let (energy, moment) = self.potential(stiffness, angles);
+        let (energy, moment) = self.potential(batch, stiffness, angles);
         let [energy, moment, angle] = [energy, moment, angles].map(|lanes| lanes.0[lane]);
-        let gamma = if !(0.0..=std::f64::consts::TAU).contains(&angle) { self.contact_penalty } else { 1.0 };
+        let [penalty, _] = self.penalty_and_natural_angle::<F64x8>(batch).map(|lanes| lanes.0[lane]);
+        let gamma = if !(0.0..=std::f64::consts::TAU).contains(&angle) { penalty } else { 1.0 };
         // theta = pi - sign phi.
         let slope = -sign.0[lane] * moment;
         WeightedAngle::new(corners, softening.map(|lanes| lanes.0[lane])).hessian(

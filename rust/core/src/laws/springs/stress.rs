@@ -61,11 +61,11 @@ impl FilmTriangles {
     pub(super) fn new(assembly: &Assembly) -> Option<Self> {
         let mesh = &assembly.mesh;
         let has_springs = assembly.model.negative_springs != NegativeSprings::Unused;
-        let film = assembly.model.film.filter(|_| has_springs)?;
+        let film = assembly.film.as_ref().filter(|_| has_springs)?;
         let triangles: Vec<_> = (0..mesh.triangles.len()).map(|row| Triangle::new(row, assembly)).collect();
         let parts_of = |(row, (&sides, &constants)): (usize, (&[u32; 3], &[f64; 3]))| {
             let (lengths, along) = (mesh.side_lengths(row), triangles[row].sides());
-            let volume = 0.5 * triangles[row].base * triangles[row].apex[1] * film.thickness;
+            let volume = 0.5 * triangles[row].base * triangles[row].apex[1] * film.of(row).film.thickness;
             [0, 1, 2].map(|k| {
                 let is_clipped = assembly.edge_stiffness[sides[k] as usize] == 0.0;
                 let weight = if is_clipped { 0.0 } else { constants[k] / (lengths[k] * lengths[k] * volume) };
@@ -78,7 +78,7 @@ impl FilmTriangles {
 
     /// The triangles of a mesh of rectangles; `None` without film.
     pub(in crate::laws) fn of_rectangles(rectangles: &Rectangles, assembly: &Assembly) -> Option<Self> {
-        let film = assembly.model.film?;
+        let films = assembly.film.as_ref()?;
         let triangles: Vec<_> = (0..assembly.mesh.triangles.len()).map(|row| Triangle::new(row, assembly)).collect();
         let mut halves: Vec<_> = rectangles.all.iter().flat_map(|own| own.halves.map(|half| (half, own))).collect();
         halves.sort_unstable_by_key(|((triangle, _), _)| *triangle);
@@ -86,6 +86,7 @@ impl FilmTriangles {
             let [right, end_a, end_b] = legs.map(|place| triangles[triangle as usize].corners()[place]);
             let [a, b] = [end_a, end_b].map(|end| [end[0] - right[0], end[1] - right[1]]);
             let along = [[a, a], [b, b], [[a[0] - b[0], a[1] - b[1]], [a[0] + b[0], a[1] + b[1]]]];
+            let film = films.of(triangle as usize).film;
             let volume = film.thickness * own.sides[0] * own.sides[1];
             let constants = own.constants(film);
             [0, 1, 2, 3, 4, 5].map(|k| {

@@ -11,18 +11,17 @@ use crate::simd::lanes::{F64x8, SimdF64, Vec3};
 impl Triangles {
     /// The stress of each triangle, in external order.
     pub(super) fn triangle_stress(&self, at: Instant<'_>) -> Vec<TriangleStress> {
-        let modulus = F64x8::all(self.youngs_modulus);
         let of_batch = |(batch, gradient): (usize, [Vec3; 2])| {
-            let [s11, s22, s12] = self.stress(batch, strain(gradient)).map(|stress| modulus * stress);
+            let [s11, s22, s12] = self.stress(batch, strain(gradient));
             let [[x1, y1, z1], [x2, y2, z2]] = gradient;
             [s11, s22, s12, x1, y1, z1, x2, y2, z2]
         };
         let rows = self.flat.elements.unpack_rows(self.gradients(Columns::of(at.positions)).map(of_batch));
-        let of_row = |[s11, s22, s12, x1, y1, z1, x2, y2, z2]: [f64; 9]| TriangleStress {
-            stress: [s11, s22, s12],
+        let of_row = |([s11, s22, s12, x1, y1, z1, x2, y2, z2], &modulus): ([f64; 9], &f64)| TriangleStress {
+            stress: [s11, s22, s12].map(|stress| modulus * stress),
             gradient: [[x1, y1, z1], [x2, y2, z2]],
         };
-        rows.into_iter().map(of_row).collect()
+        rows.into_iter().zip(&self.moduli).map(of_row).collect()
     }
 
     /// Strain and state of each triangle, and the buckled edges, in external order. With a share of compression of 1

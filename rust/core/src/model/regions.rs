@@ -1,0 +1,164 @@
+//! Regions of the membrane whose film has properties of its own.
+
+use super::checks::{finite, non_negative, within};
+use super::input::Film;
+use super::optics::Optics;
+use crate::error::{Error, Result};
+
+/// The film of a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionFilm {
+    /// Material and thickness; Poisson's ratio is that of the whole film.
+    pub film: Film,
+    /// Mass per area beside that of the film, as of devices on it \[kg/m2\].
+    pub areal_mass: f64,
+    /// alpha of eq. (2) between creases; `None`: that of the law.
+    pub buckling: Option<f64>,
+    /// D in place of that of a plate of the film \[N m\].
+    pub bending_stiffness: Option<f64>,
+    /// Natural curvature kappa_xx, kappa_yy and kappa_xy in the reference; positive where the film curls towards the
+    /// side of its normals \[1/m\].
+    pub curvature: [f64; 3],
+    /// Strain xx, yy and xy of the reference at which the film is free of stress: of a warm film above 0, of a taut one
+    /// below.
+    pub natural_strain: [f64; 3],
+    /// In sunlight; `None`: those of the law.
+    pub optics: Option<Optics>,
+}
+
+/// Triangles with a film of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// No triangle belongs to two regions.
+    pub triangles: Vec<u32>,
+    /// Their film.
+    pub film: RegionFilm,
+}
+
+/// The film of each triangle.
+#[derive(Debug, Clone)]
+pub struct FilmOfTriangles {
+    /// That of the triangles of no region, then those of the regions.
+    films: Vec<RegionFilm>,
+    /// Index of the film of each triangle; empty without regions.
+    of: Vec<u32>,
+}
+
+impl From<Film> for RegionFilm {
+    fn from(film: Film) -> Self {
+        let zeros = [0.0; 3];
+        Self {
+            film,
+            areal_mass: 0.0,
+            buckling: None,
+            bending_stiffness: None,
+            curvature: zeros,
+            natural_strain: zeros,
+            optics: None,
+        }
+    }
+}
+
+impl RegionFilm {
+    /// Mass per area \[kg/m2\].
+    pub fn areal_density(&self) -> f64 {
+        self.film.density * self.film.thickness + self.areal_mass
+    }
+
+    /// E h \[N/m\].
+    pub fn membrane_stiffness(&self) -> f64 {
+        self.film.youngs_modulus * self.film.thickness
+    }
+
+    /// D \[N m\].
+    pub fn bending_stiffness(&self) -> f64 {
+        self.bending_stiffness.unwrap_or_else(|| self.film.bending_stiffness())
+    }
+
+    /// Second derivative of the natural shape along an offset in the reference, over its square: v . K v \[m\].
+    pub fn natural_rise(&self, [x, y, _]: [f64; 3]) -> f64 {
+        let [xx, yy, xy] = self.curvature;
+        xx * x * x + yy * y * y + 2.0 * xy * x * y
+    }
+
+    /// A vector of the reference in the film free of stress \[m\].
+    pub fn natural(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [xx, yy, xy] = self.natural_strain;
+        [x + (xx * x + xy * y), y + (xy * x + yy * y), z]
+    }
+
+    /// Area of the film free of stress over that of the reference.
+    pub fn natural_area(&self) -> f64 {
+        let [xx, yy, xy] = self.natural_strain;
+        (1.0 + xx) * (1.0 + yy) - xy * xy
+    }
+
+    fn check(&self, poisson_ratio: f64) -> Result<()> {
+        self.film.check()?;
+        let nu = self.film.poisson_ratio;
+        within("Poisson's ratio of a region", nu, nu == poisson_ratio, "it must be that of the whole film")?;
+        non_negative("mass per area of a region [kg/m2]", self.areal_mass)?;
+        self.buckling.map_or(Ok(()), |alpha| non_negative("buckling parameter of a region", alpha))?;
+        self.bending_stiffness
+            .map_or(Ok(()), |rigidity| non_negative("bending stiffness of a region [N m]", rigidity))?;
+        self.curvature.iter().try_for_each(|&value| finite("natural curvature of a region [1/m]", value))?;
+        for value in self.natural_strain {
+            within("natural strain of a region", value, value.abs() <= 0.5, "it must be -0.5 to 0.5")?;
+        }
+        let [xx, yy, xy] = self.natural_strain;
+        let least = 0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+        within("least natural strain of a region", least, least >= -0.5, "it must be -0.5 or above")?;
+        self.optics.map_or(Ok(()), |optics| optics.check())
+    }
+}
+
+impl FilmOfTriangles {
+    /// The films of so many triangles, each checked.
+    ///
+    /// # Errors
+    /// `OutOfRange`, `TriangleOutOfRange`, `RegionsOverlap`.
+    pub fn new(film: Film, regions: &[Region], triangle_count: usize) -> Result<Self> {
+        film.check()?;
+        let mut films = vec![RegionFilm::from(film)];
+        let mut of = vec![0; if regions.is_empty() { 0 } else { triangle_count }];
+        for (region, index) in regions.iter().zip(1_u32..) {
+            region.film.check(film.poisson_ratio)?;
+            films.push(region.film);
+            for (row, &triangle) in region.triangles.iter().enumerate() {
+                let triangle = triangle as usize;
+                let Some(place) = of.get_mut(triangle) else {
+                    return Err(Error::TriangleOutOfRange { what: "region", row, triangle, triangle_count });
+                };
+                if std::mem::replace(place, index) != 0 {
+                    return Err(Error::RegionsOverlap { triangle });
+                }
+            }
+        }
+        Ok(Self { films, of })
+    }
+
+    /// The film of a triangle.
+    pub fn of(&self, triangle: usize) -> &RegionFilm {
+        &self.films[self.of.get(triangle).map_or(0, |&index| index as usize)]
+    }
+
+    /// That of the triangles of no region.
+    pub fn whole(&self) -> &Film {
+        &self.films[0].film
+    }
+
+    /// The same, with what it has beside its material.
+    pub fn of_no_region(&self) -> &RegionFilm {
+        &self.films[0]
+    }
+
+    /// Whether there are regions.
+    pub fn has_regions(&self) -> bool {
+        self.films.len() > 1
+    }
+
+    /// Whether a property holds for some region.
+    pub fn any(&self, property: impl Fn(&RegionFilm) -> bool) -> bool {
+        self.films.iter().any(property)
+    }
+}
