@@ -67,6 +67,12 @@ PARTS = (
         fills_cores=True,
     ),
     Part(
+        "films",
+        "docs/choosing.md: springs, rectangles and triangles: shares of energy, stable steps, cost",
+        [("tools/docs/film_laws.py", "--write")],
+        fills_cores=True,
+    ),
+    Part(
         "free-hub",
         "docs/free_hub.md: free hubs against closed forms, and their cost",
         [("tools/docs/free_hub.py", "--write")],

@@ -13,6 +13,7 @@ from membrane_rs import (
     Material,
     Mesh,
     MeshError,
+    Rectangles,
     Scene,
     Simulation,
     SpringDamping,
@@ -96,7 +97,7 @@ def test_an_obtuse_triangle(angle: float, is_negative: bool) -> None:
 
 
 @pytest.mark.parametrize("integrator", integrators())
-@pytest.mark.parametrize("law", [Springs(), Triangles()], ids=lambda law: str(law.kind))
+@pytest.mark.parametrize("law", [Springs(), Triangles(), Rectangles()], ids=lambda law: str(law.kind))
 @pytest.mark.parametrize("offset", [0.0, 10.0])
 def test_rounding_stops_no_scene_at_rest(law: Any, integrator: str, offset: float) -> None:
     # Its accounts are some 1e-31 J: rounding alone, of which any share may appear from nowhere.

@@ -14,6 +14,7 @@ from membrane_rs import (
     Mesh,
     PointForces,
     Pressure,
+    Rectangles,
     Scene,
     Simulation,
     SolarPressure,
@@ -33,6 +34,7 @@ from small_scenes import RUBBER, Floats, rotation
 FILMS: list[Law] = [
     Springs(buckling=1.0, buckling_on_creases=2.0),
     Triangles(compression=0.1, buckling_on_creases=300.0),
+    Rectangles(buckling=1.0, buckling_on_creases=2.0),
 ]
 """A scene takes one of them."""
 
@@ -153,7 +155,7 @@ def test_internal_laws_turn_with_a_rigid_motion(film: Law) -> None:
             assert sim.energies()[name] == pytest.approx(energies[name], rel=1e-11), name
 
 
-@pytest.mark.parametrize("film", [Springs(), Triangles()])
+@pytest.mark.parametrize("film", [Springs(), Triangles(), Rectangles()])
 def test_no_force_from_a_rigid_motion_of_the_flat_sheet(film: Law) -> None:
     mesh = Strip(0.12, 0.06, 4, 2, creases=(0.5,)).mesh()
     laws: list[Law] = [film, SpringDamping(), Creases(natural_angle=np.pi)]

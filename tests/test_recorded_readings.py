@@ -11,6 +11,7 @@ from membrane_rs import (
     Creases,
     Fixed,
     Gravity,
+    Rectangles,
     Scene,
     Simulation,
     Spin,
@@ -30,7 +31,7 @@ CORD = Tether((0.06, 0.0, 0.0), (0.045, 0.02, 0.0), 3, 60.0, 0.01, tip_mass=0.02
 """It leans on the spool, some of its nodes inside."""
 
 
-@pytest.mark.parametrize("film", [Springs(), Triangles()], ids=lambda law: law.kind)
+@pytest.mark.parametrize("film", [Springs(), Triangles(), Rectangles()], ids=lambda law: law.kind)
 def test_each_number_and_field_is_that_of_the_state(film: Law, tmp_path: Path) -> None:
     mesh = Strip(0.1, 0.04, 6, 2, creases=(0.5,)).mesh()
     sim = Simulation(Scene(mesh, RUBBER, [film, *LAWS, Creases(1e3)], [Fixed("start"), CORD]))

@@ -9,6 +9,7 @@ import pytest
 from membrane_rs import (
     AuditWarning,
     Gravity,
+    Rectangles,
     RunSettings,
     Scene,
     Simulation,
@@ -98,7 +99,7 @@ def spun(sim: Simulation, rates: Floats) -> Simulation:
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, 0.2])
-@pytest.mark.parametrize("law", [Springs(), Triangles()], ids=lambda law: str(law.kind))
+@pytest.mark.parametrize("law", [Springs(), Triangles(), Rectangles()], ids=lambda law: str(law.kind))
 def test_a_sound_flight_that_turns_is_not_stopped(law: Law, ratio: float) -> None:
     sim = square(law, *([SpringDamping(ratio)] if ratio else []))
     spun(sim, np.array([1.5, -2.5, 20.0]))

@@ -30,6 +30,8 @@ __all__ = [
     "hinge_count",
     "integrators",
     "lumped_masses",
+    "rectangle_constants",
+    "rectangles",
     "shortest_paths",
     "spring_constants",
 ]
@@ -47,6 +49,21 @@ def spring_constants(
     thickness: float,
 ) -> NDArray[np.float64]:
     """Spring constant of each edge by eq. (1), (e,) [N/m], in the order of `edges`; it may be negative."""
+
+def rectangles(
+    reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Corners (r, 4) in turn of the rectangles that pairs of triangles form; from the first to the third is no edge."""
+
+def rectangle_constants(
+    reference: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    creases: NDArray[np.int64],
+    youngs_modulus: float,
+    poisson_ratio: float,
+    thickness: float,
+) -> NDArray[np.float64]:
+    """Spring constants of the edges and then of the second diagonals of these rectangles, (e + r,) [N/m]."""
 
 def lumped_masses(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], areal_density: float

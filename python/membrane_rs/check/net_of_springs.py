@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from membrane_rs.errors import MeshError
 from membrane_rs.mesh.findings import Finding
-from membrane_rs.mesh.moduli import NetModuli, net_moduli
+from membrane_rs.mesh.moduli import NetModuli, net_moduli, rectangle_moduli
 from membrane_rs.scene import Scene
 
 _SAME = 0.002
@@ -25,17 +25,19 @@ def net_of_springs(scene: Scene) -> Iterator[Finding]:
 def net_lines(scene: Scene) -> list[tuple[str, str]]:
     """(what, moduli over the film's) of the net of springs; empty for a scene without a film of springs."""
     mesh, material = scene.mesh, scene.material
-    if mesh is None or material is None or scene.negative_springs in (None, "unused"):
+    has_rectangles = any(law.has_rectangles for law in scene.laws)
+    if mesh is None or material is None or (scene.negative_springs in (None, "unused") and not has_rectangles):
         return []
     clip = scene.negative_springs == "clip"
     try:
-        affine = net_moduli(mesh, material, clip=clip)
+        affine = rectangle_moduli(material) if has_rectangles else net_moduli(mesh, material, clip=clip)
         relaxed = affine if affine.is_balanced else net_moduli(mesh, material, relaxed=True, clip=clip)
     except MeshError as error:
         return [("moduli", f"unknown: {error}")]
-    axis = affine.axis
+    axis = 0.0 if has_rectangles else affine.axis
+    along = "a side of the rectangles" if has_rectangles else f"the mesh's own axis, at {axis:.1f} degrees from x"
     lines = [
-        ("direction", f"0 degrees is the mesh's own axis, at {axis:.1f} degrees from x"),
+        ("direction", f"0 degrees is {along}"),
         ("uniform", _moduli(affine, axis)),
     ]
     if any(abs(own - other) > _SAME for own, other in zip(_values(affine, axis), _values(relaxed, axis), strict=True)):
@@ -69,5 +71,7 @@ def _meaning(moduli: NetModuli, axis: float) -> str:
     if moduli.is_isotropic:
         return "within 1 % of the film in every direction"
     shear = float(moduli.shear_modulus(axis))
+    if abs(shear - 1.0) < _SAME:
+        return f"the film's in shear; strains along both sides are coupled as at nu = {moduli.poisson_ratio(axis):.3f}"
     soft = f"{100 * abs(1 - shear):.0f} % {'softer' if shear < 1 else 'stiffer'} in shear than the film"
     return f"{soft}; a film in every direction needs equilateral triangles at nu = 1/3, or the law triangles"

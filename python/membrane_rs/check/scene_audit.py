@@ -24,6 +24,7 @@ from membrane_rs.check.mesh_faults import (
     start_strain,
 )
 from membrane_rs.check.net_of_springs import net_of_springs
+from membrane_rs.check.rectangles import rectangles_of_film
 from membrane_rs.check.redundancy import laws_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.self_contact import crossing_layers, laws_beside_free_hub, touching_layers
@@ -54,6 +55,7 @@ CHECKS: list[Check] = [
     touching_layers,
     laws_beside_free_hub,
     film_law,
+    rectangles_of_film,
     form_of_bending,
     wrinkles_twice,
     supports,

@@ -11,10 +11,21 @@ if TYPE_CHECKING:
     from membrane_rs.mesh.findings import Audit, Finding
     from membrane_rs.mesh.fold import read_fold, write_fold
     from membrane_rs.mesh.mesh import Mesh
-    from membrane_rs.mesh.moduli import NetModuli, net_moduli
+    from membrane_rs.mesh.moduli import NetModuli, net_moduli, rectangle_moduli
     from membrane_rs.mesh.origin import MeshOrigin
 
-__all__ = ["Audit", "Crossings", "Finding", "Mesh", "MeshOrigin", "NetModuli", "net_moduli", "read_fold", "write_fold"]
+__all__ = [
+    "Audit",
+    "Crossings",
+    "Finding",
+    "Mesh",
+    "MeshOrigin",
+    "NetModuli",
+    "net_moduli",
+    "read_fold",
+    "rectangle_moduli",
+    "write_fold",
+]
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
     _on_demand = OnDemand(
@@ -24,7 +35,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.mesh.findings": ("Audit", "Finding"),
             "membrane_rs.mesh.fold": ("read_fold", "write_fold"),
             "membrane_rs.mesh.mesh": ("Mesh",),
-            "membrane_rs.mesh.moduli": ("NetModuli", "net_moduli"),
+            "membrane_rs.mesh.moduli": ("NetModuli", "net_moduli", "rectangle_moduli"),
             "membrane_rs.mesh.origin": ("MeshOrigin",),
         },
     )

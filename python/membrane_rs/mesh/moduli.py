@@ -235,6 +235,43 @@ def net_moduli(mesh: Triangulation, material: Material, *, relaxed: bool = False
     return NetModuli(stiffness, material.poisson_ratio, is_balanced, around)
 
 
+def rectangle_moduli(material: Material) -> NetModuli:
+    """Moduli of a film of `Rectangles`, whose sides are at 0 and 90 degrees; they do not depend on the mesh.
+
+    C_11 = C_22 = 1/(1 - nu^2) and C_33 = 1/(2 (1 + nu)) are those of plane stress. C_12 = 1/(2 (1 + nu)), since the
+    diagonals alone couple both strains and shear; the film's is nu/(1 - nu^2).
+
+    Parameters
+    ----------
+    material : Material
+        The film.
+
+    Returns
+    -------
+    NetModuli
+        Relative to those of the film.
+
+    Raises
+    ------
+    InputTypeError
+        No material.
+
+    Examples
+    --------
+    >>> from membrane_rs import Material
+    >>> from membrane_rs.mesh import rectangle_moduli
+    >>> net = rectangle_moduli(Material(3.2e9, 0.2, 1420.0, 7.5e-6))
+    >>> round(float(net.modulus(0.0)), 3), round(float(net.shear_modulus(0.0)), 3), net.is_isotropic
+    (0.875, 1.0, False)
+    """
+    check_kind(material, Material, "material", "a Material")
+    nu = material.poisson_ratio
+    along, shear = 1.0 / (1.0 - nu * nu), 0.5 / (1.0 + nu)
+    stiffness = np.array([[along, shear, 0.0], [shear, along, 0.0], [0.0, 0.0, shear]])
+    every = _modulus(np.linalg.inv(stiffness), _GRID)
+    return NetModuli(stiffness, nu, True, (float(every.min()), float(every.max())))
+
+
 def _in_plane(reference: Floats) -> Floats:
     """(n, 2) nodes in the plane of the reference, the first axis as near to x as it can be."""
     centred = reference - reference.mean(axis=0)

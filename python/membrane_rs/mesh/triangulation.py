@@ -146,6 +146,59 @@ class Triangulation(KnownAttributes):
         )
         return np.maximum(constants, 0.0) if flag_of("clip", clip) else constants
 
+    def find_rectangles(self) -> Ints:
+        """The rectangles that the triangles form in pairs, each with a common longest side that is no crease.
+
+        Returns
+        -------
+        (r, 4) int64
+            Corners in turn. The diagonal from the first to the third is no edge of the mesh, the other one is.
+
+        Raises
+        ------
+        MeshError
+            Triangles that are no halves of rectangles, to 1e-3 of the diagonal; with the first one, and why.
+
+        Examples
+        --------
+        >>> from membrane_rs.folding import Strip
+        >>> Strip(length=0.1, width=0.01, columns=10).mesh().find_rectangles()[:2].tolist()
+        [[2, 3, 1, 0], [2, 4, 5, 3]]
+        """
+        return np.asarray(_core.rectangles(self.reference, self.triangles, self.creases), dtype=np.int64)
+
+    def rectangle_constants(self, material: Material) -> Floats:
+        """Spring constants of the film as `Rectangles` [N/m], each the sum over the rectangles at it.
+
+        Parameters
+        ----------
+        material : Material
+            The film.
+
+        Returns
+        -------
+        (e + r,) float64
+            [N/m], of the edges in their order, then of the second diagonals in the order of `find_rectangles`.
+
+        Raises
+        ------
+        MeshError
+            As `find_rectangles`, or sides so different that a constant is negative.
+        InputTypeError
+            No material.
+
+        Examples
+        --------
+        >>> from membrane_rs import Material
+        >>> from membrane_rs.folding import Strip
+        >>> film = Material(1.0, 1 / 3, 1.0, 1.0)
+        >>> Strip(length=1.0, width=1.0, columns=1).mesh().rectangle_constants(film).round(3).tolist()
+        [0.375, 0.375, 0.375, 0.375, 0.375, 0.375]
+        """
+        check_kind(material, Material, "material", "a Material")
+        values = material.youngs_modulus, material.poisson_ratio, material.thickness
+        return np.asarray(_core.rectangle_constants(self.reference, self.triangles, self.creases, *values))
+
     def _check_sizes(self) -> None:
         """A MeshError where a triangle is too large for a number to hold its area."""
         large = np.flatnonzero(~np.isfinite(self._areas))

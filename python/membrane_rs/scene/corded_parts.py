@@ -27,7 +27,7 @@ from membrane_rs._validation import (
 )
 from membrane_rs.errors import InputError, MeshError, SceneError
 from membrane_rs.mesh.edge_paths import path_of_set, path_through
-from membrane_rs.scene import builder as arrays
+from membrane_rs.scene import cord as arrays
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.corded import Corded, cord_of, implausible_waves
 from membrane_rs.scene.cords import cord_positions

@@ -69,6 +69,8 @@ class Law:
     """What `check` changes to measure how far the law limits the step; None: it does not vary the law."""
     is_film: ClassVar[bool] = False
     """Whether it is the law of the film's in-plane elasticity, of which a scene has one at most."""
+    has_rectangles: ClassVar[bool] = False
+    """Whether the springs of the film are those of rectangles, with a second diagonal in each."""
     turns_hub: ClassVar[bool] = False
     """Whether it turns the hub, and the frame of the scene with it."""
     accelerates_all: ClassVar[bool] = False

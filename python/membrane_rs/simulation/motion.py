@@ -242,11 +242,13 @@ class Motion(KnownAttributes, Copies, Readings):
 
     @cached_property
     def spring_pairs(self) -> Ints:
-        """(S, 2) ends of each spring: the mesh's edges in their order, then the segments of the cords; read
-        only.
+        """(S, 2) ends of each spring: the mesh's edges in their order, with `Rectangles` the second diagonals, then the
+        segments of the cords; read only.
         """
-        edges = self.scene.mesh.edges if self.scene.mesh is not None else np.zeros((0, 2), np.int64)
-        return frozen(np.vstack([edges, self.assembly.cords.nodes]))
+        mesh, pairs = self.scene.mesh, [self.assembly.cords.nodes]
+        if mesh is not None and any(law.has_rectangles for law in self.scene.laws):
+            pairs.insert(0, mesh.find_rectangles()[:, ::2])
+        return frozen(np.vstack([*([] if mesh is None else [mesh.edges]), *pairs]))
 
     @property
     def slow_laws(self) -> list[str]:

@@ -176,7 +176,11 @@ class Readings(HubReadings):
         """
         d = self.positions[self.spring_pairs[:, 1]] - self.positions[self.spring_pairs[:, 0]]
         rest: Floats = np.zeros(0) if self.scene.mesh is None else self.scene.mesh.edge_lengths
-        lengths: Floats = np.concatenate([rest, self.assembly.cords.rest_length])
+        cords = self.assembly.cords.rest_length
+        if self.scene.mesh is not None and len(rest) + len(cords) < len(d):
+            ends = self.scene.mesh.reference[self.spring_pairs[len(rest) : len(d) - len(cords)]]
+            rest = np.concatenate([rest, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)])
+        lengths: Floats = np.concatenate([rest, cords])
         strains: Floats = np.sqrt(np.einsum("ij,ij->i", d, d)) / lengths - 1.0
         hauled = self._core.link_readings("winches")
         if hauled is not None:
@@ -244,7 +248,8 @@ class Readings(HubReadings):
         """Stress of the film now, elastic, by its law; that of dashpots is not included.
 
         Of a film of triangles it is the law's own stress, with wrinkles. Of a film of springs it is the mean stress
-        of a triangle by the tensions along its sides, each side with the triangle's own part of its spring constant.
+        of a triangle by the tensions along its sides, each side with the triangle's own part of its spring constant;
+        of a film of rectangles that of a rectangle, by its six springs, in both of its triangles.
 
         Returns
         -------

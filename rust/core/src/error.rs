@@ -65,6 +65,22 @@ pub enum Error {
     )]
     NegativeSprings { count: usize, spring_count: usize, worst: f64, edge: [usize; 2] },
 
+    /// Triangles that do not form rectangles in pairs.
+    #[error(
+        "{count} of {of} triangles are no halves of rectangles, first triangle {triangle} (nodes {nodes:?}): it \
+         {reason}; the law rectangles needs right triangles in pairs, without a crease between them: use such a mesh, \
+         or the law springs or triangles"
+    )]
+    NotRectangles { count: usize, of: usize, triangle: usize, nodes: [u32; 3], reason: &'static str },
+
+    /// Rectangles with a negative spring constant: the mesh is unstable at rest.
+    #[error(
+        "{count} of {of} spring constants of rectangles are negative, the worst {worst:e} N/m on edge {edge:?}; \
+         rectangles whose sides differ by more than sqrt(2/(1 - nu)) = {most:.4} times cause this: use squarer ones, \
+         or the law springs or triangles"
+    )]
+    SlenderRectangles { count: usize, of: usize, worst: f64, edge: [usize; 2], most: f64 },
+
     /// A dashpot with the square root of a negative number as its coefficient.
     #[error(
         "the dashpot on spring {edge:?} is undefined: its constant is {stiffness:e} N/m and c = 2 zeta \

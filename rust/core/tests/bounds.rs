@@ -6,7 +6,9 @@ mod common;
 use common::{FILM, films, sheet};
 use membrane_core::arrays::state::{NodeVectors, PhasePoint};
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{Instant, LawSpec, SpringParameters, TriangleParameters, build, spin_of};
+use membrane_core::laws::{
+    Instant, LawSpec, RectangleParameters, SpringParameters, TriangleParameters, build, spin_of,
+};
 use membrane_core::simd::dispatch::InstructionSet;
 
 /// The excess of a film of this law, as text, in a sheet with an affine displacement gradient.
@@ -33,6 +35,9 @@ fn a_film_is_at_fault_just_beyond_its_strain_bound_in_any_direction_of_its_edges
         let law = match law {
             LawSpec::Springs(other) => LawSpec::Springs(SpringParameters { strain_limit: bound, ..other }),
             LawSpec::Triangles(other) => LawSpec::Triangles(TriangleParameters { strain_limit: bound, ..other }),
+            LawSpec::Rectangles(RectangleParameters(other)) => {
+                LawSpec::Rectangles(RectangleParameters(SpringParameters { strain_limit: bound, ..other }))
+            }
             other => other,
         };
         for along in [[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.5, 0.5], [0.5, 0.5]]] {

@@ -97,6 +97,7 @@ fn scenes() -> Vec<(&'static str, Model, Vec<LawSpec>)> {
     };
     let undamped = || sail::laws().into_iter().filter(|law| !matches!(law, LawSpec::SpringDamping(_))).collect();
     let triangles = film(FilmElements::Triangles);
+    let (film_of_rectangles, laws_of_rectangles) = sail_with(film(FilmElements::Rectangles));
     let strip = Model { creases: Creases::default(), ..sheet(1000, 3, 0.01) };
     let (damped, laws_of_damped) = sail_with(LawSpec::SpringDamping(0.5.into()));
     let (film_of_triangles, laws_of_triangles) = sail_with(triangles.clone());
@@ -106,6 +107,7 @@ fn scenes() -> Vec<(&'static str, Model, Vec<LawSpec>)> {
         ("sail without dashpots", sail::sail(2), undamped()),
         ("sail, strongly damped", damped, laws_of_damped),
         ("sail of triangles", film_of_triangles, laws_of_triangles),
+        ("sail of rectangles", film_of_rectangles, laws_of_rectangles),
         ("sail with stiff creases", plain(), creases(sail::laws())),
         ("disc", disc(40, 90), vec![common::springs(), LawSpec::SpringDamping(0.02.into())]),
         ("disc of triangles", disc(40, 90), vec![triangles, LawSpec::SpringDamping(0.1.into())]),

@@ -7,7 +7,7 @@ mod oracle;
 use common::{Dice, sail, sheet};
 use membrane_core::arrays::blocks::TILE;
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited};
+use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited, RectangleParameters};
 use membrane_core::model::input::{Creases, Model};
 use membrane_core::simd::dispatch::InstructionSet;
 use membrane_core::simulation::{Settings, Simulation};
@@ -79,10 +79,11 @@ fn agree_with(laws: &[LawSpec], model: Model, instructions: InstructionSet) {
         assert!(worst <= 1e-12 * largest, "{what}, {}: {worst:e} N of {largest:e} N", instructions.name());
         assert!(largest > 0.0 || what == "spool", "{what}");
     };
+    let film = laws.iter().find(|law| law.film().is_some()).unwrap().kind();
     for (part, laws, evaluate) in Oracle::PARTS {
         let mut found = vec![[0.0; 3]; simulation.positions().len()];
-        for law in laws {
-            let forces = simulation.forces(Some(law)).unwrap();
+        for &law in laws {
+            let forces = simulation.forces(Some(if law == "springs" { film } else { law })).unwrap();
             found.iter_mut().zip(forces).for_each(|(sum, force)| (0..3).for_each(|axis| sum[axis] += force[axis]));
         }
         compare(part, found, &|motion| {
@@ -118,6 +119,21 @@ fn kernels_agree_in_every_form_of_the_dashpots() {
             }
         }
         widths().for_each(|instructions| agree_with(&laws, sail::sail(1), instructions));
+    }
+}
+
+#[test]
+fn kernels_agree_on_sails_of_rectangles() {
+    for (limited, fineness) in [(Limited::Cords, 2), (Limited::All, 1)] {
+        let mut laws = sail::laws();
+        for law in &mut laws {
+            match law {
+                LawSpec::Springs(parameters) => *law = RectangleParameters(*parameters).into(),
+                LawSpec::SpringDamping(parameters) => *parameters = DampingParameters { limited, ..*parameters },
+                _ => {}
+            }
+        }
+        widths().for_each(|instructions| agree_with(&laws, sail::sail(fineness), instructions));
     }
 }
 

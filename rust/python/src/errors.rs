@@ -22,6 +22,8 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::DegenerateTriangle { .. }
         | Error::SingularTriangle { .. }
         | Error::NegativeSprings { .. }
+        | Error::NotRectangles { .. }
+        | Error::SlenderRectangles { .. }
         | Error::NotAHinge { .. }
         | Error::RegionsOverlap { .. }
         | Error::CurvatureBeyondMesh { .. } => python::MeshError::new_err(text),

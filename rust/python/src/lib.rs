@@ -27,7 +27,7 @@ mod _core {
     #[pymodule_export]
     use super::graph::{groups, shortest_paths};
     #[pymodule_export]
-    use super::mesh::{edges, hinge_count, lumped_masses, spring_constants};
+    use super::mesh::{edges, hinge_count, lumped_masses, rectangle_constants, rectangles, spring_constants};
     #[pymodule_export]
     use super::readings::{FilmStates, FilmStress, HubLoad, LinkReadings};
     #[pymodule_export]

@@ -1,5 +1,6 @@
 //! Functions of triangles, for the package's `Mesh`.
 
+use membrane_core::model::input::Film;
 use membrane_core::model::mesh::{Mesh, check_indices, unique_edges};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -38,6 +39,37 @@ pub(crate) fn spring_constants<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let constants = mesh_of(reference, triangles)?.spring_constants(youngs_modulus, poisson_ratio, thickness);
     Ok(PyArray1::from_vec(py, checked(constants)?))
+}
+
+/// Corners (r, 4) int64 in turn of the rectangles that the triangles form in pairs; the diagonal from the first to the
+/// third corner is no edge. No crease (c, 2) may be a diagonal.
+#[pyfunction]
+pub(crate) fn rectangles<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    creases: &Bound<'py, PyAny>,
+) -> PyResult<Indices<'py>> {
+    let mesh = mesh_of(reference, triangles)?;
+    let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
+    indices_to_python(py, &checked(mesh.rectangles(&hinges))?.corners())
+}
+
+/// Spring constants of the edges and of the second diagonals of these rectangles [N/m], the latter in their order.
+#[pyfunction]
+pub(crate) fn rectangle_constants<'py>(
+    py: Python<'py>,
+    reference: &Bound<'py, PyAny>,
+    triangles: &Bound<'py, PyAny>,
+    creases: &Bound<'py, PyAny>,
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+    thickness: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let mesh = mesh_of(reference, triangles)?;
+    let hinges = checked(mesh.hinges(&index_rows("creases", creases)?))?;
+    let film = Film { youngs_modulus, poisson_ratio, density: 0.0, thickness };
+    Ok(PyArray1::from_vec(py, checked(checked(mesh.rectangles(&hinges))?.stiffness(|_| film))?))
 }
 
 /// A third of each triangle's mass on each of its nodes [kg], for an areal density rho h [kg/m2].

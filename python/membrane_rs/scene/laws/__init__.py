@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.laws.mass_damping import MassDamping
     from membrane_rs.scene.laws.point_forces import PointForces
     from membrane_rs.scene.laws.pressure import Pressure
+    from membrane_rs.scene.laws.rectangles import Rectangles
     from membrane_rs.scene.laws.self_contact import SelfContact
     from membrane_rs.scene.laws.solar_pressure import SolarPressure
     from membrane_rs.scene.laws.spin import Spin
@@ -43,6 +44,7 @@ __all__ = [
     "MassDamping",
     "PointForces",
     "Pressure",
+    "Rectangles",
     "SelfContact",
     "SolarPressure",
     "Spin",
@@ -66,6 +68,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.scene.laws.mass_damping": ("MassDamping",),
             "membrane_rs.scene.laws.point_forces": ("PointForces",),
             "membrane_rs.scene.laws.pressure": ("Pressure",),
+            "membrane_rs.scene.laws.rectangles": ("Rectangles",),
             "membrane_rs.scene.laws.self_contact": ("SelfContact",),
             "membrane_rs.scene.laws.solar_pressure": ("SolarPressure",),
             "membrane_rs.scene.laws.spin": ("Spin",),

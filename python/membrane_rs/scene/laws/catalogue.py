@@ -11,6 +11,7 @@ from membrane_rs.scene.laws.gravity import Gravity
 from membrane_rs.scene.laws.mass_damping import MassDamping
 from membrane_rs.scene.laws.point_forces import PointForces
 from membrane_rs.scene.laws.pressure import Pressure
+from membrane_rs.scene.laws.rectangles import Rectangles
 from membrane_rs.scene.laws.self_contact import SelfContact
 from membrane_rs.scene.laws.solar_pressure import SolarPressure
 from membrane_rs.scene.laws.spin import Spin
@@ -24,6 +25,7 @@ LAWS: dict[str, type[Law]] = {
     for law in (
         Springs,
         Triangles,
+        Rectangles,
         SpringDamping,
         Creases,
         Bending,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::arrays::columns::Columns;
 use crate::assembly::Assembly;
 use crate::layout::ElementSet;
+use crate::model::rectangles::Rectangles;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::{F64x8, SimdF64, dot, sub};
 
@@ -63,6 +64,7 @@ impl Links {
 #[derive(Default)]
 pub struct SpringNetworks {
     film: OnceCell<Arc<Links>>,
+    rectangles: OnceCell<Arc<Links>>,
     cords: OnceCell<Arc<Links>>,
 }
 
@@ -70,6 +72,11 @@ impl SpringNetworks {
     /// The edges of the mesh.
     pub(crate) fn film(&self, assembly: &Assembly) -> Arc<Links> {
         self.film.get_or_init(|| Links::new(assembly.mesh.edges.iter().copied(), assembly)).clone()
+    }
+
+    /// The sides and both diagonals of the rectangles of the mesh.
+    pub(crate) fn rectangles(&self, rectangles: &Rectangles, assembly: &Assembly) -> Arc<Links> {
+        self.rectangles.get_or_init(|| Links::new(rectangles.ends.iter().copied(), assembly)).clone()
     }
 
     /// The segments of the tethers.

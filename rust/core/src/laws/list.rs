@@ -25,6 +25,8 @@ pub enum FilmElements {
     Links,
     /// Triangles of uniform strain.
     Triangles,
+    /// Springs along the sides and both diagonals of rectangles.
+    Rectangles,
 }
 
 /// Parameters of a law, independent of a mesh: plain numbers in SI units, with the names of scenes.
@@ -50,8 +52,8 @@ pub trait LawParameters {
         None
     }
 
-    /// The springs of the film, from the law that describes them.
-    fn springs(&self) -> Option<springs::SpringParameters> {
+    /// The springs of the film, from the law that describes them, with the same checks as in `build`.
+    fn springs(&self, _context: &Context<'_>) -> Option<Result<springs::Springs>> {
         None
     }
 }
@@ -92,8 +94,8 @@ macro_rules! laws {
             }
 
             /// The springs of the film, from the law that describes them.
-            pub(super) fn springs(&self) -> Option<springs::SpringParameters> {
-                self.parameters().springs()
+            pub(super) fn springs(&self, context: &Context<'_>) -> Option<Result<springs::Springs>> {
+                self.parameters().springs(context)
             }
         }
 
@@ -110,6 +112,8 @@ laws! {
     "springs" Springs(springs::SpringParameters),
     /// In-plane elasticity by triangles with wrinkling, in place of springs.
     "triangles" Triangles(triangles::TriangleParameters),
+    /// In-plane elasticity by the sides and both diagonals of rectangles, in place of springs along the edges.
+    "rectangles" Rectangles(rectangles::RectangleParameters),
     /// Dashpots along all springs; in triangles, damping of the strain rate.
     "spring_damping" SpringDamping(spring_damping::DampingParameters),
     /// Crease stiffness and contact between the two facets, eqs. (3) and (4).
@@ -151,7 +155,7 @@ pub fn spin_of(specs: &[LawSpec]) -> Spin {
 ///
 /// # Errors
 /// `OutOfRange` for a parameter, `LawTwice`, `TwoFilms`, `DampingOnNegativeSpring`, `LimitWithoutSprings`,
-/// `DegenerateTriangle`.
+/// `DegenerateTriangle`, `NotRectangles`, `SlenderRectangles`.
 pub fn build(specs: &[LawSpec], assembly: &Assembly) -> Result<Vec<Box<dyn Law>>> {
     let context = Context { assembly, networks: SpringNetworks::default(), specs };
     let mut laws: Vec<Box<dyn Law>> = Vec::new();

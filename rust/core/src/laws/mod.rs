@@ -24,6 +24,7 @@ mod moved;
 mod nodal;
 mod point_forces;
 mod pressure;
+mod rectangles;
 mod rotating_frame;
 mod segments;
 mod self_contact;

@@ -27,6 +27,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 pub use self::mass::DashpotMass;
+use super::rectangles;
 use super::springs::{self, Springs};
 use super::triangle_damping::TriangleDamping;
 use super::{
@@ -157,19 +158,26 @@ impl SpringDamping {
             positive("length of the damping [m]", length)?;
         }
         let Context { assembly, networks, specs } = context;
-        let has_springs = !specs.iter().any(|spec| spec.film() == Some(FilmElements::Triangles));
+        let elements = specs.iter().find_map(LawSpec::film);
+        let has_springs = elements != Some(FilmElements::Triangles);
         let has_film = !assembly.mesh.triangles.is_empty();
-        let springs = specs.iter().find_map(LawSpec::springs).filter(|_| has_springs);
-        if limited == Limited::All && has_film && springs.is_none() {
+        let is_limited = limited == Limited::All && has_springs;
+        let limit = specs.iter().filter(|_| is_limited).find_map(|spec| spec.springs(context)).transpose()?;
+        if limited == Limited::All && has_film && limit.is_none() {
             return Err(Error::LimitWithoutSprings);
         }
         let mut own = Vec::new();
         if has_springs {
-            let edges: Vec<_> =
-                assembly.mesh.edges.iter().copied().zip(assembly.edge_stiffness.iter().copied()).collect();
+            let (links, ends, stiffness) = if elements == Some(FilmElements::Rectangles) {
+                let rectangles = assembly.mesh.rectangles(&assembly.hinges)?;
+                let stiffness = rectangles::stiffness(&rectangles, assembly)?;
+                (networks.rectangles(&rectangles, assembly), rectangles.ends, stiffness)
+            } else {
+                (networks.film(assembly), assembly.mesh.edges.clone(), assembly.edge_stiffness.clone())
+            };
+            let springs: Vec<_> = ends.into_iter().zip(stiffness).collect();
             let square = assembly.square_of_film(length);
-            let limit = springs.filter(|_| limited == Limited::All).map(|springs| Springs::membrane(springs, context));
-            own.push(Network::new(networks.film(assembly), &edges, parameters, square, limit.transpose()?, assembly)?);
+            own.push(Network::new(links, &springs, parameters, square, limit, assembly)?);
         }
         if !assembly.model.cords.is_empty() {
             let cords: Vec<_> = assembly.model.cords.iter().map(|cord| (cord.nodes, cord.spring_constant())).collect();

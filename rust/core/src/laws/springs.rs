@@ -23,7 +23,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use self::measures::{EnergyKernel, ExcessKernel, StiffnessKernel};
-use self::stress::FilmTriangles;
+pub(super) use self::stress::FilmTriangles;
 use super::buckling::Buckling;
 use super::{
     Context, Excess, FilmElements, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, LinkForce,
@@ -33,6 +33,7 @@ use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::JacobianBlocks;
 use crate::arrays::state::NodeVectors;
+use crate::assembly::Assembly;
 use crate::elements::link::{Links, Span};
 use crate::elements::stress::TriangleStress;
 use crate::error::Result;
@@ -59,15 +60,15 @@ pub struct SpringParameters {
 
 /// One spring, before the arrangement in batches.
 #[derive(Debug, Clone, Copy)]
-struct Spring {
-    stiffness: f64,
-    rest_length: f64,
-    critical_length: f64,
-    strain_limit: f64,
+pub(super) struct Spring {
+    pub(super) stiffness: f64,
+    pub(super) rest_length: f64,
+    pub(super) critical_length: f64,
+    pub(super) strain_limit: f64,
 }
 
 /// The law: a set of springs, with one entry per batch, and its name.
-pub(crate) struct Springs {
+pub struct Springs {
     name: &'static str,
     links: Arc<Links>,
     parameters: Arc<Coded<Parameters>>,
@@ -75,7 +76,7 @@ pub(crate) struct Springs {
     /// Whether any constant is negative.
     has_negative: bool,
     /// The triangles of a film.
-    film: Option<FilmTriangles>,
+    pub(super) film: Option<FilmTriangles>,
 }
 
 /// Parameters of a batch of springs.
@@ -124,8 +125,8 @@ impl LawParameters for SpringParameters {
         Some(FilmElements::Links)
     }
 
-    fn springs(&self) -> Option<SpringParameters> {
-        Some(*self)
+    fn springs(&self, context: &Context<'_>) -> Option<Result<Springs>> {
+        Some(Springs::membrane(*self, context))
     }
 
     fn build(&self, context: &Context<'_>) -> Result<Box<dyn Law>> {
@@ -152,8 +153,7 @@ impl Springs {
         let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
         let buckling = Buckling { parameter, on_creases, length, crease_length };
         let assembly = context.assembly;
-        let remedy = "take the law \"triangles\" with compression = 1";
-        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("springs", remedy))?;
+        Self::require_one_modulus("springs", assembly)?;
         let springs = assembly.edge_stiffness.iter().zip(buckling.shortenings(assembly)?);
         let springs = springs.map(|(&stiffness, (rest_length, shortening))| Spring {
             stiffness,
@@ -163,6 +163,15 @@ impl Springs {
         });
         let own = Self::in_batches("springs", context.networks.film(assembly), &springs.collect::<Vec<_>>());
         Ok(Self { film: FilmTriangles::new(assembly), ..own })
+    }
+
+    /// Refuses a film of two moduli.
+    ///
+    /// # Errors
+    /// `TwoModuli`.
+    pub(super) fn require_one_modulus(what: &'static str, assembly: &Assembly) -> Result<()> {
+        let remedy = "take the law \"triangles\" with compression = 1";
+        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus(what, remedy))
     }
 
     /// The tethers.
@@ -181,7 +190,7 @@ impl Springs {
         self.parameters.clone()
     }
 
-    fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
+    pub(super) fn in_batches(name: &'static str, links: Arc<Links>, springs: &[Spring]) -> Self {
         let pack = |padding: f64, of: fn(&Spring) -> f64| {
             let values = merged(springs.iter().map(of).collect());
             links.elements.pack(padding, |row| values[row]).into_iter()

@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod names;
 pub mod optics;
 pub mod orthotropy;
+pub mod rectangles;
 pub mod regions;
 pub mod schedule;
 mod spring_constants;

@@ -11,7 +11,7 @@ mod springs;
 pub mod steps;
 
 use membrane_core::assembly::Assembly;
-use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited, spin_of};
+use membrane_core::laws::{DampingParameters, DashpotMass, LawSpec, Limited, RectangleParameters, spin_of};
 
 pub type Vec3 = [f64; 3];
 
@@ -107,6 +107,7 @@ impl Oracle {
         for law in laws {
             match law {
                 LawSpec::Springs(parameters) => oracle.springs = springs::film(parameters, assembly),
+                LawSpec::Rectangles(RectangleParameters(own)) => oracle.springs = springs::rectangles(own, assembly),
                 LawSpec::SpringDamping(parameters) => damping = *parameters,
                 LawSpec::Creases(parameters) => {
                     oracle.crease_parameters = creases::Parameters::of(parameters);

@@ -1,5 +1,6 @@
 //! Springs with buckling, and their dashpots.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use membrane_core::assembly::Assembly;
@@ -7,6 +8,7 @@ use membrane_core::laws::SpringParameters;
 
 use super::{Motion, Oracle, add, dot, sub};
 
+#[derive(Clone, Copy)]
 pub struct Spring {
     pub nodes: [u32; 2],
     pub stiffness: f64,
@@ -30,6 +32,44 @@ pub fn film(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
         let rest_length = dot(sub(b, a), sub(b, a)).sqrt();
         let critical_length = rest_length - alpha * (PI * thickness).powi(2) / (12.0 * rest_length);
         springs.push(Spring { nodes, stiffness, rest_length, critical_length, damping: 0.0, is_limited: false });
+    }
+    springs
+}
+
+/// The springs of a film of rectangles, pairs of triangles with a common longest side, without dashpots.
+pub fn rectangles(parameters: &SpringParameters, assembly: &Assembly) -> Vec<Spring> {
+    let (mesh, film) = (&assembly.mesh, assembly.model.film.unwrap());
+    let length = |[i, j]: [u32; 2]| {
+        let span = sub(mesh.reference[j as usize], mesh.reference[i as usize]);
+        dot(span, span).sqrt()
+    };
+    let mut springs = self::film(parameters, assembly);
+    springs.iter_mut().for_each(|spring| spring.stiffness = 0.0);
+    let mut row_of = HashMap::new();
+    for (row, &[i, j]) in mesh.edges.iter().enumerate() {
+        row_of.extend([((i, j), row), ((j, i), row)]);
+    }
+    let mut apexes: HashMap<usize, Vec<u32>> = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        let sides = [[b, c, a], [c, a, b], [a, b, c]];
+        let [i, j, apex] =
+            sides.into_iter().max_by(|p, q| length([p[0], p[1]]).total_cmp(&length([q[0], q[1]]))).unwrap();
+        apexes.entry(row_of[&(i, j)]).or_default().push(apex);
+    }
+    let stretch = film.youngs_modulus * film.thickness / (1.0 - film.poisson_ratio.powi(2));
+    let shear = film.youngs_modulus * film.thickness / (2.0 + 2.0 * film.poisson_ratio);
+    for (diagonal, ends) in apexes {
+        let [[p, q], [r, s]] = [mesh.edges[diagonal], [ends[0], ends[1]]];
+        let (one, other) = (length([r, p]), length([r, q]));
+        for (sides, along, across) in [([(r, p), (s, q)], one, other), ([(r, q), (s, p)], other, one)] {
+            for side in sides {
+                springs[row_of[&side]].stiffness += 0.5 * (stretch * across / along - shear * along / across);
+            }
+        }
+        let stiffness = 0.5 * shear * (one * one + other * other) / (one * other);
+        springs[diagonal].stiffness = stiffness;
+        let own = Spring { stiffness, nodes: [r, s], ..springs[diagonal] };
+        springs.push(own);
     }
     springs
 }
