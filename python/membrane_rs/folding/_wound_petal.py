@@ -225,9 +225,7 @@ class WoundPath:
         at = np.concatenate([azimuth, azimuth - self._turn])
         begin = min(float(arm[1, 0]), self._step * (1.0 - 1e-9)) - self._turn
         at = at[(at >= begin) & (at <= azimuth[-1] - self._turn)]
-        return float(
-            (_radius(azimuth, radius, at + self._turn) - _radius(azimuth, radius, at)).min(initial=math.inf)
-        )
+        return float((_radius(azimuth, radius, at + self._turn) - _radius(azimuth, radius, at)).min(initial=math.inf))
 
     @cached_property
     def line(self) -> Floats:

@@ -1,21 +1,22 @@
 """A hexagon, or another regular polygon, folded in strips along its sides and wound spirally round its hub.
 
-Each side has a petal: a trapezoid of parallel strips, with mountains and valleys in turn, from the hub's side of length
-a to the outer one. Folded into strips, which stand on edge, it is as long as each strip is; but round the hub, from one
-petal to the next, every strip has to turn by 2 pi/n alike. What is too long lies in a pleat at each vertex of the hub,
-between two creases p1 and p2 through it. The folded image of the pleat is that of its mirror image in p1; the next
-petal is this one, turned back by 2 pi/n about the vertex. Both agree on p2 where the angle from p1 to p2 is pi/n, for
-two reflections make that rotation, and reflections keep Kawasaki's condition at every crossing with a fold line.
+Each of the n sides has a petal, a trapezoid of parallel strips with mountains and valleys in turn. Folded, its strips
+stand on the hub's side, of length a, and all advance by a. From there to the next side each strip has to turn by 2
+pi/n, at whatever distance y from the hub's side it lies; so what it is longer than a goes into a pleat at the vertex
+of the hub, between two creases p1 and p2 through it. The folded image of the pleat is that of its mirror image in p1,
+and that of the next petal is this one's, turned back by 2 pi/n about the vertex. Two reflections in lines that
+include pi/n make that rotation, so that both images agree on p2 where p2 lies pi/n beyond p1, whatever the direction
+of p1; Kawasaki's condition holds at every crossing with a fold line, for it is a reflection.
 
-The pleat may begin in any direction, but where it begins its strips run on, mirrored, and whether they do so along the
-wall, to be wound with the others, depends on it. p1 lies on the diagonal here and p2 square to the next side, so that
-the fold lines of the pleat are parallel to that side: pleats are as long as y tan(pi/n), at the distance y from the
-hub's side, on all strips, and go round the hub one way. In a pleat that is symmetric about the diagonal, of the length
-2 y tan(pi/(2 n)), fold lines break at p1 and p2 by pi/n, and strips go alternately one way and the other.
+The image of a pleat reaches along the hub from p2 to p1. To wind all strips one way it has to begin at the vertex: so
+p1 lies on the diagonal, and p2 square to the next side. Then fold lines of the pleat are parallel to that side, those
+of the flat sail are polygons about its centre, and a pleat is y tan(pi/n) long. (The pleat that is symmetric about
+the diagonal, 2 y tan(pi/(2 n)), folds flat too, but half of it lies before the vertex and half beyond.) The pleats of
+the sides overlap on the hub; y tan(pi/n) over n a is the number of turns.
 
-Wound, the shape is that of `_wound_petal`: p2 is the hairpin where the hub's side begins, p1 the seam of an arm, in which
-pleat and petal lie on each other. Flat, the sail lies at z = 0 about the origin, the middle of side k at the azimuth 2
-pi k/n. Stowed, the inner edge is at z = 0 and fold lines are at z = 0 and z = the strip's height in turn.
+Wound, the shape is that of `_wound_petal`: p2 is the hairpin, and p1 the seam of an arm, whose inner half is the
+pleat. Flat, the sail lies at z = 0 about the origin, the middle of side k at the azimuth 2 pi k/n. Stowed, the inner
+edge is at z = 0 and fold lines are at z = 0 and z = the strip's height in turn.
 """
 
 from __future__ import annotations
@@ -86,9 +87,9 @@ class SpiralHexagon(StowedPattern):
     >>> sail = SpiralHexagon()
     >>> mesh = sail.mesh()
     >>> mesh.node_count, len(mesh.creases), mesh.crossings().count
-    (3780, 1452, 0)
+    (3780, 960, 0)
     >>> bool(abs(mesh.strain()).max() < 5e-4), round(sail.turns, 3)
-    (True, 0.332)
+    (True, 0.331)
     >>> sail.with_rows(40).rows
     40
     """
@@ -233,10 +234,10 @@ class SpiralHexagon(StowedPattern):
     def mesh(self) -> Mesh:
         """The flat mesh with its creases, and the stowed sail as its positions.
 
-        Creases are the fold lines, then the pleats: first those on the diagonals, then the hairpins. Node sets: "corners"
-        and "inner_corners" (on the diagonals, counter-clockwise), "petal-0" and on (each side's), "diagonals",
-        "inner_edge", "guide_bars", which are held where the stowed sail is relaxed (all), "on_hub", the columns from one
-        hairpin of each petal to where it leaves the hub, and "hairpins", those of the hairpins alone.
+        Creases are the fold lines, then the pleats: first those on the diagonals, then the hairpins. Node sets:
+        "corners" and "inner_corners" (on the diagonals, counter-clockwise), "petal-0" and on (of each side),
+        "diagonals", "inner_edge", "guide_bars", which are held where the stowed sail is relaxed (all), "on_hub", the
+        columns from one hairpin of each petal to where it leaves the hub, and "hairpins", those of the hairpins alone.
         """
         petal, path = self._petal(), self._path()
         level = np.arange(self.strips * self.rows_per_strip + 1) % (2 * self.rows_per_strip)
