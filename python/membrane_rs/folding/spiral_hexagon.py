@@ -39,10 +39,13 @@ from membrane_rs.folding._petals import Petals
 from membrane_rs.folding._wound_petal import NEAREST, WoundPath, default_gap, wound_petal
 from membrane_rs.folding.pattern import StowedPattern, multiplied
 from membrane_rs.mesh import Mesh
+from membrane_rs.mesh.fold_angles import measured_fold_angles
 from membrane_rs.mesh.queries import distinct
 
 APEX = 2e-4
 """Distance along which the rows of a hairpin lie apart, over the length of a cell: 0.02 % of strain in two cells."""
+SHUT = math.radians(175.0)
+"""Fold angle from which a fold counts as shut [rad]."""
 LEAST_ROWS = 16
 """Rows of cells by default, at least."""
 
@@ -258,12 +261,17 @@ class SpiralHexagon(StowedPattern):
             ("hairpins", [row[k : k + 1] for k, row in zip(first, petal.index, strict=True)]),
         ):
             sets[name] = distinct(number[petals.of_all(np.concatenate(nodes))])
-        return Mesh(
+        flat = Mesh(
             reference[kept],
             number[(petals.copies[:, :, None] + petal.triangles).reshape(-1, 3)],
-            positions=positions[kept],
             creases=number[(petals.copies[:, :, None] + creases).reshape(-1, 2)],
-            fold_angles=np.tile(angles, self.sides),
+        )
+        return Mesh(
+            flat.reference,
+            flat.triangles,
+            positions=positions[kept],
+            creases=flat.creases,
+            fold_angles=_with_open_folds(flat, positions[kept], np.tile(angles, self.sides)),
             node_sets=sets,
             source=self,
         )
@@ -345,3 +353,12 @@ class SpiralHexagon(StowedPattern):
         angles = [np.full(len(pair), -math.pi if k % 2 else math.pi) for k, pair in enumerate(pairs, start=1)]
         pleats = [np.stack([nodes[:-1], nodes[1:]], axis=1) for nodes in (seam, hairpin)]
         return np.concatenate([*pairs, *pleats]), np.concatenate([*angles, -mountain, mountain])
+
+
+def _with_open_folds(mesh: Mesh, positions: Floats, angles: Floats) -> Floats:
+    """(c,) fold angles [rad], in place of pi and -pi those at `positions` where folds of that side stand open: hairpins
+    of cells that are long beside the hub's radius.
+    """
+    found = measured_fold_angles(mesh, positions)
+    is_open = (np.abs(found) < SHUT) & (found * angles > 0.0)
+    return np.where(is_open, found, angles)
