@@ -71,6 +71,7 @@ PARTS = (
         "docs/free_hub.md: free hubs against closed forms, and their cost",
         [("tools/docs/free_hub.py", "--write")],
     ),
+    Part("hexagon", "docs/hexagon.md: strain and crossings of polygons, and a run", [("tools/docs/hexagon.py", "--write")]),
     Part(
         "bending",
         "docs/bending.md: beams and plates with closed forms, and the cost of bending",

@@ -31,7 +31,7 @@ OPEN = 0.99
 def main() -> None:
     """Make tables and pictures; print and write them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--random", type=int, default=5000, help="number of random polygons")
+    parser.add_argument("--random", type=int, default=2000, help="number of random polygons")
     parser.add_argument("--until", type=float, help="a brief run: end here [s]")
     parser.add_argument("--out", type=Path, default=Path("out/hexagon"), help="folder of the run")
     parser.add_argument("--write", action="store_true", help="write into docs/")
