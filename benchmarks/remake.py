@@ -71,7 +71,11 @@ PARTS = (
         "docs/free_hub.md: free hubs against closed forms, and their cost",
         [("tools/docs/free_hub.py", "--write")],
     ),
-    Part("hexagon", "docs/hexagon.md: strain and crossings of polygons, and a run", [("tools/docs/hexagon.py", "--write")]),
+    Part(
+        "hexagon",
+        "docs/hexagon.md: strain and crossings of polygons, and how one spins out",
+        [("tools/docs/hexagon.py", "--write")],
+    ),
     Part(
         "bending",
         "docs/bending.md: beams and plates with closed forms, and the cost of bending",

@@ -17,6 +17,7 @@ from marked import DOCS, MarkedPart, copy_small
 from membrane_rs import MeshError, Simulation, scenes
 from membrane_rs._markdown import table
 from membrane_rs.folding import SpiralHexagon
+from membrane_rs.results import read_history
 from membrane_rs.results.features import curve_features
 
 PARTS = {name: MarkedPart(DOCS / "hexagon.md", name) for name in ("hexagon-shapes", "hexagon-random", "hexagon-run")}
@@ -108,8 +109,8 @@ def random_shapes(count: int) -> str:
     pairs = [sum(getattr(one, name) for one in met) for name in ("candidates", "count", "overlapping", "touching")]
     return (
         f"Of {count} random polygons of 3 to 20 sides, {count - len(sails)} are refused, with a remedy. Of the "
-        f"{pairs[0]} pairs of triangles of the others whose bounding boxes meet, {pairs[1]} cross, {pairs[2]} overlap in "
-        f"one plane and {pairs[3]} touch."
+        f"{pairs[0]} pairs of triangles of the others whose bounding boxes meet, {pairs[1]} cross, {pairs[2]} overlap "
+        f"in one plane and {pairs[3]} touch."
     )
 
 
@@ -117,7 +118,8 @@ def deployed(folder: Path, until: float | None) -> str:
     """The built-in scene, run with its outputs."""
     scene = scenes.load("hexagon")
     simulation = Simulation(scene)
-    history = simulation.run(until=until or scene.run.until, out=folder, overwrite=True).history
+    simulation.run(until=until or scene.run.until, out=folder, overwrite=True)
+    history = read_history(folder)
     rate, time = history["deployment_rate"], history["time"]
     found = curve_features(time, rate, history["phase_difference_deg"])
     opened = time[np.argmax(rate >= OPEN * rate[-1])]

@@ -32,8 +32,8 @@ at P_0 + 0.002 c (v_i - v_0) / (v_N - v_0) d, d the bisector of its two legs, so
 The strain is v/R on A and -v/R on B, on any mesh, and -0.2 % more in the two cells at the hairpin. In a real stack the
 layers slip instead; layers that share columns cannot.
 
-A sail of n sides has n arms, and 2 pi/n in place of the quarter turn. Where no cell of the inner edge is left for its arms
-they begin with the cells beyond, and f is reached in the first of these.
+A sail of n sides has n arms, and 2 pi/n in place of the quarter turn. Where no cell of the inner edge is left for its
+arms they begin with the cells beyond, and f is reached in the first of these.
 """
 
 from __future__ import annotations
