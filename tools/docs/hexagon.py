@@ -121,14 +121,14 @@ def deployed(folder: Path, until: float | None) -> str:
     simulation.run(until=until or scene.run.until, out=folder, overwrite=True)
     history = read_history(folder)
     rate, time = history["deployment_rate"], history["time"]
-    found = curve_features(time, rate, history["phase_difference_deg"])
+    lag = curve_features(history)["phase_trough_deg"]
     opened = time[np.argmax(rate >= OPEN * rate[-1])]
     error = 100.0 * float(np.abs(history["energy_error"][-1]))
     rows = [
         ("nodes, triangles", f"{len(scene.mesh.reference)}, {len(scene.mesh.triangles)}" if scene.mesh else ""),
         ("step", f"{1e6 * simulation.dt:.3g} us"),
         (f"corners at {100 * OPEN:g} % of their last radius", f"{opened:.3f} s"),
-        ("largest lag of the corners", f"{found.phase_trough_deg:.1f} degrees"),
+        ("largest lag of the corners", "" if lag is None else f"{lag:.1f} degrees"),
         ("last deployment rate, phase", f"{rate[-1]:.4f}, {history['phase_difference_deg'][-1]:.2f} degrees"),
         ("residual of the energy balance", f"{error:.2f} % of the largest exchange"),
     ]
