@@ -78,6 +78,11 @@ PARTS = (
         [("tools/docs/free_hub.py", "--write")],
     ),
     Part(
+        "hexagon",
+        "docs/hexagon.md: strain and crossings of polygons, and how one spins out",
+        [("tools/docs/hexagon.py", "--write")],
+    ),
+    Part(
         "bending",
         "docs/bending.md: beams and plates with closed forms, and the cost of bending",
         [("tools/docs/bending.py", "--write")],

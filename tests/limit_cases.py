@@ -108,7 +108,7 @@ def page(rows: list[Limits]) -> str:
         "prediction, with every spring taut and every crease shut, is conservative. Below 1 it is too large: so it",
         "is for dopri5 on folded sails. Damping lengthens the step of dopri5 more than twofold, from its limit on the",
         "imaginary axis, and the prediction counts the dashpots of all cords and triangles, while slack ones have",
-        "none. A step of dopri5 that is given should therefore be at most half of the prediction on such a scene;",
+        "none. A step of dopri5 that is given should therefore be at most 0.4 of the prediction on such a scene;",
         "steps that it chooses by its error need no limit. The other methods take at most 0.4 of the prediction by",
         "default: this leaves a margin for nonlinearity and accuracy.",
     ]

@@ -40,6 +40,8 @@ INSTANTS = 200
 """Times at which positions are compared, as many as `check` takes: fewer miss the extent of a vibration."""
 REFERENCE_SHARE = 16.0
 """The step of the reference, rk4, is the default one over this."""
+CHAOTIC = ("okuizumi", "hexagon")
+"""Names of the sails begin so."""
 SAIL_UNTIL = 0.004
 """Time up to which the chaotic sails are compared [s]."""
 UNCHECKED = 10**9
@@ -181,7 +183,7 @@ def page() -> str:
     for scene in all_scenes():
         spread = ""
         bare = replace(scene, run=replace(scene.run, relax=0.0, snapshots=()))
-        if scene.name.startswith("okuizumi"):
+        if scene.name.startswith(CHAOTIC):
             bare = replace(bare, run=replace(bare.run, until=SAIL_UNTIL))
             both = [shapes(bare, "leapfrog", shift=shift) for shift in (0.0, SHIFT)]
             spread = f"{100 * both[0].distance(both[1]) / both[0].extent():.2g}"

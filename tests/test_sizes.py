@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from membrane_rs import InputError, MeshError, Scene, SceneError, Tether, Tethers
 from membrane_rs._bounds import MOST_NODES
-from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, Miura, SquareSail, Strip
+from membrane_rs.folding import PATTERNS, Disc, EquilateralLattice, Miura, SpiralHexagon, SquareSail, Strip
 from small_scenes import FILM, refused
 
 MANY = 10**9
@@ -44,6 +44,8 @@ def cord(segments: int) -> Tether:
         (lambda: SquareSail(outer_width=0.103 + 1e-15), "inf columns along the inner edge"),
         (lambda: SquareSail(outer_width=0.103 + 1e-9, layout="fan"), "columns along the inner edge"),
         (lambda: SquareSail(rows=1200, layout="even"), "do not fit"),
+        (lambda: SpiralHexagon(rows=5 * 10**8), "SpiralHexagon: 6 sides, 500000000 rows"),
+        (lambda: SpiralHexagon(sides=MANY), "SpiralHexagon: 1000000000 sides"),
         (lambda: Disc(1.0, MANY), "Disc.rings = 1000000000"),
         (lambda: Disc(1.0, MANY, 0.5), "Disc.rings = 1000000000"),
     ],
@@ -58,7 +60,7 @@ def test_refined_patterns_of_too_many_nodes(name: str, density: Any) -> None:
     sizes: dict[str, Any] = {
         "square-sail": {}, "disc": {"radius": 1.0, "rings": 4}, "strip": {"length": 1.0, "width": 1.0, "columns": 2},
         "lattice": {"side": 1.0, "columns": 2, "rows": 2},
-        "miura": {"straight_side": 1.0, "zigzag_side": 1.0, "tilt": 0.5, "columns": 2, "rows": 2},
+        "miura": {"straight_side": 1.0, "zigzag_side": 1.0, "tilt": 0.5, "columns": 2, "rows": 2}, "spiral-hexagon": {},
     }  # fmt: skip
     pattern = PATTERNS[name](**sizes[name])
     refused(lambda: pattern.refined(density), InputError, "do not fit|density = .*: must be")

@@ -3,14 +3,14 @@ Folding patterns
 ================
 
 A pattern makes the flat mesh from a few dimensions, with its mountain and valley creases, and the stowed shape beside
-it. Here a square sail is drawn flat, and stowed in its two ways: as a cross, and wound up round its spool. Then a Miura
-sheet folds.
+it. Here a square sail is drawn flat, and stowed in its two ways: as a cross, and wound up round its spool. Beside
+it is a hexagon wound round its hub. Then a Miura sheet folds.
 """
 
 import math
 
 import matplotlib.pyplot as plt
-from membrane_rs.folding import Miura, SquareSail
+from membrane_rs.folding import Miura, SpiralHexagon, SquareSail
 
 # %%
 # The pattern
@@ -34,11 +34,12 @@ plt.show()
 # %%
 # Stowed shapes
 # -------------
-# The same sail, seen along the spin axis, with its edges alone.
+# The same sail, seen along the spin axis, with its edges alone; beside it a hexagon, wound round its hub.
 
 wound = SquareSail(stowage="wound").mesh()
-figure, both = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
-for axes, title, stowed in zip(both, ("cross", "wound"), (mesh, wound), strict=True):
+hexagon = SpiralHexagon().mesh()
+figure, row = plt.subplots(1, 3, figsize=(11, 4), layout="constrained")
+for axes, title, stowed in zip(row, ("cross", "wound", "hexagon"), (mesh, wound, hexagon), strict=True):
     axes.triplot(*(1e3 * stowed.positions[:, :2].T), stowed.triangles, color="tab:gray", linewidth=0.3)
     axes.set(title=title, xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
 plt.show()

@@ -16,10 +16,11 @@ if TYPE_CHECKING:
     from membrane_rs.folding.lattice import EquilateralLattice
     from membrane_rs.folding.miura import Miura
     from membrane_rs.folding.pattern import Pattern
+    from membrane_rs.folding.spiral_hexagon import SpiralHexagon
     from membrane_rs.folding.square_sail import SquareSail
     from membrane_rs.folding.strip import Strip
 
-__all__ = ["PATTERNS", "Disc", "EquilateralLattice", "Miura", "Pattern", "SquareSail", "Strip"]
+__all__ = ["PATTERNS", "Disc", "EquilateralLattice", "Miura", "Pattern", "SpiralHexagon", "SquareSail", "Strip"]
 
 if not TYPE_CHECKING:  # a type checker would take every name for one that is there
     _on_demand = OnDemand(
@@ -30,6 +31,7 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
             "membrane_rs.folding.lattice": ("EquilateralLattice",),
             "membrane_rs.folding.miura": ("Miura",),
             "membrane_rs.folding.pattern": ("Pattern",),
+            "membrane_rs.folding.spiral_hexagon": ("SpiralHexagon",),
             "membrane_rs.folding.square_sail": ("SquareSail",),
             "membrane_rs.folding.strip": ("Strip",),
         },

@@ -31,6 +31,9 @@ at P_0 + 0.002 c (v_i - v_0) / (v_N - v_0) d, d the bisector of its two legs, so
 
 The strain is v/R on A and -v/R on B, on any mesh, and -0.2 % more in the two cells at the hairpin. In a real stack the
 layers slip instead; layers that share columns cannot.
+
+A sail of n sides has n arms, and 2 pi/n in place of the quarter turn. Where no cell of the inner edge is left for its
+arms they begin with the cells beyond, and f is reached in the first of these.
 """
 
 from __future__ import annotations
@@ -76,20 +79,26 @@ class WoundPath:
         Least radius of the hub's circle [m].
     inner_width, columns : float, int
         Length of the inner edge [m], and its cells.
-    row_height : float
+    arm_cell : float
         Length of the cells beyond it [m].
     offset : (r,) float64
         Distance of each row from the polygon [m].
     strips : int
         Strips of a petal, into which the rows are divided evenly.
+    sides : int
+        Sides of the sail, each of one petal.
+    apex : float
+        Distance along which the rows of a hairpin lie apart, over the length of a cell.
     """
 
     spool_radius: float
     inner_width: float
     columns: int
-    row_height: float
+    arm_cell: float
     offset: Floats
     strips: int
+    sides: int = 4
+    apex: float = APEX
 
     @property
     def cell(self) -> float:
@@ -99,14 +108,14 @@ class WoundPath:
     @property
     def on_hub(self) -> int:
         """Columns from one hairpin to the next."""
-        sides = math.pi / (4.0 * math.atan(self.cell / (2.0 * self.spool_radius)))
-        least = math.ceil(min(sides, MOST) * (1.0 - 1e-12))
+        around = math.pi / (self.sides * math.atan(self.cell / (2.0 * self.spool_radius)))
+        least = math.ceil(min(around, MOST) * (1.0 - 1e-12))
         return least + (least + self.columns) % 2
 
     @property
     def hub_radius(self) -> float:
         """Radius of the circle on which the corners of the innermost polygon lie [m]."""
-        return self.cell / (2.0 * math.sin(math.pi / (4.0 * self.on_hub)))
+        return self.cell / (2.0 * math.sin(math.pi / (self.sides * self.on_hub)))
 
     @property
     def hairpin(self) -> float:
@@ -122,17 +131,21 @@ class WoundPath:
     def chords(self) -> Floats:
         """(k,) lengths of the cells of an arm, from the hairpin to the outer corner [m]."""
         rows = len(self.offset) - 1
-        return np.concatenate([np.full(self.free, self.cell), np.full(rows, self.row_height)])
+        return np.concatenate([np.full(self.free, self.cell), np.full(rows, self.arm_cell)])
 
     @cached_property
     def arm(self) -> Floats:
         """(k + 1, 2) azimuth from the hairpin [rad] and radius [m] of the middle line's nodes."""
         first = self._arm(0.0, 1.0)
         lacking = self._stack_of(first) + 0.5 * self._clearance - self._least_gap(first)
-        return first if lacking <= 0.0 else self._arm(lacking + 0.5 * self._clearance, float(first[self.free, 0]))
+        if lacking <= 0.0:
+            return first
+        until = float(first[max(1, self.free), 0])
+        share = 1.0 if self.free else min(1.0, self._step / until)  # of the rise, at the hub's next corner
+        return self._arm((lacking + 0.5 * self._clearance) / share, until)
 
-    def check(self) -> None:
-        """Raise MeshError where the sail cannot be wound so: no cells for arms, cells too long, layers that cross."""
+    def check_hub(self) -> None:
+        """Raise MeshError where a square sail has no cells of its inner edge for arms."""
         if self.on_hub > self.columns - 2:
             more = (replace(self, columns=n) for n in range(self.columns + 1, 2 * self.columns + 100))
             enough = next((path.columns for path in more if path.on_hub <= path.columns - 2), None)
@@ -142,21 +155,34 @@ class WoundPath:
                 f"{self.columns} columns of the inner edge from one hairpin to the next, and leaves none for the arms "
                 f"of a wound sail; {remedy}"
             )
+
+    def check(self, owner: str) -> None:
+        """Raise MeshError, in the name of a pattern, where cells are too long for the roll, or its layers cross."""
         longest = LONGEST * self.hub_radius
-        if self.row_height > longest * (1.0 + 1e-9):
+        if self.arm_cell > longest * (1.0 + 1e-9):
             rows = len(self.offset) - 1
-            enough = self.strips * math.ceil(rows * self.row_height / (longest * self.strips))
+            enough = self.strips * math.ceil(rows * self.arm_cell / (longest * self.strips))
             raise MeshError(
-                f"SquareSail.rows = {rows}: cells of {self.row_height:.4g} m do not lie on a roll of "
+                f"{owner}.rows = {rows}: cells of {self.arm_cell:.4g} m do not lie on a roll of "
                 f"{self.hub_radius:.4g} m in radius, on which {longest:.4g} m is the most; take {enough} rows or more"
             )
         stack, gap = self._stack_of(self.arm), self._least_gap(self.arm)
         if gap < stack:
             raise MeshError(
-                f"SquareSail: the layers of a wound arm take {stack:.3g} m, and cells of {self.cell:.4g} m along the "
-                f"inner edge and {self.row_height:.4g} m beyond it leave {gap:.3g} m for them; take more rows, fewer "
+                f"{owner}: the layers of a wound arm take {stack:.3g} m, and cells of {self.cell:.4g} m along the "
+                f"inner edge and {self.arm_cell:.4g} m beyond it leave {gap:.3g} m for them; take more rows, fewer "
                 "columns, or a smaller layer_gap or diagonal_gap"
             )
+
+    @property
+    def _turn(self) -> float:
+        """Angle from one arm to the next [rad]."""
+        return 2.0 * math.pi / self.sides
+
+    @property
+    def _step(self) -> float:
+        """Angle from one corner of the hub to the next [rad]."""
+        return self._turn / self.on_hub
 
     @property
     def _bend(self) -> float:
@@ -165,7 +191,7 @@ class WoundPath:
 
     def _stack_of(self, arm: Floats) -> float:
         """What the rows on either side of an arm take at its sharpest corner [m]."""
-        mitres = _mitres(np.concatenate([self.hub[:-1], _plan(arm)]))
+        mitres = _mitres(np.concatenate([self.hub[:-1], self._plan(arm)]))
         return 2.0 * float(self.offset[-1] * np.hypot(*mitres.T).max())
 
     @property
@@ -175,7 +201,7 @@ class WoundPath:
     def _arm(self, more: float, until: float) -> Floats:
         """`arm`, which rises by `more` [m] until an azimuth [rad]."""
         rise = 2.0 * float(self.offset[-1]) / math.cos(self._bend) + self._clearance
-        pitch = (rise + self.hub_radius * (1.0 - math.cos(self._bend))) / (0.5 * math.pi)
+        pitch = (rise + self.hub_radius * (1.0 - math.cos(self._bend))) / self._turn
 
         def radius(azimuth: float) -> float:
             return self.hub_radius + rise + more * min(1.0, azimuth / until) + pitch * azimuth
@@ -196,19 +222,18 @@ class WoundPath:
         """The least distance, along the radius, of the polygon from itself a quarter turn on, beyond an arm's first
         cell [m].
         """
-        on_hub = 0.5 * math.pi * (np.arange(self.on_hub) / self.on_hub - 1.0)
+        on_hub = self._turn * (np.arange(self.on_hub) / self.on_hub - 1.0)
         azimuth = np.concatenate([on_hub, arm[:, 0]])
         radius = np.concatenate([np.full(self.on_hub, self.hub_radius), arm[:, 1]])
-        at = np.concatenate([azimuth, azimuth - 0.5 * math.pi])
-        at = at[(at >= arm[1, 0] - 0.5 * math.pi) & (at <= azimuth[-1] - 0.5 * math.pi)]
-        return float(
-            (_radius(azimuth, radius, at + 0.5 * math.pi) - _radius(azimuth, radius, at)).min(initial=math.inf)
-        )
+        at = np.concatenate([azimuth, azimuth - self._turn])
+        begin = min(float(arm[1, 0]), self._step * (1.0 - 1e-9)) - self._turn
+        at = at[(at >= begin) & (at <= azimuth[-1] - self._turn)]
+        return float((_radius(azimuth, radius, at + self._turn) - _radius(azimuth, radius, at)).min(initial=math.inf))
 
     @cached_property
     def line(self) -> Floats:
         """(k + 1, 2) the middle line of arm 0 in plan, from the hairpin to the outer corner [m]."""
-        return _plan(self.arm)
+        return self._plan(self.arm)
 
     @property
     def outer_radius(self) -> float:
@@ -224,18 +249,31 @@ class WoundPath:
     def diagonal_path(self, diagonal: int, row: int) -> Floats:
         """(k, 2) the middle line of an arm in plan, from the hairpin to where a row ends [m]."""
         line = self.line[: self.free + row + 1]
-        for _ in range(4 - diagonal % 4):
-            line = _back(line)
+        for _ in range(self.sides - diagonal % self.sides):
+            line = self._back(line)
         return line
 
     @property
     def hub(self) -> Floats:
         """(n + 1, 2) corners of petal 0 on the hub in plan, from one hairpin to the next [m]."""
-        azimuth = 0.25 * math.pi * (2.0 * np.arange(self.on_hub + 1) / self.on_hub - 1.0)
+        azimuth = 0.5 * self._turn * (2.0 * np.arange(self.on_hub + 1) / self.on_hub - 1.0)
         corners = self.hub_radius * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-        start = _plan(np.array([[0.0, self.hub_radius]]))[0]
-        corners[-1], corners[0] = start, _back(start)
+        start = self._plan(np.array([[0.0, self.hub_radius]]))[0]
+        corners[-1], corners[0] = start, self._back(start)
         return corners
+
+    def _plan(self, arm: Floats) -> Floats:
+        """(k, 2) points in plan [m] of arm 0 at azimuths from its hairpin [rad] and radii [m], (k, 2)."""
+        azimuth = arm[:, 0] + 0.5 * self._turn
+        return np.asarray(arm[:, 1:] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1))
+
+    def _back(self, points: Floats) -> Floats:
+        """Points in plan (..., 2), turned by one arm clockwise; by -90 degrees without rounding."""
+        x, y = points[..., 0], points[..., 1]
+        if self.sides == 4:
+            return np.stack([y, -x], axis=-1)
+        c, s = math.cos(self._turn), math.sin(self._turn)
+        return np.stack([c * x + s * y, c * y - s * x], axis=-1)
 
 
 def default_gap(spool_radius: float, cells: tuple[float, float], strips: int) -> float:
@@ -252,12 +290,12 @@ def wound_petal(petal: FlatPetal, path: WoundPath, height: Floats) -> Floats:
     """(n, 3) wound nodes of the petal about the x axis [m]; `height` (r,) is the z of each row [m]."""
     arm, hub, offset = path.line, path.hub, path.offset
     ahead = np.concatenate([hub[:-1], arm])
-    behind = np.concatenate([hub[:1], _back(arm[1:])])
-    mitre_ahead, mitre_behind = _mitres(ahead), _mitres(_back(arm))
+    behind = np.concatenate([hub[:1], path._back(arm[1:])])
+    mitre_ahead, mitre_behind = _mitres(ahead), _mitres(path._back(arm))
     legs = np.stack([hub[1] - hub[0], behind[1] - hub[0]])
     legs /= np.linalg.norm(legs, axis=1)[:, None]
     apex = legs.sum(axis=0)
-    apex *= APEX * path.cell / np.linalg.norm(apex)
+    apex *= path.apex * path.cell / np.linalg.norm(apex)
     apart = (offset - offset[0]) / (offset[-1] - offset[0])
     wound = []
     for i in range(len(petal.along)):
@@ -286,14 +324,3 @@ def _radius(azimuth: Floats, radius: Floats, at: Floats) -> Floats:
     before, after = at - azimuth[k], azimuth[k + 1] - at
     inverse = np.sin(before) / radius[k + 1] + np.sin(after) / radius[k]
     return np.asarray(np.sin(before + after) / inverse)
-
-
-def _plan(arm: Floats) -> Floats:
-    """(k, 2) points in plan [m] of arm 0 at azimuths from its hairpin [rad] and radii [m], (k, 2)."""
-    azimuth = arm[:, 0] + 0.25 * math.pi
-    return np.asarray(arm[:, 1:] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1))
-
-
-def _back(points: Floats) -> Floats:
-    """Points in plan (..., 2), turned by -90 degrees without rounding."""
-    return np.stack([points[..., 1], -points[..., 0]], axis=-1)

@@ -20,6 +20,7 @@ from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
+from membrane_rs.folding._petals import Petals
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
 from membrane_rs.folding._wound_petal import NEAREST, THICKEST, WoundPath, default_gap, wound_petal
 from membrane_rs.folding.pattern import StowedPattern, multiplied
@@ -259,27 +260,15 @@ class SquareSail(StowedPattern):
         # Between strips 0 and 1 the lower sides meet: a mountain. Then valley and mountain in turn.
         angles = np.repeat([math.pi if k % 2 == 0 else -math.pi for k in range(1, self.strips)], list(map(len, pairs)))
 
-        size = len(stowed)
-        low = np.array([row[0] for row in petal.index])
-        high = np.array([row[-1] for row in petal.index])
-        copies = size * np.arange(4)[:, None]
-        here, there = copies + high, np.roll(copies, -1, axis=0) + low
-        reference, positions = _four(petal.points), _four(stowed)
-        apart = max(float(np.abs(points[here] - points[there]).max()) for points in (reference, positions))
-        if apart > 1e-12 * self.outer_width:
-            raise MeshError(f"the petals' slanted sides lie {apart:g} m apart; they cannot be joined")
-        number = np.arange(4 * size)
-        if self.join == "merge":
-            number[there] = number[here]
-            kept = distinct(number)
-            number = np.searchsorted(kept, number)
-        else:
-            kept = number
-        sets = {f"petal-{p}": distinct(number[copies[p] + np.arange(size)]) for p in range(4)}
+        petals = Petals(petal, 4, self.join == "merge")
+        reference, positions = (petals.points(points, self.outer_width) for points in (petal.points, stowed))
+        number, kept = petals.numbers()
+        copies, here, there = petals.copies, petals.here, petals.there
+        sets = {f"petal-{p}": distinct(number[copies[p] + np.arange(petals.size)]) for p in range(4)}
         sets["corners"], sets["inner_corners"] = number[here[:, -1]], number[here[:, 0]]
         sets["diagonals"] = distinct(number[np.concatenate([here, there], axis=1)])
         for name, is_in in stowed_sets.items():
-            sets[name] = distinct(number[(copies + np.flatnonzero(is_in)).ravel()])
+            sets[name] = distinct(number[petals.of_all(np.flatnonzero(is_in))])
         return Mesh(
             reference[kept],
             number[(copies[:, :, None] + petal.triangles).reshape(-1, 3)],
@@ -350,7 +339,7 @@ class SquareSail(StowedPattern):
             spool_radius=self.spool_radius,
             inner_width=self.inner_width,
             columns=columns,
-            row_height=self.row_height,
+            arm_cell=self.row_height,
             offset=first + gap * np.arange(self.strips * self.rows_per_strip + 1) / self.rows_per_strip,
             strips=self.strips,
         )
@@ -371,7 +360,9 @@ class SquareSail(StowedPattern):
                     f"SquareSail.{name} = {value:g}: wound layers would lie in each other; make it "
                     f"{NEAREST * self.spool_radius:.3g} or more (m)"
                 )
-        self._wound_path().check()
+        path = self._wound_path()
+        path.check_hub()
+        path.check("SquareSail")
 
     def _path(self) -> StowedPath:
         rows = self.strips * self.rows_per_strip
@@ -383,10 +374,3 @@ class SquareSail(StowedPattern):
             half=np.linspace(self.inner_width / 2, self.outer_width / 2, rows + 1),
             taper=self.inner_width / 2,
         )
-
-
-def _four(points: Floats) -> Floats:
-    """(4 n, 3) points turned by 0, 90, 180 and 270 degrees about z, without rounding."""
-    x, y, z = points.T
-    turned = [(x, y, z), (-y, x, z), (-x, -y, z), (y, -x, z)]
-    return np.concatenate([np.stack(columns, axis=1) for columns in turned])
