@@ -1,6 +1,6 @@
 //! Cords whose length changes with time: segments of the unstretched length r(t) = f(t) r_1, f a schedule \[-\].
 //!
-//! As any cord it bears tension alone; its axial stiffness EA stays, its segments become stiffer as they become shorter:
+//! As any cord it bears tension alone. Its axial stiffness EA stays; segments become stiffer as they become shorter:
 //!
 //!     N = EA max(l - r, 0) / r   [N],     U = EA max(l - r, 0)^2 / (2 r)   [J]
 //!
