@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.run_settings import RunSettings
     from membrane_rs.scene.schedule import Schedule
     from membrane_rs.scene.stage import Stage
-    from membrane_rs.simulation import IntegratorFacts, integrators
+    from membrane_rs.simulation import FoldResult, IntegratorFacts, fold, integrators
 
     __version__: str
 
@@ -71,6 +71,7 @@ __all__ = [
     "DisplayError",
     "ExecutorError",
     "Fixed",
+    "FoldResult",
     "Gravity",
     "InputError",
     "InputTypeError",
@@ -109,6 +110,7 @@ __all__ = [
     "UnknownAttributeError",
     "UnstableError",
     "__version__",
+    "fold",
     "folding",
     "integrators",
     "open_run",
@@ -160,7 +162,7 @@ _PLACES = {
     "membrane_rs.scene.run_settings": ("RunSettings",),
     "membrane_rs.scene.schedule": ("Schedule",),
     "membrane_rs.scene.stage": ("Stage",),
-    "membrane_rs.simulation": ("IntegratorFacts", "integrators"),
+    "membrane_rs.simulation": ("FoldResult", "IntegratorFacts", "fold", "integrators"),
 }
 _OLD = {"audit", "laws", "observe", "output", "parts", "run_settings"}
 """Old places of names: modules that are found and not listed."""
