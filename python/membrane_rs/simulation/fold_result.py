@@ -111,14 +111,16 @@ class FoldResult:
 
     @cached_property
     def faults(self) -> tuple[str, ...]:
-        """In what the pattern did not fold as asked, in words: wrong sides, angles too far from theirs, strain.
+        """In what the pattern did not fold as asked, in words: wrong sides, facets that pass through each other at their
+        crease, angles too far from theirs, strain.
 
         On a path from flat to its angles by rigid panels, no crease folding further than its angle phi, there is for
         each crease a shape in which that one has fraction phi and none is further from its own than (1 - fraction)
         phi or so. The shape at rest has the least sum of L e^2 over all creases, of lengths L and errors e; so that
         |e| <= (1 - fraction) (sum L phi^2 / L)^(1/2) for each. What exceeds that by 5 degrees is a fault.
         """
-        return tuple(words for words in (self._wrong_side(), self._far_off(), self._strained()) if words)
+        found = (self._wrong_side(), self._passed_through(), self._far_off(), self._strained())
+        return tuple(words for words in found if words)
 
     def _wrong_side(self) -> str:
         turned = np.where(self.pattern_angles < 0.0, -self.angles, self.angles)
@@ -129,6 +131,17 @@ class FoldResult:
         return (
             f"{self._crease(k)} has folded to {_degrees(self.angles[k])}, to the other side than its pattern says, "
             f"{_degrees(self.targets[k])} ({len(wrong)} such creases); correct the mountains and valleys at its ends"
+        )
+
+    def _passed_through(self) -> str:
+        beyond = np.abs(self.angles) - np.pi
+        passed = np.flatnonzero(beyond > TOLERANCE)
+        if not len(passed):
+            return ""
+        k = passed[np.argmax(beyond[passed])]
+        return (
+            f"{self._crease(k)} has folded to {_degrees(self.angles[k])}, beyond 180, so that its facets have passed "
+            f"through each other ({len(passed)} such creases); correct the angles at its ends, or fold less"
         )
 
     def _far_off(self) -> str:

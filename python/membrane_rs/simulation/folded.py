@@ -48,7 +48,7 @@ def fold(
     fraction: float = 1.0,
     *,
     increments: int = 10,
-    facet_stiffness: float = 0.1,
+    facet_stiffness: float = 0.3,
     strain_limit: float = 2e-3,
     force: bool = False,
     progress: Callable[[int, int], object] | None = None,
@@ -205,13 +205,17 @@ def _increment(scene: Scene, start: Floats, fraction: float, goal: float) -> tup
 
 
 def _folded(mesh: Mesh, positions: Floats, angles: Floats) -> Mesh:
-    """The mesh at folded positions, with the fold angles (c,) [rad] that it has there."""
+    """The mesh at folded positions, with the fold angles (c,) [rad] that it has there, from -pi to pi: those beyond by
+    more than rounding are on the other side.
+    """
+    beyond = np.abs(angles) > math.pi + FLAT
+    shown = np.where(beyond, angles - np.copysign(2.0 * math.pi, angles), np.clip(angles, -math.pi, math.pi))
     return Mesh(
         mesh.reference,
         mesh.triangles,
         positions=positions,
         creases=mesh.creases,
-        fold_angles=np.clip(angles, -math.pi, math.pi),
+        fold_angles=shown,
         node_sets=mesh.node_sets,
         triangle_sets=mesh.triangle_sets,
         bridges=mesh.bridges,
