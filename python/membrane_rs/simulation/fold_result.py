@@ -12,6 +12,9 @@ from membrane_rs._arrays import Floats
 from membrane_rs.mesh import Crossings, Mesh
 from membrane_rs.mesh.fold_angles import TOLERANCE, largest_bend
 
+LEAST = 0.25
+"""Mean fraction reached, over the one that was to be reached, below which a pattern has hardly folded."""
+
 
 @dataclass(frozen=True)
 class FoldIncrement:
@@ -85,6 +88,11 @@ class FoldResult:
         return errors
 
     @property
+    def mean_fraction(self) -> float:
+        """Fraction of the pattern's angles reached, in the mean by their squares [-]."""
+        return float(self.angles @ self.pattern_angles / np.square(self.pattern_angles).sum())
+
+    @property
     def worst_crease(self) -> int:
         """The crease that is furthest from its angle, a row of `Mesh.creases`."""
         return int(np.argmax(np.abs(self.errors)))
@@ -117,9 +125,10 @@ class FoldResult:
         On a path from flat to its angles by rigid panels, no crease folding further than its angle phi, there is for
         each crease a shape in which that one has fraction phi and none is further from its own than (1 - fraction)
         phi or so. The shape at rest has the least sum of L e^2 over all creases, of lengths L and errors e; so that
-        |e| <= (1 - fraction) (sum L phi^2 / L)^(1/2) for each. What exceeds that by 5 degrees is a fault.
+        |e| <= (1 - fraction) (sum L phi^2 / L)^(1/2) for each. What exceeds that by 5 degrees is a fault. Flat shapes
+        satisfy it up to a fraction of a half; they are faults as such.
         """
-        found = (self._wrong_side(), self._passed_through(), self._far_off(), self._strained())
+        found = (self._wrong_side(), self._passed_through(), self._flat(), self._far_off(), self._strained())
         return tuple(words for words in found if words)
 
     def _wrong_side(self) -> str:
@@ -140,8 +149,19 @@ class FoldResult:
             return ""
         k = passed[np.argmax(beyond[passed])]
         return (
-            f"{self._crease(k)} has folded to {_degrees(self.angles[k])}, beyond 180, so that its facets have passed "
-            f"through each other ({len(passed)} such creases); correct the angles at its ends, or fold less"
+            f"{self._crease(k)} has folded to {_degrees(self.angles[k])}: beyond 180, its facets have passed through "
+            f"each other, or it has folded to the other side ({len(passed)} such creases); correct the angles at its "
+            "ends, or fold less"
+        )
+
+    def _flat(self) -> str:
+        if self.mean_fraction >= LEAST * self.fraction:
+            return ""
+        return (
+            f"the creases have hardly folded: in the mean, to {self.mean_fraction:.2g} of the pattern's angles, and "
+            f"{self._crease(self.worst_crease)} to {_degrees(self.angles[self.worst_crease])} of "
+            f"{_degrees(self.targets[self.worst_crease])}; a vertex needs four creases or more, and angles that go "
+            "together"
         )
 
     def _far_off(self) -> str:
@@ -183,6 +203,7 @@ class FoldResult:
         """
         return {
             "fraction": self.fraction,
+            "mean_fraction": self.mean_fraction,
             "largest_error": float(np.abs(self.errors).max()),
             "rms_error": float(np.sqrt(np.square(self.errors).mean())),
             "worst_crease": self.worst_crease,

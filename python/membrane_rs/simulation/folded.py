@@ -49,7 +49,7 @@ def fold(
     *,
     increments: int = 10,
     facet_stiffness: float = 0.3,
-    strain_limit: float = 2e-3,
+    strain_limit: float = 5e-3,
     force: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> FoldResult:
@@ -125,6 +125,8 @@ def fold(
             progress(done, count)
     sides = np.where(flat.fold_angles < 0.0, -1.0, 1.0)
     angles = sides * (math.pi - theta)
+    # Free creases have no side.
+    angles = np.where(flat.fold_angles == 0.0, angles - 2.0 * math.pi * np.round(angles / (2.0 * math.pi)), angles)
     found = FoldResult(
         _folded(mesh, positions, angles), fraction, flat.fold_angles, _read_only(angles), tuple(path), limit
     )
