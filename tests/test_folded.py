@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from folding import PARTS, file
 from folding_cases import SECTORS, distance, multiplier, rigid_tilt, sheet, square_twist, vertex
 from membrane_rs import Creases, InputError, InputTypeError, Mesh, MeshError, Scene, Simulation, Triangles, fold
 from membrane_rs.folding import SquareSail, Strip
@@ -114,6 +115,10 @@ def test_creases_without_an_angle_are_free() -> None:
     assert not found.errors[[0, 20]].any()
 
 
+def test_the_page_shows_the_file_of_the_examples() -> None:
+    assert PARTS["file"].read() == file()
+
+
 def test_progress_and_the_path() -> None:
     seen: list[tuple[int, int]] = []
     found = fold(square(1.0), 0.5, increments=4, progress=lambda done, total: seen.append((done, total)))
@@ -165,7 +170,7 @@ def test_angles_that_do_not_go_together_are_refused() -> None:
 
 
 def test_a_square_sail_is_no_flat_origami() -> None:
-    with pytest.raises(MeshError, match="does not fold to 0.9 of its angles"):
+    with pytest.raises(MeshError, match=r"does not fold to 0\.9 of its angles"):
         fold(SquareSail(rows=8).mesh(), 0.9)
 
 
@@ -190,7 +195,7 @@ def test_wrong_values_are_refused(mesh: Mesh, values: dict[str, object], kind: t
 
 
 def test_a_reference_that_is_not_flat_is_refused() -> None:
-    bent = [*FLAT[:3], [0, 1, 0.5]]
+    bent = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]])
     mesh = Mesh(bent, TWO, creases=[[0, 2]])
     with pytest.raises(MeshError, match=r"creases\[0\] \(nodes 0 and 2\) is folded by .* degrees in the reference"):
         fold(mesh)

@@ -31,9 +31,7 @@ def divided(mesh: Triangulation, count: int, positions: Floats, fold_angles: Flo
     nodes = _lattice(mesh, count, on_sides)
     rising = [[nodes[i, j], nodes[i + 1, j], nodes[i, j + 1]] for i in range(count) for j in range(count - i)]
     falling = [
-        [nodes[i + 1, j], nodes[i + 1, j + 1], nodes[i, j + 1]]
-        for i in range(count - 1)
-        for j in range(count - 1 - i)
+        [nodes[i + 1, j], nodes[i + 1, j + 1], nodes[i, j + 1]] for i in range(count - 1) for j in range(count - 1 - i)
     ]
     creases = on_sides[mesh.find_edges(mesh.creases)[0]]
     return {

@@ -11,6 +11,7 @@ import numpy as np
 from membrane_rs._arrays import Floats
 from membrane_rs.mesh import Crossings, Mesh
 from membrane_rs.mesh.fold_angles import TOLERANCE, largest_bend
+from membrane_rs.simulation.relaxation import AT_REST
 
 LEAST = 0.25
 """Mean fraction reached, over the one that was to be reached, below which a pattern has hardly folded."""
@@ -119,8 +120,9 @@ class FoldResult:
 
     @cached_property
     def faults(self) -> tuple[str, ...]:
-        """In what the pattern did not fold as asked, in words: wrong sides, facets that pass through each other at their
-        crease, angles too far from theirs, strain.
+        """In what the pattern did not fold as asked, in words.
+
+        Wrong sides, facets that pass through each other at their crease, angles too far from theirs, strain.
 
         On a path from flat to its angles by rigid panels, no crease folding further than its angle phi, there is for
         each crease a shape in which that one has fraction phi and none is further from its own than (1 - fraction)
@@ -128,7 +130,14 @@ class FoldResult:
         |e| <= (1 - fraction) (sum L phi^2 / L)^(1/2) for each. What exceeds that by 5 degrees is a fault. Flat shapes
         satisfy it up to a fraction of a half; they are faults as such.
         """
-        found = (self._wrong_side(), self._passed_through(), self._flat(), self._far_off(), self._strained())
+        found = (
+            self._wrong_side(),
+            self._passed_through(),
+            self._flat(),
+            self._far_off(),
+            self._strained(),
+            self._moving(),
+        )
         return tuple(words for words in found if words)
 
     def _wrong_side(self) -> str:
@@ -188,6 +197,15 @@ class FoldResult:
             f"the side of nodes {_both(self.mesh.edges[k])} is strained by {strain[k]:.2g}, and strain_limit is "
             f"{self.strain_limit:g}: its facets resist; correct the angles of the creases near it, fold less, or "
             "give a larger strain_limit"
+        )
+
+    def _moving(self) -> str:
+        left = self.increments[-1].remainder
+        if left <= AT_REST:
+            return ""
+        return (
+            f"it is not at rest after {self.increments[-1].steps:,} steps of the last increment: the largest net force "
+            f"on a node is {left:.2g} of the largest force of a law; take more increments"
         )
 
     def _crease(self, k: int) -> str:

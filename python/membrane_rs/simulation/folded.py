@@ -197,11 +197,10 @@ def _increment(scene: Scene, start: Floats, fraction: float, goal: float) -> tup
     held = Stepper(scene)
     held.positions = start
     floor = NO_FORCE * largest_force(held)
-    best = None
-    for found in kinetic_damping(held, math.inf, floor):
-        best = found if best is None or found.share < best.share else best
-        if best.share <= goal or held.step_count > MOST_STEPS:
-            break
+    stops = kinetic_damping(held, math.inf, floor)
+    best = next(stops)
+    while best.share > goal and held.step_count < MOST_STEPS:
+        best = min(best, next(stops), key=lambda remainder: remainder.share)
     held.positions = best.positions
     return best.positions, held.crease_angles(), FoldIncrement(fraction, held.step_count, best.share)
 
