@@ -218,6 +218,14 @@ class FoldResult:
         -------
         dict
             By name.
+
+        Examples
+        --------
+        >>> from membrane_rs import fold
+        >>> from membrane_rs.folding import Miura
+        >>> found = fold(Miura(straight_side=0.02, zigzag_side=0.02, tilt=1.2, columns=2, rows=2).mesh())
+        >>> found.as_dict()["crossings"], found.as_dict()["faults"]
+        (0, [])
         """
         return {
             "fraction": self.fraction,
