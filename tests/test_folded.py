@@ -119,6 +119,14 @@ def test_the_page_shows_the_file_of_the_examples() -> None:
     assert PARTS["file"].read() == file()
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1e3])
+def test_any_size_folds_alike(scale: float) -> None:
+    mesh, large = (square_twist(), fold(square_twist(), 0.9))
+    scaled = Mesh(scale * mesh.reference, mesh.triangles, creases=mesh.creases, fold_angles=mesh.fold_angles)
+    found = fold(scaled, 0.9)
+    np.testing.assert_allclose(found.angles, large.angles, atol=1e-3)
+
+
 def test_progress_and_the_path() -> None:
     seen: list[tuple[int, int]] = []
     found = fold(square(1.0), 0.5, increments=4, progress=lambda done, total: seen.append((done, total)))
@@ -179,6 +187,7 @@ def test_a_square_sail_is_no_flat_origami() -> None:
     [
         (Strip(length=0.1, width=0.01, columns=10).mesh(), {}, MeshError, "the mesh has no creases"),
         (square(0.0), {}, MeshError, "the fold angles of all creases are 0"),
+        (None, {}, InputTypeError, "mesh = None: must be a Mesh"),
         (square(1.0), {"fraction": 0.0}, InputError, "fraction = 0: must be above 0"),
         (square(1.0), {"fraction": 1.1}, InputError, "fraction = 1.1: must be above 0"),
         (square(1.0), {"fraction": -0.5}, InputError, "fraction = -0.5: must be above 0"),

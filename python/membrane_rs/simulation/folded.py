@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import count_of, flag_of, number_of
+from membrane_rs._validation import check_kind, count_of, flag_of, number_of
 from membrane_rs.errors import InputError, MeshError, UnstableError
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
@@ -102,6 +102,7 @@ def fold(
     >>> np.degrees(found.mesh.fold_angles).round(3).tolist(), found.largest_strain < 1e-6
     ([90.0], True)
     """
+    check_kind(mesh, Mesh, "fold: mesh", "a Mesh")
     fraction = number_of("fold: fraction", fraction, "relative")
     if not 0.0 < fraction <= 1.0:
         raise InputError(f"fold: fraction = {fraction:g}: must be above 0 (flat) and at most 1 (as the pattern says)")
