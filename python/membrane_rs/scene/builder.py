@@ -139,6 +139,8 @@ class Builder:
         """
         count = 0 if self.mesh is None else len(self.mesh.triangles)
         sets = {} if self.mesh is None else self.mesh.triangle_sets
+        if wanted == "all" and count and "all" not in sets:
+            return np.arange(count)
         found: Ints = np.zeros(0, np.int64)
         for group in groups_of(wanted):
             if isinstance(group, str) and group not in sets:

@@ -124,6 +124,8 @@ class FilmRegion(Component):
         D [N m]; None: that of a plate of its film.
     curvature : tuple of float
         Natural curvature along x and y, and the mixed one, in the flat shape [1/m].
+    natural_strain : tuple of float
+        Strain along x and y, and the mixed one, of the flat shape at which the film is free of stress [-].
     optics : Optics or None
         In sunlight; None: those of the law.
 
@@ -147,6 +149,7 @@ class FilmRegion(Component):
     buckling: float | None
     bending_stiffness: float | None
     curvature: tuple[float, float, float]
+    natural_strain: tuple[float, float, float]
     optics: Optics | None
 
     @property

@@ -30,8 +30,10 @@ from membrane_rs.scene.components import FilmRegion, Optics
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.optics import OF_SIDES, optics_of
 from membrane_rs.scene.part import Part
-from membrane_rs.scene.plausible import FILM, Doubt, implausible
+from membrane_rs.scene.plausible import FILM, STRETCHED, Doubt, implausible
 
+MOST_STRAIN = 0.5
+"""Magnitude of a natural strain, at most [-]."""
 THICKEST, HEAVIEST = 1e3, 1e3
 """Thickness of a region, and mass per area of its devices, over that of the film, from which it is hardly meant [-]:
 solar cells of 25 um are three times as thick as the film of IKAROS."""
@@ -48,7 +50,8 @@ class Region(Part):
     Parameters
     ----------
     triangles : str, sequence of str or sequence of int, optional
-        A triangle set of the mesh, names of several, or triangle indices.
+        A triangle set of the mesh, names of several, or triangle indices. "all": the whole film, in a mesh without a
+        set of that name.
     nodes : str, sequence of str or sequence of int, optional
         A node set, names of several, or node indices: triangles whose nodes all belong to one of them.
     polygon : sequence of (float, float), optional
@@ -71,8 +74,12 @@ class Region(Part):
     curvature : tuple of float
         Natural curvatures (kappa_1, kappa_2) [1/m] along `direction` and across it, to which the law `Bending` turns
         the film; positive where it curls towards the side of its normals, from which triangles run counter-clockwise.
+    natural_strain : tuple of float
+        Strains (e_1, e_2) of the flat shape [-], along `direction` and across it, at which the film is free of stress,
+        from -0.5 to 0.5: a warmer film has its thermal strain, and one below 0 is taut where its edge is held. A stage
+        that sets it makes the film warmer or colder.
     direction : float
-        Of kappa_1 in the flat shape, from the x axis on [rad]; in a copy of the polygon it is turned with it.
+        Of kappa_1 and e_1 in the flat shape, from the x axis on [rad]; in a copy of the polygon it is turned with it.
     front_specular, front_diffuse : float or None
         Shares of sunlight, as those of `SolarPressure` [-]; given together, in place of all of its optical properties.
     back_specular, back_diffuse : float or None
@@ -106,6 +113,7 @@ class Region(Part):
     buckling: NonNegative | None = field(default=None, kw_only=True)
     bending_stiffness: Annotated[NonNegative | None, Unit("N m")] = field(default=None, kw_only=True)
     curvature: Annotated[Pair, Unit("1/m")] = field(default=(0.0, 0.0), kw_only=True)
+    natural_strain: Pair = field(default=(0.0, 0.0), kw_only=True)
     direction: Annotated[Finite, Unit("rad")] = field(default=0.0, kw_only=True)
     front_specular: Fraction | None = field(default=None, kw_only=True)
     front_diffuse: Fraction | None = field(default=None, kw_only=True)
@@ -126,8 +134,10 @@ class Region(Part):
             raise InputError(f"Region.polygon = {show(self.polygon)}: must have three corners or more")
         if self.polygon is None and self.copies != 1:
             raise InputError(f"Region.copies = {self.copies}: a polygon is repeated, and none is given; leave it out")
-        if self.direction != 0.0 and self.curvature == (0.0, 0.0):
-            what = "is that of a natural curvature, and there is none; give curvature or leave it out"
+        if any(abs(value) > MOST_STRAIN for value in self.natural_strain):
+            raise InputError(f"Region.natural_strain = {show(self.natural_strain)}: each must be -0.5 to 0.5")
+        if self.direction != 0.0 and self.curvature == self.natural_strain == (0.0, 0.0):
+            what = "is that of a natural curvature or strain; give curvature or natural_strain, or leave it out"
             raise InputError(f"Region.direction = {show(self.direction)}: {what}")
         self._optics()
 
@@ -167,15 +177,12 @@ class Region(Part):
             inside = _inside(back, corners) & ~taken
             taken |= inside
             found.append((angle, np.flatnonzero(inside)))
-        if self.curvature[0] == self.curvature[1]:
+        if self.curvature[0] == self.curvature[1] and self.natural_strain[0] == self.natural_strain[1]:
             return "polygon", [(0.0, np.flatnonzero(taken))]
         return "polygon", found
 
     def _film(self, material: Material, triangles: Ints, angle: float) -> FilmRegion:
         """The film of triangles of a copy that is turned by an angle [rad]."""
-        along, across = self.curvature
-        mean, half = 0.5 * (along + across), 0.5 * (along - across)
-        twice = 2.0 * (self.direction + angle)
         return FilmRegion(
             triangles=triangles,
             youngs_modulus=self.youngs_modulus or material.youngs_modulus,
@@ -185,7 +192,8 @@ class Region(Part):
             areal_mass=self.areal_mass,
             buckling=self.buckling,
             bending_stiffness=self.bending_stiffness,
-            curvature=(mean + half * math.cos(twice), mean - half * math.cos(twice), half * math.sin(twice)),
+            curvature=_turned(self.curvature, self.direction + angle),
+            natural_strain=_turned(self.natural_strain, self.direction + angle),
             optics=self._optics(),
         )
 
@@ -213,7 +221,9 @@ class Region(Part):
         return replace(self, **changed)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
-        """A region is thinner than `THICKEST` films, and its devices are lighter than `HEAVIEST` times the film."""
+        """A region is thinner than `THICKEST` films, its devices are lighter than `HEAVIEST` times the film, and it has
+        no natural strain at which films are torn.
+        """
         if scene.material is None or scene.mesh is None:
             return
         film = scene.material.thickness
@@ -225,7 +235,17 @@ class Region(Part):
             )  # fmt: skip
         own, units = scene.material.density * film, {"g/m2": 1e-3}
         place, reason, most = f"{where}.areal_mass", f"the film weighs {own:.3g} kg/m2", HEAVIEST * own
+        strain = max(map(abs, self.natural_strain))
+        torn = f"films are torn at a strain of {STRETCHED:g}, and expand by some 3e-5 a kelvin"
+        yield from implausible(f"{where}.natural_strain", strain, "", torn, most=STRETCHED)
         yield from implausible(place, self.areal_mass, "kg/m2", reason, most=most, units=units, derived_from=FILM)
+
+
+def _turned(values: tuple[float, float], angle: float) -> tuple[float, float, float]:
+    """xx, yy and xy of a tensor of principal values, the first at an angle from x [rad]."""
+    mean, half = 0.5 * (values[0] + values[1]), 0.5 * (values[0] - values[1])
+    along, mixed = half * math.cos(2.0 * angle), half * math.sin(2.0 * angle)
+    return (mean + along, mean - along, mixed)
 
 
 def _inside(points: Floats, corners: Floats) -> Bools:

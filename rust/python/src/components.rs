@@ -139,6 +139,7 @@ fn regions_of(model: &Component<'_>) -> PyResult<Vec<Region>> {
             buckling: region.value("buckling")?,
             bending_stiffness: region.value("bending_stiffness")?,
             curvature: region.value("curvature")?,
+            natural_strain: region.value("natural_strain")?,
             optics: optics_of(&region)?,
         };
         Ok(Region { triangles: region.array("triangles", indices)?, film })

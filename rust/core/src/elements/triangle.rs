@@ -20,7 +20,7 @@ pub(crate) struct FlatTriangles {
     pub(crate) nu: f64,
 }
 
-/// A reference triangle in a frame of its own, with its nodes in cyclic order from the lowest internal number.
+/// A triangle free of stress in a frame of its own, with its nodes in cyclic order from the lowest internal number.
 pub(crate) struct Corners {
     /// External numbers.
     pub(crate) nodes: [u32; 3],
@@ -32,14 +32,18 @@ pub(crate) struct Corners {
 
 impl Corners {
     pub(crate) fn all(assembly: &Assembly) -> impl Iterator<Item = Self> {
-        assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).map(|(&nodes, &edges)| {
+        let each = assembly.mesh.triangles.iter().zip(&assembly.mesh.triangle_edges).enumerate();
+        each.map(|(row, (&nodes, &edges))| {
             let (_, places) = from_lowest(assembly.numbering.to_internal(nodes));
             let [nodes, edges] = [nodes, edges].map(|mut corners| {
                 corners.rotate_left(places);
                 corners
             });
             let [a, b, c] = nodes.map(|node| assembly.mesh.reference[node as usize]);
-            let (u, v) = (mesh::sub(b, a), mesh::sub(c, a));
+            let (mut u, mut v) = (mesh::sub(b, a), mesh::sub(c, a));
+            if let Some(film) = &assembly.film {
+                (u, v) = (film.of(row).natural(u), film.of(row).natural(v));
+            }
             let (side, normal) = (mesh::dot(u, u).sqrt(), mesh::cross(u, v));
             let apex = [mesh::dot(u, v) / side, mesh::dot(normal, normal).sqrt() / side];
             Self { nodes, points: [[0.0; 2], [side, 0.0], apex], edges }
@@ -74,7 +78,8 @@ impl FlatTriangles {
         let mut rows = Vec::with_capacity(corners.len());
         for (triangle, corners) in corners.iter().enumerate() {
             let area = assembly.mesh.area(triangle)?;
-            let modulus = assembly.film.as_ref().map_or(0.0, |film| film.of(triangle).membrane_stiffness());
+            let film = assembly.film.as_ref().map(|film| film.of(triangle));
+            let modulus = film.map_or(0.0, |film| film.membrane_stiffness() * film.natural_area());
             let [_, [side, _], [along, height]] = corners.points;
             rows.push([1.0 / side, -along / (side * height), 1.0 / height, modulus * area]);
         }

@@ -16,7 +16,8 @@
 //! On creases of length l_c = l0 all forms agree.
 //!
 //! A region of the film has its own h, and may have its own alpha. An edge between two films buckles at the sum of the
-//! forces of its triangles: its L - l_cr is the mean of theirs by their spring constants.
+//! forces of its triangles: its L - l_cr is the mean of theirs by their spring constants. So is its rest length where
+//! films are free of stress at a strain of their own.
 
 use std::f64::consts::PI;
 
@@ -24,7 +25,7 @@ use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::{non_negative, positive};
 use crate::model::mesh;
-use crate::model::regions::{FilmOfTriangles, RegionFilm};
+use crate::model::regions::RegionFilm;
 
 /// Parameters of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +91,7 @@ impl Buckling {
         }
     }
 
-    /// Reference length and L - l_cr of each edge of the mesh [m].
+    /// Rest length and L - l_cr of each edge of the mesh [m].
     ///
     /// # Errors
     /// `OutOfRange` for a parameter.
@@ -98,28 +99,59 @@ impl Buckling {
         self.check()?;
         let Some(films) = &assembly.film else { return Ok(Vec::new()) };
         let edges = edges(assembly);
-        let mut shortenings: Vec<f64> = edges.iter().map(|&edge| self.shortening(films.of_no_region(), edge)).collect();
-        if films.has_regions() {
-            self.average(assembly, films, &edges, &mut shortenings);
+        if !films.has_regions() {
+            let whole = films.of_no_region();
+            return Ok(edges.iter().map(|&edge| (edge.length, self.shortening(whole, edge))).collect());
         }
-        Ok(edges.iter().map(|edge| edge.length).zip(shortenings).collect())
-    }
-
-    /// The mean over the triangles at each edge, by their shares of its spring constant.
-    fn average(self, assembly: &Assembly, films: &FilmOfTriangles, edges: &[Edge], means: &mut [f64]) {
-        let mut sums = vec![[0.0; 2]; edges.len()];
-        let mut bounds = vec![[f64::INFINITY, 0.0]; edges.len()];
+        let mut means = vec![[Mean::default(); 2]; edges.len()];
         for (triangle, sides) in assembly.mesh.triangle_edges.iter().enumerate() {
+            let film = films.of(triangle);
             let constants = assembly.side_stiffness.get(triangle).copied().unwrap_or([1.0; 3]);
             for (side, constant) in sides.iter().map(|&side| side as usize).zip(constants) {
-                let (own, share) = (self.shortening(films.of(triangle), edges[side]), constant.max(0.0));
-                bounds[side] = [bounds[side][0].min(own), bounds[side][1].max(own)];
-                sums[side] = [sums[side][0] + share * own, sums[side][1] + share];
+                let [length, shortening] = &mut means[side];
+                length.add(self.rest_length(assembly, film, side, edges[side].length), constant.max(0.0));
+                shortening.add(self.shortening(film, edges[side]), constant.max(0.0));
             }
         }
-        for ((mean, [sum, shares]), [least, most]) in means.iter_mut().zip(sums).zip(bounds) {
-            // Equal values to the last bit; between others within them.
-            *mean = if shares > 0.0 { (sum / shares).clamp(least, most) } else { 0.5 * (least + most) };
+        Ok(means.iter().map(|[length, shortening]| (length.value(), shortening.value())).collect())
+    }
+
+    /// Length of an edge in the film free of stress [m].
+    fn rest_length(self, assembly: &Assembly, film: &RegionFilm, edge: usize, length: f64) -> f64 {
+        if film.natural_strain == [0.0; 3] {
+            return length;
         }
+        let [a, b] = assembly.mesh.edges[edge].map(|node| assembly.mesh.reference[node as usize]);
+        let span = film.natural(mesh::sub(b, a));
+        mesh::dot(span, span).sqrt()
+    }
+}
+
+/// A weighted mean: of equal values that value, to the last bit.
+#[derive(Debug, Clone, Copy)]
+struct Mean {
+    sum: f64,
+    shares: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Default for Mean {
+    fn default() -> Self {
+        Self { sum: 0.0, shares: 0.0, least: f64::INFINITY, most: f64::NEG_INFINITY }
+    }
+}
+
+impl Mean {
+    fn add(&mut self, value: f64, share: f64) {
+        self.sum += share * value;
+        self.shares += share;
+        self.least = self.least.min(value);
+        self.most = self.most.max(value);
+    }
+
+    fn value(&self) -> f64 {
+        let middle = 0.5 * (self.least + self.most);
+        if self.shares > 0.0 { (self.sum / self.shares).clamp(self.least, self.most) } else { middle }
     }
 }

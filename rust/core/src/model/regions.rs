@@ -19,6 +19,9 @@ pub struct RegionFilm {
     /// Natural curvature kappa_xx, kappa_yy and kappa_xy in the reference; positive where the film curls towards the
     /// side of its normals \[1/m\].
     pub curvature: [f64; 3],
+    /// Strain xx, yy and xy of the reference at which the film is free of stress: of a warm film above 0, of a taut one
+    /// below.
+    pub natural_strain: [f64; 3],
     /// In sunlight; `None`: those of the law.
     pub optics: Option<Optics>,
 }
@@ -43,7 +46,16 @@ pub struct FilmOfTriangles {
 
 impl From<Film> for RegionFilm {
     fn from(film: Film) -> Self {
-        Self { film, areal_mass: 0.0, buckling: None, bending_stiffness: None, curvature: [0.0; 3], optics: None }
+        let zeros = [0.0; 3];
+        Self {
+            film,
+            areal_mass: 0.0,
+            buckling: None,
+            bending_stiffness: None,
+            curvature: zeros,
+            natural_strain: zeros,
+            optics: None,
+        }
     }
 }
 
@@ -69,6 +81,18 @@ impl RegionFilm {
         xx * x * x + yy * y * y + 2.0 * xy * x * y
     }
 
+    /// A vector of the reference in the film free of stress \[m\].
+    pub fn natural(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [xx, yy, xy] = self.natural_strain;
+        [x + (xx * x + xy * y), y + (xy * x + yy * y), z]
+    }
+
+    /// Area of the film free of stress over that of the reference.
+    pub fn natural_area(&self) -> f64 {
+        let [xx, yy, xy] = self.natural_strain;
+        (1.0 + xx) * (1.0 + yy) - xy * xy
+    }
+
     fn check(&self, poisson_ratio: f64) -> Result<()> {
         self.film.check()?;
         let nu = self.film.poisson_ratio;
@@ -78,6 +102,12 @@ impl RegionFilm {
         self.bending_stiffness
             .map_or(Ok(()), |rigidity| non_negative("bending stiffness of a region [N m]", rigidity))?;
         self.curvature.iter().try_for_each(|&value| finite("natural curvature of a region [1/m]", value))?;
+        for value in self.natural_strain {
+            within("natural strain of a region", value, value.abs() <= 0.5, "it must be -0.5 to 0.5")?;
+        }
+        let [xx, yy, xy] = self.natural_strain;
+        let least = 0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+        within("least natural strain of a region", least, least >= -0.5, "it must be -0.5 or above")?;
         self.optics.map_or(Ok(()), |optics| optics.check())
     }
 }

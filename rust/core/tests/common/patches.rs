@@ -14,6 +14,7 @@ pub fn patched(mut model: Model) -> Model {
         areal_mass: 0.02,
         buckling: Some(30.0),
         curvature: [20.0, -5.0, 8.0],
+        natural_strain: [0.01, -0.02, 0.005],
         optics: Some(Optics { front: side(0.1, 0.2, 0.8), back: side(0.4, 0.1, 0.3) }),
         ..RegionFilm::from(film)
     };
