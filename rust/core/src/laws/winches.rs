@@ -217,7 +217,7 @@ impl Inspection for Winches {
             self.strains(at).into_iter().find(|(segment, strain)| *strain > segment.strain_limit)?;
         let (percent, bound) = (100.0 * strain, 100.0 * segment.strain_limit);
         let what = format!(
-            "a segment of {:.4e} m, before it is hauled in, is stretched by {percent:.3} %, over its bound of {bound:.3} %",
+            "a segment of {:.4e} m before hauling is stretched by {percent:.3} %, over its bound of {bound:.3} %",
             segment.length
         );
         Some(Excess { nodes: segment.nodes.to_vec(), what })
