@@ -144,3 +144,12 @@ def refused(action: Callable[[], object], kind: type[Exception], words: str) -> 
         action()
     assert isinstance(caught.value, MembraneError)
     assert len(str(caught.value)) > 20
+
+
+def irregular(columns: int = 12, rows: int = 6, jitter: float = 0.25) -> Mesh:
+    """A flat rectangle of 0.12 x 0.06 m whose inner nodes are displaced in its plane."""
+    mesh = Strip(0.12, 0.06, columns, rows).mesh()
+    points = np.array(mesh.reference)
+    inner = np.setdiff1d(np.arange(len(points)), np.unique(mesh.boundary_edges))
+    points[inner, :2] += jitter * 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, (len(inner), 2))
+    return Mesh(points, mesh.triangles)

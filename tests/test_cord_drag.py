@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Boltrope, Cord, CordDrag, Gravity, Scene, Simulation, Spin, Springs, integrators
+from membrane_rs.check.redundancy import idle_laws
 from membrane_rs.scene.laws import Law
 from small_scenes import RUBBER, Floats, patch, rates
 
@@ -97,3 +98,12 @@ def test_a_boltrope_has_no_drag_of_its_own() -> None:
     sim.velocities = np.tile([0.0, 0.0, 1.0], (4, 1))
     of_cord = -0.5 * FACTOR * 0.1 * 2.0**0.5
     assert sim.forces("cord_drag")[:, 2] == pytest.approx([0.0, of_cord, 0.0, of_cord])
+
+
+def test_drag_without_a_cord_in_the_air_is_told() -> None:
+    hem = Boltrope([0, 1, 2], 1.0, 0.0)
+    alone, beside = (
+        Scene(patch(), RUBBER, [Springs(), AIR], parts) for parts in ([hem], [hem, Cord(1, 3, 1, 1.0, 0.0)])
+    )
+    assert [kind for kind, reason in idle_laws(alone) if "along edges" in reason] == ["cord_drag"]
+    assert "cord_drag" not in dict(idle_laws(beside))

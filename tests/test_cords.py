@@ -191,7 +191,7 @@ def test_scene_files_hold_cords(tmp_path: Path) -> None:
     assert isinstance(riser, Cord)
     assert riser.start == (0.1, 0.0, 0.0)
     assert isinstance(link, Cord)
-    assert (link.start, link.end, link.numbers_nodes, riser.numbers_nodes) == ("riser@0.5", 4, True, False)
+    assert (link.start, link.end, link.numbering_field, riser.numbering_field) == ("riser@0.5", 4, "end", None)
     scene.save(tmp_path / "again")
     assert Scene.from_toml(tmp_path / "again" / "scene.toml").parts == scene.parts
     assert scene.assemble().node_sets["cord-1"].tolist() == [2, 5, 4]

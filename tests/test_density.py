@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from example_of import example_of
-from membrane_rs import Fixed, InputError, Mesh, Scene, TipMasses, scenes
-from membrane_rs.folding import PATTERNS, SquareSail
+from membrane_rs import CreaseSet, Fixed, InputError, Mesh, Scene, TipMasses, scenes
+from membrane_rs.folding import PATTERNS, SquareSail, Strip
 from membrane_rs.study.common.density import denser
 from small_scenes import RUBBER, UNBUCKLED, hanging_strip, refused
 
@@ -70,3 +70,6 @@ def test_what_no_pattern_made_keeps_its_mesh() -> None:
 def test_nodes_by_number_belong_to_one_mesh() -> None:
     scene = replace(hanging_strip(), parts=[Fixed((0, 1, 2))])
     refused(lambda: denser(scene, 2.0), InputError, r"parts.0.nodes of scene 'hanging' names nodes by number")
+    creased = Strip(0.1, 0.02, 4, 2, creases=(0.5,)).mesh()
+    fold = Scene(creased, RUBBER, [UNBUCKLED], [CreaseSet([0], stiffness=1.0)], name="fold")
+    refused(lambda: denser(fold, 2.0), InputError, r"parts.0.creases .* creases by number, .* a node set, or mountains")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from membrane_rs import InputError, OutputError, Scene, Springs, scenes
+from membrane_rs import InputError, OutputError, Region, Scene, Springs, scenes
 from membrane_rs.cli import app
 from membrane_rs.study import FORMS, jobs_of, match_scene, mesh_study, write_mesh_study
 from membrane_rs.study.convergence import CURVES, densities, limit, orders, overall_order, steps
@@ -113,6 +113,8 @@ def test_what_cannot_be_refined_is_refused(sail: Scene, tmp_path: Path) -> None:
     refused(lambda: mesh_study(crease, jobs_of([8]), tmp_path), InputError, "no pattern in rows")
     refused(lambda: jobs_of([8], ["other"]), InputError, "must be one of paper, strain, physical, tension")
     refused(lambda: jobs_of([8], members=0), InputError, "members = 0: must be from 1 to")
+    patch = replace(sail, parts=[*sail.parts, Region([0, 1], thickness=1e-5)])
+    refused(lambda: mesh_study(patch, jobs_of([8]), tmp_path), InputError, r"parts.\d.triangles .* names triangles by")
     refused(lambda: mesh_study(sail, jobs_of([16, 9]), tmp_path / "runs"), InputError, "multiple of 8")
     assert not (tmp_path / "runs").exists()
     (tmp_path / "file").write_text("")

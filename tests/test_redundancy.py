@@ -10,10 +10,12 @@ from membrane_rs import (
     AirDrag,
     Bridges,
     Creases,
+    CreaseSet,
     Fixed,
     Gravity,
     MassDamping,
     Mesh,
+    Region,
     Scene,
     SceneError,
     Spin,
@@ -22,7 +24,7 @@ from membrane_rs import (
     Springs,
     scenes,
 )
-from membrane_rs.check.redundancy import idle_laws, step_savings
+from membrane_rs.check.redundancy import idle_laws, step_savings, values_without_effect
 from membrane_rs.cli import app
 from membrane_rs.errors import InputError
 from membrane_rs.folding import Disc, Strip
@@ -142,3 +144,27 @@ def test_parameters_of_every_part_of_a_scene() -> None:
     assert coarse.mesh is not None
     assert coarse.mesh.node_count < 1000
     assert math.isclose(hanging_strip().with_values({"laws.spin.frequency": 2.0}).law("spin").frequency, 2.0)  # type: ignore[union-attr]
+
+
+def test_values_of_parts_that_no_law_feels_are_told() -> None:
+    """Each with the law that would feel it; material and thickness are felt by all."""
+    parts = [
+        Region([0], curvature=(1.0, 0.0), bending_stiffness=1e-6, natural_strain=(1e-4, 0.0)),
+        Region([1], front_specular=0.5, front_diffuse=0.1, thickness=1e-5),
+        CreaseSet(stiffness=3.0),
+    ]
+    found = [finding.message for finding in values_without_effect(Scene(CREASED, FILM, [Springs()], parts))]
+    places = ("0].bending_stiffness", "0].curvature", "1].front_specular", "1].front_diffuse", "2].stiffness")
+    assert [message.split(" is ")[0] for message in found] == [f"parts[{place}" for place in places]
+    for row, law in ((0, "bending"), (2, "solar_pressure"), (4, "creases")):
+        assert found[row].endswith(f"no law {law}")
+
+
+def test_a_region_of_its_own_modulus_softens_with_the_film() -> None:
+    """What the film limits is measured with its regions, whose modulus is given beside that of the film."""
+    plain, own = (
+        Scene(DISC, RUBBER, [Springs(), SpringDamping()], [Region("all", **values)])
+        for values in ({"thickness": RUBBER.thickness}, {"youngs_modulus": RUBBER.youngs_modulus})
+    )
+    film = [next(s.gain for s in step_savings(scene) if s.part == "springs") for scene in (plain, own)]
+    assert film[0] == pytest.approx(film[1])

@@ -30,7 +30,7 @@ from membrane_rs.errors import InputError, InputTypeError, MeshError, SceneError
 from membrane_rs.folding import Disc, SquareSail, Strip
 from membrane_rs.scene.scales import film_mass, node_masses
 from numpy.testing import assert_allclose
-from small_scenes import refused
+from small_scenes import irregular, refused
 
 FILM = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
 THICK = Material(5.0e9, 0.34, 1700.0, 25e-6)
@@ -45,15 +45,6 @@ def crumpled(mesh: Mesh, size: float = 1e-4) -> Mesh:
     """The mesh with nodes displaced at random."""
     moved = mesh.positions + np.random.default_rng(3).normal(0.0, size, mesh.positions.shape)
     return Mesh(mesh.reference, mesh.triangles, positions=moved, creases=mesh.creases, node_sets=dict(mesh.node_sets))
-
-
-def irregular(columns: int = 12, rows: int = 6, jitter: float = 0.25) -> Mesh:
-    """A flat rectangle of 0.12 x 0.06 m whose inner nodes are displaced in its plane."""
-    mesh = Strip(0.12, 0.06, columns, rows).mesh()
-    points = np.array(mesh.reference)
-    inner = np.setdiff1d(np.arange(len(points)), np.unique(mesh.boundary_edges))
-    points[inner, :2] += jitter * 0.01 * np.random.default_rng(5).uniform(-1.0, 1.0, (len(inner), 2))
-    return Mesh(points, mesh.triangles)
 
 
 @pytest.mark.parametrize("film", FILMS)

@@ -9,7 +9,7 @@ import numpy as np
 from membrane_rs._arrays import Bools
 from membrane_rs.mesh import Finding, Mesh
 from membrane_rs.scene import Scene
-from membrane_rs.scene.laws import Bending, Springs, Triangles
+from membrane_rs.scene.laws import Bending, Rectangles, Springs, Triangles
 
 SUITED = 0.9
 """Share of the film, and of its inner nodes, that a lattice needs."""
@@ -34,7 +34,9 @@ def form_of_bending(scene: Scene) -> Iterator[Finding]:
             yield _warning(
                 f"laws.bending.form = 'curvature' on a mesh of right triangles, {100 * right:.0f} % of the film, is "
                 "too stiff in twist, however fine the mesh",
-                'take form = "hinges", which suits right triangles whose diagonals alternate',
+                'take form = "hinges", which suits right triangles whose diagonals alternate'
+                if scene.material is None or scene.material.youngs_modulus_across is None
+                else "take a mesh of nearly equilateral triangles: hinges represent a film of one modulus alone",
             )
     elif right + regular < SUITED:
         others = 100 * (1.0 - right - regular)
@@ -55,7 +57,7 @@ def wrinkles_twice(scene: Scene) -> Iterator[Finding]:
     """A film that bends, and whose buckling parameter represents the wrinkles that its mesh resolves."""
     if scene.law(Bending) is None:
         return
-    for kind in (Springs, Triangles):
+    for kind in (Springs, Rectangles, Triangles):
         law = scene.law(kind)
         for name in ("buckling", "buckling_on_creases") if law is not None else ():
             if (alpha := getattr(law, name)) > MOST_BUCKLING:

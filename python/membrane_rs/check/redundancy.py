@@ -43,6 +43,16 @@ def laws_without_effect(scene: Scene) -> Iterator[Finding]:
         yield Finding("info", "idle_law", 1, f"{kind} is without effect in this scene: {reason}", f"leave {kind} out")
 
 
+def values_without_effect(scene: Scene) -> Iterator[Finding]:
+    """Values of parts that none of the scene's laws feels."""
+    kinds = {law.kind for law in scene.laws}
+    for k, part in enumerate(scene.parts):
+        for name, laws in part.laws_needed.items():
+            if not kinds.intersection(laws):
+                message = f"parts[{k}].{name} is without effect: the scene has no law {' or '.join(laws)}"
+                yield Finding("warning", "setting_without_effect", 1, message, f"add that law, or leave {name} out")
+
+
 def step_savings(scene: Scene, integrator: str | None = None) -> list[Saving]:
     """The step without each law and part in turn, the largest first; only gains of 2 % and more."""
     limit = limit_of_step(scene, integrator)
@@ -72,7 +82,8 @@ def _variants(scene: Scene) -> Iterator[tuple[str, Scene, Callable[[float], str]
         elif law.stiff_through == "film" and scene.mesh is not None and scene.material is not None:
             soft = replace(scene.material, youngs_modulus=scene.material.youngs_modulus * SOFT)
             laws = [other.for_modulus(SOFT) for other in scene.laws]
-            yield law.kind, replace(scene, material=soft, laws=laws), law.step_advice
+            parts = [part.for_modulus(SOFT) for part in scene.parts]
+            yield law.kind, replace(scene, material=soft, laws=laws, parts=parts), law.step_advice
     stiff: dict[str, Part] = {}
     for part in scene.parts:
         if part.softened(SOFT) != part:

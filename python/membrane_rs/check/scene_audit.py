@@ -25,7 +25,7 @@ from membrane_rs.check.mesh_faults import (
 )
 from membrane_rs.check.net_of_springs import net_of_springs
 from membrane_rs.check.rectangles import rectangles_of_film
-from membrane_rs.check.redundancy import laws_without_effect
+from membrane_rs.check.redundancy import laws_without_effect, values_without_effect
 from membrane_rs.check.scene_values import law_and_part_values
 from membrane_rs.check.self_contact import crossing_layers, laws_beside_free_hub, touching_layers
 from membrane_rs.check.softening import softening_of_film, softening_without_effect, step_of_softened_film
@@ -68,6 +68,7 @@ CHECKS: list[Check] = [
     material_values,
     law_and_part_values,
     laws_without_effect,
+    values_without_effect,
     softening_of_film,
 ]
 """Checks that cost little beside the first step of a run: made by `Simulation`, `run` and `check` alike."""

@@ -78,4 +78,9 @@ def peak_stress(sim: Motion) -> float:
     moduli = np.full(len(strains), film.youngs_modulus)
     for region in sim.stage_scene.assemble().regions:
         moduli[region.triangles] = region.youngs_modulus
+        if any(region.natural_strain):
+            xx, yy, xy = region.natural_strain
+            free = mesh.reference @ np.array([[1.0 + xx, xy, 0.0], [xy, 1.0 + yy, 0.0], [0.0, 0.0, 1.0]])
+            own = mesh.triangles[region.triangles]
+            strains[region.triangles] = strain.triangle_strains(free, sim.positions[: mesh.node_count], own)
     return strain.peak_stress(strains, moduli, film.poisson_ratio)

@@ -168,9 +168,9 @@ class Cord(Corded):
         return int(node), *builder.place_of(int(node))
 
     @property
-    def numbers_nodes(self) -> bool:
-        """Whether an end is a node index."""
-        return isinstance(self.start, int) or isinstance(self.end, int)
+    def numbering_field(self) -> str | None:
+        """The end that is a node index."""
+        return next((name for name in ("start", "end") if isinstance(getattr(self, name), int)), None)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A wave runs along a cord as it does along some material."""

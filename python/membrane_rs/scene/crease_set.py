@@ -97,10 +97,21 @@ class CreaseSet(Part):
             builder.set_creases(found, name, value, where)
 
     @property
-    def numbers_nodes(self) -> bool:
-        """Whether it names nodes or creases by their numbers."""
-        return self.creases is not None or has_numbers(self.nodes)
+    def numbering_field(self) -> str | None:
+        """The field by which it names creases or nodes by their numbers."""
+        if self.creases is not None:
+            return "creases"
+        return "nodes" if has_numbers(self.nodes) else None
+
+    @property
+    def laws_needed(self) -> dict[str, tuple[str, ...]]:
+        """All properties are those of the law of creases."""
+        return dict.fromkeys(self._own, ("creases",))
+
+    def for_modulus(self, factor: float) -> CreaseSet:
+        """Moments as they were: kappa is proportional to E."""
+        return self if self.stiffness is None else replace(self, stiffness=self.stiffness / factor)
 
     def with_softened_film(self, factor: float) -> CreaseSet:
-        """Moments as they were: kappa is proportional to E."""
-        return self if self.stiffness is None else replace(self, stiffness=self.stiffness * factor)
+        """Moments as they were."""
+        return self.for_modulus(1.0 / factor)

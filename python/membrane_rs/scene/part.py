@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import ClassVar
 
@@ -85,9 +85,11 @@ class Part:
         yield from ()
 
     @property
-    def numbers_nodes(self) -> bool:
-        """Whether it names nodes by their numbers, which belong to one mesh."""
-        return not isinstance(getattr(self, "nodes", ""), str)
+    def numbering_field(self) -> str | None:
+        """The field by which it names nodes, triangles or creases by their numbers, which belong to one mesh; None: it
+        names none so.
+        """
+        return None if isinstance(getattr(self, "nodes", ""), str) else "nodes"
 
     def resized(self, sizes: Mapping[str, tuple[int, int]]) -> Part:
         """The part for another mesh, whose node sets have the second of these sizes in place of the first.
@@ -111,6 +113,26 @@ class Part:
         ----------
         factor : float
             Of the stiffness [-].
+
+        Returns
+        -------
+        Part
+            Of the same kind.
+        """
+        return self
+
+    @property
+    def laws_needed(self) -> Mapping[str, Sequence[str]]:
+        """Fields with a value that is felt by some laws alone, and the kinds of these."""
+        return {}
+
+    def for_modulus(self, factor: float) -> Part:
+        """The part of a film whose Young's modulus is `factor` times as large: as soft as it, and else as strong.
+
+        Parameters
+        ----------
+        factor : float
+            Of Young's modulus [-].
 
         Returns
         -------

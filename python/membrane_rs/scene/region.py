@@ -211,15 +211,29 @@ class Region(Part):
         return optics_of("Region", given)
 
     @property
-    def numbers_nodes(self) -> bool:
-        """Whether it names nodes or triangles by their numbers."""
-        return has_numbers(self.triangles) or has_numbers(self.nodes)
+    def numbering_field(self) -> str | None:
+        """The field by which it names triangles or nodes by their numbers."""
+        return next((name for name in ("triangles", "nodes") if has_numbers(getattr(self, name))), None)
+
+    @property
+    def laws_needed(self) -> dict[str, tuple[str, ...]]:
+        """Those of each property that is given, without material, thickness and mass."""
+        films = ("springs", "rectangles", "triangles")
+        needed = {"bending_stiffness": ("bending",), "curvature": ("bending",), "buckling": films}
+        needed |= {"natural_strain": films}
+        needed |= {f"{side}_{name}": ("solar_pressure",) for side in ("front", "back") for name in OF_SIDES}
+        return {name: laws for name, laws in needed.items() if getattr(self, name) not in (None, (0.0, 0.0))}
+
+    def for_modulus(self, factor: float) -> Region:
+        """E and D with the film's, by which the moments of `Bending` stay as they were."""
+        names = ("youngs_modulus", "bending_stiffness")
+        own: dict[str, Any] = {name: getattr(self, name) * factor for name in names if getattr(self, name)}
+        return replace(self, **own)
 
     def with_softened_film(self, factor: float) -> Region:
         """As soft as the film: E over the factor, with buckling forces and the moments of `Bending` as they were."""
-        by = {"youngs_modulus": 1.0 / factor, "buckling": factor, "bending_stiffness": 1.0 / factor}
-        changed: dict[str, Any] = {name: getattr(self, name) * of for name, of in by.items() if getattr(self, name)}
-        return replace(self, **changed)
+        soft = self.for_modulus(1.0 / factor)
+        return soft if self.buckling is None else replace(soft, buckling=self.buckling * factor)
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A region is thinner than `THICKEST` films, its devices are lighter than `HEAVIEST` times the film, and it has

@@ -26,6 +26,7 @@ from membrane_rs.errors import InputError, InputTypeError, UnstableError
 from membrane_rs.folding.pattern import RowPattern, pattern_of
 from membrane_rs.runs import Simulation
 from membrane_rs.scene import Scene
+from membrane_rs.study.common.density import refuse_numbers
 from membrane_rs.study.common.executor import Tell, run_parallel, teller, workers_of
 from membrane_rs.study.common.perturbation import SHIFT
 from membrane_rs.study.common.run import MOST_MEMBERS, study_case
@@ -209,7 +210,8 @@ def mesh_study(
     Raises
     ------
     InputError, InputTypeError
-        A mesh of another pattern, rows that do not fit the strips, no scene, no jobs.
+        A mesh of another pattern, rows that do not fit the strips, a part or a law that refers to the mesh by numbers,
+        no scene, no jobs.
     OutputError
         The folder cannot be written.
 
@@ -254,6 +256,7 @@ def sail_of(scene: Scene) -> RowPattern:
     """The pattern in rows of a scene of a mesh study. Raises InputError and InputTypeError."""
     check_kind(scene, Scene, "scene", "a Scene")
     refuse_stages(scene)
+    refuse_numbers(scene, "mesh study")
     sail = pattern_of(scene.mesh)
     if not isinstance(sail, RowPattern):
         raise InputError(

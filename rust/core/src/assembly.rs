@@ -38,7 +38,7 @@ impl Assembly {
     ///
     /// # Errors
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
-    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`, `RegionsOverlap`.
+    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`, `RegionsOverlap`, `TiltedFilm`.
     pub fn new(model: Model, instructions: InstructionSet) -> Result<Self> {
         model.check()?;
         let n = model.positions.len();
@@ -52,6 +52,7 @@ impl Assembly {
             for (mass, share) in masses.iter_mut().zip(mesh.lumped_masses(|row| film.of(row).areal_density())?) {
                 *mass += share;
             }
+            film.check_directions(&mesh)?;
             edge_stiffness = vec![0.0; mesh.edges.len()];
             if model.negative_springs != NegativeSprings::Unused {
                 side_stiffness = mesh.all_side_constants(|row| film.of(row).film)?;

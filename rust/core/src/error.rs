@@ -28,6 +28,13 @@ pub enum Error {
     #[error("triangle {triangle} belongs to two regions; leave it out of one of them")]
     RegionsOverlap { triangle: usize },
 
+    /// A film with directions in x and y on a triangle that does not lie in a plane of constant z.
+    #[error(
+        "triangle {triangle} of the flat shape is tilted to the xy plane, in which natural curvature, natural strain \
+         and the direction of two moduli are given; turn the flat shape into that plane"
+    )]
+    TiltedFilm { triangle: usize },
+
     /// A natural curvature beyond what an edge of the mesh can follow.
     #[error(
         "the natural curvature of the film folds edge {edge:?} by {degrees:.0} degrees: a mesh follows at most 90 from \

@@ -26,6 +26,7 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::SlenderRectangles { .. }
         | Error::NotAHinge { .. }
         | Error::RegionsOverlap { .. }
+        | Error::TiltedFilm { .. }
         | Error::CurvatureBeyondMesh { .. } => python::MeshError::new_err(text),
         _ => python::InputError::new_err(text),
     }

@@ -7,7 +7,9 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
+from membrane_rs._arrays import Ints
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
+from membrane_rs.mesh import Mesh
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.plausible import Doubt, implausible
 
@@ -73,8 +75,15 @@ class CordDrag(Law):
         assembly = scene.assemble()
         if len(assembly.cords) == 0:
             return "the scene has no cords"
+        if scene.mesh is not None and _are_edges(scene.mesh, assembly.cords.nodes):
+            return "all cords lie along edges of the film, which have none"
         if self.density == 0 or self.coefficient == 0:
             return f"its {'density' if self.density == 0 else 'coefficient'} is 0"
         if self.air == "turning" and len(assembly.fixed) == assembly.node_count:
             return "nothing moves in this scene"
         return None
+
+
+def _are_edges(mesh: Mesh, pairs: Ints) -> bool:
+    """Whether all pairs of nodes (s, 2) are edges of the mesh."""
+    return bool(pairs.max() < mesh.node_count) and bool(mesh.find_edges(pairs)[1].all())

@@ -11,6 +11,12 @@ from membrane_rs.folding.pattern import pattern_of
 from membrane_rs.mesh import MeshOrigin
 from membrane_rs.scene import Scene
 
+_REMEDIES = {
+    "triangles": ("triangles", "a node set or a polygon"),
+    "creases": ("creases", "a node set, or mountains or valleys"),
+}
+"""Elements that a field names by number, and what names them on any mesh; other fields name nodes."""
+
 
 def denser(scene: Scene, density: float) -> Scene:
     """The scene with its mesh `density` times as dense along each direction; cords keep their segments.
@@ -33,18 +39,7 @@ def denser(scene: Scene, density: float) -> Scene:
             f"density = {density:g}: scene {scene.name!r} {what}; only the mesh of a folding pattern can be made "
             "coarser or finer"
         )
-    for k, part in enumerate(scene.parts):
-        if part.numbers_nodes:
-            raise InputError(
-                f"density = {density:g}: parts.{k}.nodes of scene {scene.name!r} names nodes by number, which "
-                "another mesh gives to other nodes; name a node set"
-            )
-    for law in scene.laws:
-        if law.numbering_field is not None:
-            raise InputError(
-                f"density = {density:g}: laws.{law.kind}.{law.numbering_field} of scene {scene.name!r} names nodes by "
-                "number, which another mesh gives to other nodes; name a node set"
-            )
+    refuse_numbers(scene, f"density = {density:g}")
     pattern = pattern_of(scene.mesh)
     if pattern is None:
         kind = type(scene.mesh.source).__name__
@@ -53,3 +48,16 @@ def denser(scene: Scene, density: float) -> Scene:
     before, now = scene.mesh.node_sets, mesh.node_sets
     sizes = {name: (len(nodes), len(now[name])) for name, nodes in before.items() if name in now}
     return replace(scene, mesh=mesh, parts=[part.resized(sizes) for part in scene.parts])
+
+
+def refuse_numbers(scene: Scene, where: str) -> None:
+    """Raise InputError for a part or a law that refers to the mesh by numbers, since another one numbers otherwise."""
+    places = [(f"parts.{k}", part.numbering_field) for k, part in enumerate(scene.parts)]
+    places += [(f"laws.{law.kind}", law.numbering_field) for law in scene.laws]
+    for place, field in places:
+        if field is not None:
+            what, remedy = _REMEDIES.get(field, ("nodes", "a node set"))
+            raise InputError(
+                f"{where}: {place}.{field} of scene {scene.name!r} names {what} by number, which another mesh gives to "
+                f"other {what}; name {remedy}"
+            )

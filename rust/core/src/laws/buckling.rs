@@ -91,11 +91,12 @@ impl Buckling {
         }
     }
 
-    /// Rest length and L - l_cr of each edge of the mesh [m].
+    /// Rest length and L - l_cr of each edge of the mesh [m], by the part of each triangle in the spring constants of
+    /// its sides, side k opposite corner k.
     ///
     /// # Errors
     /// `OutOfRange` for a parameter.
-    pub(super) fn shortenings(self, assembly: &Assembly) -> Result<Vec<(f64, f64)>> {
+    pub(super) fn shortenings(self, assembly: &Assembly, parts: &[[f64; 3]]) -> Result<Vec<(f64, f64)>> {
         self.check()?;
         let Some(films) = &assembly.film else { return Ok(Vec::new()) };
         let edges = edges(assembly);
@@ -106,7 +107,7 @@ impl Buckling {
         let mut means = vec![[Mean::default(); 2]; edges.len()];
         for (triangle, sides) in assembly.mesh.triangle_edges.iter().enumerate() {
             let film = films.of(triangle);
-            let constants = assembly.side_stiffness.get(triangle).copied().unwrap_or([1.0; 3]);
+            let constants = parts.get(triangle).copied().unwrap_or([1.0; 3]);
             for (side, constant) in sides.iter().map(|&side| side as usize).zip(constants) {
                 let [length, shortening] = &mut means[side];
                 length.add(self.rest_length(assembly, film, side, edges[side].length), constant.max(0.0));
@@ -129,7 +130,7 @@ impl Buckling {
 
 /// A weighted mean: of equal values that value, to the last bit.
 #[derive(Debug, Clone, Copy)]
-struct Mean {
+pub(super) struct Mean {
     sum: f64,
     shares: f64,
     least: f64,
@@ -143,14 +144,14 @@ impl Default for Mean {
 }
 
 impl Mean {
-    fn add(&mut self, value: f64, share: f64) {
+    pub(super) fn add(&mut self, value: f64, share: f64) {
         self.sum += share * value;
         self.shares += share;
         self.least = self.least.min(value);
         self.most = self.most.max(value);
     }
 
-    fn value(&self) -> f64 {
+    pub(super) fn value(&self) -> f64 {
         let middle = 0.5 * (self.least + self.most);
         if self.shares > 0.0 { (self.sum / self.shares).clamp(self.least, self.most) } else { middle }
     }

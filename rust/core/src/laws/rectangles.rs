@@ -10,14 +10,14 @@
 
 use serde::Deserialize;
 
-use super::buckling::Buckling;
+use super::buckling::{Buckling, Mean};
 use super::springs::{FilmTriangles, Spring, SpringParameters, Springs};
 use super::{Context, FilmElements, Law, LawParameters};
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::positive;
 use crate::model::mesh::{dot, sub};
-use crate::model::rectangles::{Legs, Rectangles};
+use crate::model::rectangles::Rectangles;
 
 /// Parameters of the rectangles: those of springs.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -58,28 +58,29 @@ impl RectangleParameters {
         let (parameter, on_creases, length) = (buckling, buckling_on_creases, buckling_length);
         let assembly = context.assembly;
         Springs::require_one_modulus("rectangles", assembly)?;
-        let mut lengths = Buckling { parameter, on_creases, length, crease_length }.shortenings(assembly)?;
         let rectangles = assembly.mesh.rectangles(&assembly.hinges)?;
+        let links = context.networks.rectangles(&rectangles, assembly);
+        let Some(films) = &assembly.film else { return Ok(Springs::in_batches("rectangles", links, &[])) };
+        let constants = stiffness(&rectangles, assembly)?;
+        let parts = rectangles.side_constants(|triangle| films.of(triangle).film);
+        let mut lengths = Buckling { parameter, on_creases, length, crease_length }.shortenings(assembly, &parts)?;
         for (rectangle, ends) in rectangles.all.iter().zip(&rectangles.ends[assembly.mesh.edges.len()..]) {
             let [i, j] = ends.map(|node| assembly.mesh.reference[node as usize]);
-            let ([.., [diagonal, _]], span) = (rectangle.springs, sub(j, i));
-            let in_film = |(triangle, _): (u32, Legs)| {
-                let film = assembly.film.as_ref().map(|films| films.of(triangle as usize));
-                let span = film.map_or(span, |film| film.natural(span));
-                dot(span, span).sqrt()
-            };
-            let [first, second] = rectangle.halves.map(in_film);
-            let rest_length = if first == second { first } else { 0.5 * (first + second) };
-            lengths.push((rest_length, lengths[diagonal as usize].1));
+            let mut rest_length = Mean::default();
+            for (triangle, legs) in rectangle.halves {
+                let span = films.of(triangle as usize).natural(sub(j, i));
+                rest_length.add(dot(span, span).sqrt(), parts[triangle as usize][legs[0]]);
+            }
+            let [.., [diagonal, _]] = rectangle.springs;
+            lengths.push((rest_length.value(), lengths[diagonal as usize].1));
         }
-        let springs = stiffness(&rectangles, assembly)?.into_iter().zip(lengths);
+        let springs = constants.into_iter().zip(lengths);
         let springs = springs.map(|(stiffness, (rest_length, shortening))| Spring {
             stiffness,
             rest_length,
             critical_length: rest_length - shortening,
             strain_limit,
         });
-        let links = context.networks.rectangles(&rectangles, assembly);
         let mut own = Springs::in_batches("rectangles", links, &springs.collect::<Vec<_>>());
         own.film = FilmTriangles::of_rectangles(&rectangles, assembly);
         Ok(own)

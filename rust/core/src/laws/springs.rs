@@ -154,7 +154,7 @@ impl Springs {
         let buckling = Buckling { parameter, on_creases, length, crease_length };
         let assembly = context.assembly;
         Self::require_one_modulus("springs", assembly)?;
-        let springs = assembly.edge_stiffness.iter().zip(buckling.shortenings(assembly)?);
+        let springs = assembly.edge_stiffness.iter().zip(buckling.shortenings(assembly, &assembly.side_stiffness)?);
         let springs = springs.map(|(&stiffness, (rest_length, shortening))| Spring {
             stiffness,
             rest_length,

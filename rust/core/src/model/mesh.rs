@@ -98,6 +98,13 @@ impl Mesh {
         Ok(area)
     }
 
+    /// Whether a triangle lies in a plane of constant z, to 1e-3 rad.
+    pub(crate) fn is_level(&self, triangle: usize) -> bool {
+        let [a, b, c] = self.triangles[triangle].map(|node| self.reference[node as usize]);
+        let [x, y, z] = cross(sub(b, a), sub(c, a));
+        x.hypot(y) <= 1e-3 * z.abs()
+    }
+
     /// Mass of each node: the sum of m S / 3 over its triangles, with the mass m per area of each \[kg\].
     ///
     /// # Errors

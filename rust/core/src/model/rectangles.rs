@@ -155,6 +155,21 @@ impl Rectangles {
         self.all.iter().map(|rectangle| rectangle.corners).collect()
     }
 
+    /// The part of each triangle in the spring constants of its sides, side k opposite corner k \[N/m\]: of its legs
+    /// that of the rectangle, of the diagonal by its own film.
+    pub(crate) fn side_constants(&self, film_of: impl Fn(usize) -> Film) -> Vec<[f64; 3]> {
+        let mut parts = vec![[0.0; 3]; 2 * self.all.len()];
+        for rectangle in &self.all {
+            let own = rectangle.halves.map(|(triangle, _)| rectangle.constants(film_of(triangle as usize)));
+            for ((triangle, legs), [.., diagonal]) in rectangle.halves.into_iter().zip(own) {
+                let mean = |k: usize| 0.5 * (own[0][k] + own[1][k]);
+                let part = &mut parts[triangle as usize];
+                (part[legs[0]], part[legs[1]], part[legs[2]]) = (diagonal, mean(1), mean(0));
+            }
+        }
+        parts
+    }
+
     /// Spring constant of each of `ends`, summed over the rectangles \[N/m\]. `film_of` is the film of a triangle; a
     /// rectangle has the mean of the constants by both of its films.
     ///

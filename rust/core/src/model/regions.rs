@@ -2,6 +2,7 @@
 
 use super::checks::{finite, non_negative, within};
 use super::input::Film;
+use super::mesh::Mesh;
 use super::optics::Optics;
 use super::orthotropy::Orthotropy;
 use crate::error::{Error, Result};
@@ -96,6 +97,11 @@ impl RegionFilm {
         (1.0 + xx) * (1.0 + yy) - xy * xy
     }
 
+    /// Whether it depends on directions in the reference.
+    fn has_directions(&self) -> bool {
+        self.curvature != [0.0; 3] || self.natural_strain != [0.0; 3]
+    }
+
     fn check(&self, poisson_ratio: f64) -> Result<()> {
         self.film.check()?;
         let nu = self.film.poisson_ratio;
@@ -139,6 +145,18 @@ impl FilmOfTriangles {
             }
         }
         Ok(Self { films, of, orthotropy })
+    }
+
+    /// Refuses properties that depend on directions in x and y on triangles that are tilted to that plane.
+    ///
+    /// # Errors
+    /// `TiltedFilm`.
+    pub fn check_directions(&self, mesh: &Mesh) -> Result<()> {
+        let has_directions = |&row: &usize| self.orthotropy.is_some() || self.of(row).has_directions();
+        match (0..mesh.triangles.len()).filter(has_directions).find(|&row| !mesh.is_level(row)) {
+            Some(triangle) => Err(Error::TiltedFilm { triangle }),
+            None => Ok(()),
+        }
     }
 
     /// The film of a triangle.
