@@ -88,6 +88,11 @@ PARTS = (
         [("tools/docs/bending.py", "--write")],
     ),
     Part(
+        "folding",
+        "docs/folding.md: patterns folded by simulation, against closed forms",
+        [("tools/docs/folding.py", "--write")],
+    ),
+    Part(
         "contact",
         "docs/contact.md: contact between layers, its cost, and what it changes",
         [("tools/docs/contact.py", "--write")],

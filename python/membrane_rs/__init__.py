@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from membrane_rs.scene.run_settings import RunSettings
     from membrane_rs.scene.schedule import Schedule
     from membrane_rs.scene.stage import Stage
-    from membrane_rs.simulation import IntegratorFacts, integrators
+    from membrane_rs.simulation import FoldResult, IntegratorFacts, fold, integrators
 
     __version__: str
 
@@ -87,6 +87,7 @@ __all__ = [
     "DisplayError",
     "ExecutorError",
     "Fixed",
+    "FoldResult",
     "Gravity",
     "InputError",
     "InputTypeError",
@@ -126,6 +127,7 @@ __all__ = [
     "UnknownAttributeError",
     "UnstableError",
     "__version__",
+    "fold",
     "folding",
     "integrators",
     "open_run",
@@ -190,7 +192,7 @@ _PLACES = {
     "membrane_rs.scene.run_settings": ("RunSettings",),
     "membrane_rs.scene.schedule": ("Schedule",),
     "membrane_rs.scene.stage": ("Stage",),
-    "membrane_rs.simulation": ("IntegratorFacts", "integrators"),
+    "membrane_rs.simulation": ("FoldResult", "IntegratorFacts", "fold", "integrators"),
 }
 _OLD = {"audit", "laws", "observe", "output", "parts", "run_settings"}
 """Old places of names: modules that are found and not listed."""

@@ -57,6 +57,13 @@ _FIELDS = {
     "sun": {"": "sun_direction direction_to_sun sun_vector"},
     "self_contact": {"": "self_collision collision collisions layers layer_contact"},
     "springs": {"": "film membrane bars"},
+    "region": {"": "zone patch area material_region panel device devices"},
+    "crease_set": {"": "crease_group fold_set"},
+    "areal_mass": {"in kg/m2": "surface_density area_density mass_per_area areal_density"},
+    "natural_strain": {"": "thermal_strain prestrain eigenstrain prestress pretension"},
+    "fold_fraction": {"": "fold_percent folding fold_ratio"},
+    "shear_modulus": {"in Pa": "g12"},
+    "youngs_modulus_across": {"in Pa": "e2 youngs_modulus_2 transverse_modulus"},
     "tether": {"": "cable rope cord string"},
     "fixed": {"": "clamp clamped support supports anchor pinned boundary"},
 }

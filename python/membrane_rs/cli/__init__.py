@@ -13,6 +13,7 @@ from membrane_rs.cli import compare as compare
 from membrane_rs.cli import convert as convert
 from membrane_rs.cli import export as export
 from membrane_rs.cli import figures as figures
+from membrane_rs.cli import fold as fold
 from membrane_rs.cli import new as new
 from membrane_rs.cli import report as report
 from membrane_rs.cli import runs as runs

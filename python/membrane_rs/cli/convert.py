@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from membrane_rs.cli.application import SCENES, Json, command, print_json
-from membrane_rs.cli.options import ReplaceMesh, count_option, refuse_existing
-
-
-def _number_or_text(text: str) -> Any:
-    """A number, or a text, which may have a unit."""
-    with suppress(ValueError):
-        return float(text)
-    return text
+from membrane_rs.cli.options import ReplaceMesh, count_option, number_or_text, refuse_existing
 
 
 @command(
@@ -29,7 +21,7 @@ def convert(
     *,
     scale: Annotated[
         Any,
-        typer.Option(parser=_number_or_text, metavar="UNIT", help="Unit of its coordinates: mm, or in metres, 0.001."),
+        typer.Option(parser=number_or_text, metavar="UNIT", help="Unit of its coordinates: mm, or in metres, 0.001."),
     ] = None,
     quads: Annotated[
         str | None,
@@ -37,7 +29,7 @@ def convert(
     ] = None,
     merge: Annotated[
         Any,
-        typer.Option(parser=_number_or_text, metavar="LENGTH", help="Nodes no further apart become one [m]: 1um."),
+        typer.Option(parser=number_or_text, metavar="LENGTH", help="Nodes no further apart become one [m]: 1um."),
     ] = None,
     frame: Annotated[
         int | None, count_option(help="Of a FOLD file: the frame that is the shape at the start; 0 is the key frame.")

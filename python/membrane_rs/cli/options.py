@@ -29,6 +29,13 @@ def number(text: str) -> float:
         raise typer.BadParameter(f"{show(text)}: must be a number, such as 0.5") from None
 
 
+def number_or_text(text: str) -> Any:
+    """A number, or a text, which may have a unit."""
+    with suppress(ValueError):
+        return float(text)
+    return text
+
+
 def quantity(text: str, unit: str) -> float:
     """A number of the command line, or a text with its unit, in SI. Raises BadParameter, which names the value."""
     with suppress(ValueError):

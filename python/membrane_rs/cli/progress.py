@@ -71,6 +71,18 @@ def terminal() -> Console:
 
 
 @contextmanager
+def parts_counter(words: str) -> Iterator[Callable[[int, int], None]]:
+    """What shows how many parts of something are done: a bar on a terminal, else nothing."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = terminal()
+    columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TextColumn(words), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=not console.is_terminal or verbosity.quiet) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
 def run_counter() -> Iterator[Callable[[int, int, RunResult], None]]:
     """What shows how many runs are done: on a terminal a bar, and a line for each that fails; else a line for each."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from membrane_rs._arrays import Bools, Floats, Ints
 from membrane_rs._given_arrays import numeric
 from membrane_rs.errors import MeshError
-from membrane_rs.mesh.links import groups
+from membrane_rs.mesh.panels import inner_sides, panels
 from membrane_rs.mesh.triangulation import Triangulation
 
 FLAT = np.radians(1.0)
@@ -77,6 +77,14 @@ def _bend(mesh: Triangulation, positions: Floats, creases: Ints) -> Floats:
     bend[is_crease | (facets < 0).any(axis=1)] = 0.0
     largest: Floats = bend.reshape(-1, 4).max(axis=1)
     return largest
+
+
+def largest_bend(mesh: Triangulation, positions: Floats) -> float:
+    """The largest angle [rad] between two triangles of one panel at positions (n, 3); 0 where all panels are flat."""
+    is_crease = np.zeros(len(mesh.edges), dtype=bool)
+    is_crease[mesh.find_edges(mesh.creases)[0]] = True
+    inside = mesh.edges[(mesh.triangles_per_edge == 2) & ~is_crease]
+    return float(np.abs(_angles(positions, _facets(mesh, inside))).max(initial=0.0))
 
 
 def fold_angles_of(mesh: Triangulation, positions: Floats) -> Floats:
@@ -168,17 +176,11 @@ def _contradicts(mesh: Triangulation, positions: Floats, given: Floats, found: F
 
 
 def _lies_in_layers(mesh: Triangulation) -> Bools:
-    """(c,) whether one of the two panels beside a crease borders a third panel at another crease or a bridge.
-
-    Panels are the parts of the film between creases.
-    """
+    """(c,) whether one of the two panels beside a crease borders a third panel at another crease or a bridge."""
     index = mesh.find_edges(mesh.creases)[0]
-    order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
-    edge = mesh.triangle_edges.ravel()[order]
-    pairs = np.stack([order[:-1], order[1:]], axis=1)[edge[1:] == edge[:-1]] // 3
-    between = edge[1:][edge[1:] == edge[:-1]]
+    pairs, between = inner_sides(mesh)
     is_crease = np.isin(between, index)
-    panel = groups(pairs[~is_crease], len(mesh.triangles))
+    panel = panels(mesh)
     some = np.zeros(mesh.node_count, dtype=np.int64)
     some[mesh.triangles.ravel()] = np.repeat(np.arange(len(mesh.triangles)), 3)
     ends = panel[np.concatenate([pairs[is_crease], some[mesh.bridges]])]

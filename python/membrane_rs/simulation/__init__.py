@@ -8,6 +8,8 @@ from membrane_rs._moved import Moved
 from membrane_rs._on_demand import OnDemand
 
 if TYPE_CHECKING:
+    from membrane_rs.simulation.fold_result import FoldIncrement, FoldResult
+    from membrane_rs.simulation.folded import fold
     from membrane_rs.simulation.hub import AngularMomentum, HubLoad, HubMotor
     from membrane_rs.simulation.methods import IntegratorFacts, integrators
     from membrane_rs.simulation.motion import Motion
@@ -20,6 +22,8 @@ __all__ = [
     "AngularMomentum",
     "BodyLoad",
     "FilmStress",
+    "FoldIncrement",
+    "FoldResult",
     "HubLoad",
     "HubMotor",
     "IntegratorFacts",
@@ -27,6 +31,7 @@ __all__ = [
     "Observer",
     "StageRecord",
     "Stepper",
+    "fold",
     "integrators",
 ]
 
@@ -34,6 +39,8 @@ if not TYPE_CHECKING:  # a type checker would take every name for one that is th
     _on_demand = OnDemand(
         __name__,
         {
+            "membrane_rs.simulation.fold_result": ("FoldIncrement", "FoldResult"),
+            "membrane_rs.simulation.folded": ("fold",),
             "membrane_rs.simulation.hub": ("AngularMomentum", "HubLoad", "HubMotor"),
             "membrane_rs.simulation.methods": ("IntegratorFacts", "integrators"),
             "membrane_rs.simulation.motion": ("Motion",),

@@ -94,7 +94,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
             raise InputError(f"relax: {name} = {value}: must be greater than 0 ({unit})")
     held = FrozenStepper(held_scene(scene, rate, start.hub_rate), start.integrator, start.time)
     held.positions = start.positions
-    floor = NO_FORCE * _largest_force(held)
+    floor = NO_FORCE * largest_force(held)
     left, further = _stopped(held, rate, floor), ""
     try:
         held.reach(time)
@@ -107,7 +107,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
         freely.positions = left.positions
         try:
             enough = np.inf
-            for found in _stops(freely, FURTHER * time, floor):
+            for found in kinetic_damping(freely, FURTHER * time, floor):
                 left = min(left, found, key=lambda remainder: remainder.share)
                 if left.share <= AT_REST:
                     enough = min(enough, CLOSER_STEPS * freely.step_count)
@@ -125,7 +125,7 @@ def relaxed(start: Motion, duration: float | None, rate: float | None) -> tuple[
     return left.positions, left.speed
 
 
-def _stops(held: Stepper, end: float, floor: float) -> Iterator[Remainder]:
+def kinetic_damping(held: Stepper, end: float, floor: float) -> Iterator[Remainder]:
     """Kinetic damping up to a time [s]: what is left at each maximum of the kinetic energy, where all is stopped.
 
     Vibrations that the steps hardly resolve have maxima at every other step. Where stops bring nothing, the next one
@@ -155,13 +155,13 @@ def _stopped(held: Stepper, rate: float, floor: float) -> Remainder:
     free = _free_nodes(held)
     net[free] = np.linalg.norm(held.forces()[free], axis=1)
     rest = np.maximum(net, rate * held.masses * speeds)
-    largest = max(_largest_force(held), floor)
+    largest = max(largest_force(held), floor)
     node = int(np.argmax(rest))
     share = float(rest[node]) / max(largest, float(np.finfo(float).tiny))
     return Remainder(positions, float(speeds.max()), node, float(net[node]), float(speeds[node]), largest, share)
 
 
-def _largest_force(held: Stepper) -> float:
+def largest_force(held: Stepper) -> float:
     """Largest force of a law on a free node [N]."""
     free = _free_nodes(held)
     by_law = [np.linalg.norm(held.forces(law)[free], axis=1) for law in held._core.law_names]

@@ -67,8 +67,8 @@ impl<V: SimdF64> Facets<V> {
         V::atan2(sine, cosine)
     }
 
-    /// The fold angle less a natural one, given by its sine and cosine, from -pi to pi: its cut is where it is shut from
-    /// the natural angle \[rad\].
+    /// The fold angle less a natural one, given by its sine and cosine, from -pi to pi: its cut is half a turn from the
+    /// natural angle \[rad\].
     #[inline(always)]
     pub(crate) fn fold_beyond(&self, natural: [V; 2]) -> V {
         let [sine, cosine] = turned_back(self.unscaled_direction(), natural);

@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 
 /// The force on a node of a facet as a function of the facet's normal.
 pub(super) trait FacetLoad {
-    /// The force \[N\] by twice the vector area \[m2\] of the batch at this place among all batches; `presence` is 1 for
-    /// a facet, 0 in padding lanes.
+    /// The force \[N\] by twice the vector area \[m2\] of the batch at this place among all batches; `presence` is 1
+    /// for a facet, 0 in padding lanes.
     fn on_node<V: SimdF64>(&self, place: usize, presence: V, normal: Vec3<V>) -> Vec3<V>;
 
     /// The change of the force by a change of twice the vector area, of the facet in a lane of a batch.

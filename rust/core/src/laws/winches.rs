@@ -1,6 +1,6 @@
 //! Cords whose length changes with time: segments of the unstretched length r(t) = f(t) r_1, f a schedule \[-\].
 //!
-//! As any cord it bears tension alone; its axial stiffness EA stays, its segments become stiffer as they become shorter:
+//! As any cord it bears tension alone. Its axial stiffness EA stays; segments become stiffer as they become shorter:
 //!
 //!     N = EA max(l - r, 0) / r   [N],     U = EA max(l - r, 0)^2 / (2 r)   [J]
 //!
@@ -217,7 +217,7 @@ impl Inspection for Winches {
             self.strains(at).into_iter().find(|(segment, strain)| *strain > segment.strain_limit)?;
         let (percent, bound) = (100.0 * strain, 100.0 * segment.strain_limit);
         let what = format!(
-            "a segment of {:.4e} m, before it is hauled in, is stretched by {percent:.3} %, over its bound of {bound:.3} %",
+            "a segment of {:.4e} m before hauling is stretched by {percent:.3} %, over its bound of {bound:.3} %",
             segment.length
         );
         Some(Excess { nodes: segment.nodes.to_vec(), what })

@@ -1,7 +1,7 @@
 //! A film of two moduli, as one of fibres or of a textile, in plane stress.
 //!
-//! With axis 1 along a direction of the flat reference, nu the strain across of a stress along it, and all moduli over E
-//! of that axis, e = E_2/E and g = G/E,
+//! With axis 1 along a direction of the flat reference, nu the contraction across of a stretch along it, E that of the
+//! axis, e = E_2/E and g = G/E, the stress over E is
 //!
 //!     S_11 = (E_11 + nu e E_22) / (1 - nu^2 e),   S_22 = e (E_22 + nu E_11) / (1 - nu^2 e),   S_12 = 2 g E_12
 //!

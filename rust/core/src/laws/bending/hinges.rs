@@ -17,8 +17,8 @@
 //!
 //! Where the mesh is not a lattice, a b is the area of both facets of an edge, and k = D e^2 / (a b) where they are not
 //! right-angled; 3 b^2 - a^2 is at least b^2. Between two films D is the harmonic mean by the areas of the facets: both
-//! bear one moment, and the fold angle is the sum of what it bends each. Where one facet is rigid, the curvature belongs to the other one alone: k
-//! is larger by the ratio of both areas to its own.
+//! bear one moment, and the fold angle is the sum of what it bends each. Where one facet is rigid, the curvature
+//! belongs to the other one alone: k is larger by the ratio of both areas to its own.
 
 use super::edges::{InnerEdge, films_of, inner_edges, natural_fold};
 use super::{BendingParameters, PROPERTIES, remedy};

@@ -12,9 +12,9 @@
 //!
 //! with n the normal of the edge in the plane of the triangle, the weighted angle w_C w_D phi in place of phi, and
 //! s = 1/2: the other half of the angle belongs to the triangle on the other side. In products of two edges sin phi
-//! stands in place of phi. A region of natural curvature has phi less its natural fold angle in place of phi, see `edges`;
-//! each has its own D. Every force is -dU/dx. The weights w are those of `elements::hinge`. The fold angle has its
-//! cut where the hinge is shut, where its energy is continuous.
+//! stands in place of phi. A region of natural curvature has phi less its natural fold angle in place of phi, see
+//! `edges`; each has its own D. Every force is -dU/dx. The weights w are those of `elements::hinge`. The fold angle has
+//! its cut where the hinge is shut, where its energy is continuous.
 //!
 //! Sources: hinges of constant stiffness on equilateral triangles, Seung and Nelson, Phys. Rev. A 38 (1988); the
 //! curvature of a triangle from those beside it, Onate and Cervera, Eng. Comput. 10 (1993).

@@ -1,0 +1,105 @@
+"""Films free of stress at a strain of their own: thermal strain and prestress, against Hooke's law and a string."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from membrane_rs import Fixed, Material, Mesh, Rectangles, Region, Scene, Simulation, Springs, Stage, Triangles
+from membrane_rs.folding import Strip
+from numpy.testing import assert_allclose
+
+FILM = Material(3.2e9, 0.34, 1420.0, 7.5e-6)
+FILMS: list[Any] = [Springs(10.0, 30.0), Triangles(0.1, 10.0, 30.0), Rectangles(10.0, 30.0)]
+
+
+def regular() -> Mesh:
+    """A flat rectangle of 0.12 x 0.06 m in rectangles."""
+    return Strip(0.12, 0.06, 12, 6).mesh()
+
+
+def fitting(film: Any) -> Mesh:
+    """A mesh for a law of the film: an irregular one, where it takes that."""
+    return regular() if isinstance(film, Rectangles) else irregular()
+
+
+def irregular() -> Mesh:
+    """A flat rectangle of 0.12 x 0.06 m whose inner nodes are displaced in its plane."""
+    mesh = regular()
+    points = np.array(mesh.reference)
+    inner = np.setdiff1d(np.arange(len(points)), np.unique(mesh.boundary_edges))
+    points[inner, :2] += 0.0025 * np.random.default_rng(5).uniform(-1.0, 1.0, (len(inner), 2))
+    return Mesh(points, mesh.triangles)
+
+
+@pytest.mark.parametrize("film", FILMS)
+def test_a_film_at_its_natural_strain_is_free_of_stress(film: Any) -> None:
+    """On an irregular mesh, stretched as the strain says, in any direction; and held flat it bears Hooke's stress."""
+    flat, strain, direction = fitting(film), (0.012, -0.004), 0.6
+    cosine, sine = math.cos(direction), math.sin(direction)
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    stretch = np.eye(2) + turn @ np.diag(strain) @ turn.T
+    positions = np.array(flat.reference)
+    positions[:, :2] = positions[:, :2] @ stretch.T
+    region = Region("all", natural_strain=strain, direction=direction)
+    slack, held = (
+        Simulation(Scene(Mesh(flat.reference, flat.triangles, positions=at), FILM, [film], [Fixed([0]), region]))
+        for at in (positions, flat.reference)
+    )
+    assert np.abs(slack.forces()).max() < 1e-9 * np.abs(held.forces()).max()
+    assert slack.energies()[film.kind] < 1e-15 * held.energies()[film.kind]
+
+
+def test_a_held_film_that_shrinks_is_taut_by_hookes_law() -> None:
+    """sigma = E e / (1 - nu) of a shrinkage e in both directions; thermal strain and prestress are the same."""
+    mesh, shrinkage = irregular(), 1e-4
+    parts = [Fixed(np.unique(mesh.boundary_edges).tolist()), Region("all", natural_strain=(-shrinkage, -shrinkage))]
+    stress = Simulation(Scene(mesh, FILM, [Triangles(1.0)], parts)).film_stress().principal
+    assert_allclose(stress, 3.2e9 * shrinkage / (1.0 - 0.34), rtol=2e-4)
+
+
+@pytest.mark.parametrize("film", FILMS)
+def test_a_film_that_shrinks_pulls_as_one_that_is_stretched(film: Any) -> None:
+    """By similarity: at a natural strain -e as one of (1 - e) its size, stretched to the same shape."""
+    mesh, shrinkage = fitting(film), 0.01
+    region = Region("all", natural_strain=(-shrinkage, -shrinkage))
+    own = Simulation(Scene(mesh, FILM, [film], [Fixed([0]), region])).forces()
+    larger = Mesh(mesh.reference, mesh.triangles, positions=mesh.reference / (1.0 - shrinkage))
+    stretched = Simulation(Scene(larger, FILM, [film], [Fixed([0])])).forces()
+    assert_allclose(own, (1.0 - shrinkage) * stretched, atol=1e-9 * np.abs(stretched).max())
+
+
+def test_a_prestressed_strip_vibrates_as_a_string() -> None:
+    """f = sqrt(sigma/rho)/(2 L) of a strip held at its ends that would shrink; here sigma = E e."""
+    length, shrinkage = 0.2, 1e-4
+    mesh = Strip(length, 0.01, 40, 2).mesh()
+    x = mesh.reference[:, 0] - mesh.reference[:, 0].min()
+    bent = np.array(mesh.reference)
+    bent[:, 2] = 1e-5 * np.sin(math.pi * x / length)
+    ends = np.flatnonzero((x < 1e-9) | (x > length - 1e-9)).tolist()
+    region = Region("all", natural_strain=(-shrinkage, 0.34 * shrinkage))
+    start = Mesh(mesh.reference, mesh.triangles, positions=bent)
+    sim = Simulation(Scene(start, FILM, [Triangles(1.0)], [Fixed(ends), region]))
+    expected = math.sqrt(3.2e9 * shrinkage / 1420.0) / (2.0 * length)
+    middle = int(np.argmin(np.abs(x - 0.5 * length)))
+    sim.reach(0.25 / expected)
+    assert abs(sim.positions[middle, 2]) < 0.03e-5
+    sim.reach(0.5 / expected)
+    assert sim.positions[middle, 2] == pytest.approx(-1e-5, rel=0.01)
+
+
+def test_a_stage_warms_the_film() -> None:
+    """What a stage sets holds from its start on: a strip between two held ends loses its tension."""
+    mesh = Strip(0.1, 0.01, 10, 2).mesh()
+    x = mesh.reference[:, 0]
+    ends = np.flatnonzero((x < x.min() + 1e-9) | (x > x.max() - 1e-9)).tolist()
+    cold = Region("all", natural_strain=(-1e-3, 0.34e-3), name="film")
+    warm = Stage("warm", 1e-4, set={"parts.film.natural_strain": (0.0, 0.0)})
+    scene = Scene(mesh, FILM, [Triangles(1.0)], [Fixed(ends), cold], stages=[Stage("cold", 1e-4), warm])
+    sim = Simulation(scene)
+    assert sim.energies()["triangles"] > 0.0
+    before = sim.energies()["triangles"]
+    sim.reach(1.01e-4)
+    assert sim.energies()["triangles"] < 1e-3 * before
