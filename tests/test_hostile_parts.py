@@ -89,7 +89,11 @@ def test_a_path_through_many_nodes_is_found_or_refused_at_once() -> None:
     side = scene_with(Boltrope(range(201), **HEM), mesh=mesh).assemble().node_sets["boltrope-0"]
     assert np.array_equal(side, np.arange(201))
     shuffled = np.random.default_rng(1).permutation(40000)
-    refused(lambda: scene_with(Boltrope(shuffled.tolist(), **HEM), mesh=mesh), SceneError, "twice; name more nodes on the way")
+    refused(
+        lambda: scene_with(Boltrope(shuffled.tolist(), **HEM), mesh=mesh),
+        SceneError,
+        "twice; name more nodes on the way",
+    )
 
 
 def test_corners_of_polygons_may_have_units(tmp_path: Path) -> None:
@@ -120,3 +124,18 @@ def test_corners_of_polygons_may_have_units(tmp_path: Path) -> None:
     ):
         file.write_text(text.replace("CORNERS", corners))
         refused(lambda: Scene.from_toml(file), InputError, re.escape(words))
+
+
+def test_mistakes_between_fields_name_their_place_in_a_file(tmp_path: Path) -> None:
+    """Also those that name no single field."""
+    text = "[laws.gravity]\n[mesh]\npattern = 'spiral-hexagon'\nlayer_gap = 0.01\n"
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(SceneError, match=r"^\S*scene.toml: mesh: the layers .* or a smaller layer_gap$"):
+        Scene.from_toml(tmp_path / "scene.toml")
+    for part, words in (
+        ("region", "parts[1]: no triangles are named"),
+        ("crease_set", "parts[1]: no property is given"),
+    ):
+        text = f'[laws.gravity]\n[[parts]]\nkind = "fixed"\nnodes = [0]\n[[parts]]\nkind = "{part}"\n'
+        (tmp_path / "scene.toml").write_text(text)
+        refused(lambda: Scene.from_toml(tmp_path / "scene.toml"), InputError, re.escape(words))

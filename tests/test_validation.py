@@ -116,7 +116,7 @@ def test_missing_and_too_many_values() -> None:
     with pytest.raises(InputTypeError, match=r"Material.thickness: is missing; must be greater than 0 \(m\)"):
         Material(3.2e9, 0.34, 1420)  # type: ignore[call-arg]
     keywords = "softening, youngs_modulus_across, shear_modulus, direction"
-    words = f"too many values .5.; it takes youngs_modulus, poisson_ratio, density, thickness, and by keyword {keywords}$"
+    words = f"too many values .5.; it takes youngs_modulus, .*, thickness, and by keyword {keywords}$"
     with pytest.raises(InputTypeError, match=words):
         Material(3.2e9, 0.34, 1420, 1e-6, 5)  # type: ignore[call-arg]
 
