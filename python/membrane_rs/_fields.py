@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BeforeValidator
 
-from membrane_rs._numbers import AUTO, Auto, OuterUnit, Unit, UnitOf, number, numbers, pair, place, vector, whole
+from membrane_rs._numbers import (
+    AUTO,
+    Auto,
+    OuterUnit,
+    Unit,
+    UnitOf,
+    number,
+    numbers,
+    pair,
+    place,
+    points,
+    vector,
+    whole,
+)
 from membrane_rs._quantities import to_si
 from membrane_rs._renamed import new_names
 
@@ -58,17 +71,31 @@ def in_si(cls: type, values: Mapping[str, Any], where: str, outer: str | None = 
             continue
         if isinstance(value, str) and not takes_list:
             found[key] = None if value.strip() == AUTO and is_automatic(cls, name) else to_si(value, unit, place)
-        elif takes_list and any(isinstance(item, str) for item in value) and not isinstance(value, str):
-            found[key] = tuple(
-                to_si(item, unit, f"{place}[{k}]") if isinstance(item, str) else item for k, item in enumerate(value)
-            )
+        elif takes_list and not isinstance(value, str):
+            found[key] = _listed_in_si(value, unit, place, 2)
     return found
+
+
+def _listed_in_si(values: Sequence[object], unit: str, place: str, depth: int) -> Sequence[object]:
+    """A list with numbers in place of texts with units, also in the lists that it holds to this depth."""
+    if not any(isinstance(item, str | list | tuple) for item in values):
+        return values
+    return tuple(
+        to_si(item, unit, f"{place}[{k}]")
+        if isinstance(item, str)
+        else _listed_in_si(item, unit, f"{place}[{k}]", depth - 1)
+        if isinstance(item, list | tuple) and depth > 1
+        else item
+        for k, item in enumerate(values)
+    )
 
 
 def takes_numbers(cls: type, name: str) -> tuple[bool, bool]:
     """Whether a field takes a number that need not be whole, and whether it takes a list of them."""
     checks = {item.func for item in metadata(cls, name) if isinstance(item, BeforeValidator)}
-    return bool({number, place} & checks) and not is_table(cls, name), bool({vector, numbers, pair, place} & checks)
+    return bool({number, place} & checks) and not is_table(cls, name), bool(
+        {vector, numbers, pair, place, points} & checks
+    )
 
 
 def range_of(cls: type, name: str) -> str:

@@ -128,17 +128,20 @@ def points(value: object) -> object:
 
 def nodes(value: object) -> object:
     """The name of a node set, or indices as a tuple."""
-    value = listed(value)
+    return _name_or_indices(listed(value), "node", "the name of a node set or a list of node indices")
+
+
+def _name_or_indices(value: object, one: str, wanted: str) -> object:
     if isinstance(value, str):
         if not value:
-            raise PydanticCustomError("empty", "must be the name of a node set, not an empty text")
+            raise PydanticCustomError("empty", f"must be the name of a {one} set, not an empty text")
         return value
-    return _indices(value, "the name of a node set or a list of node indices", "node")
+    return _indices(value, wanted, one)
 
 
 def rows(value: object) -> object:
     """Indices as a tuple."""
-    return _indices(listed(value), "a list of indices", "index")
+    return _indices(listed(value), "a list of indices", "row")
 
 
 def _indices(value: object, wanted: str, one: str) -> tuple[int, ...]:
@@ -166,15 +169,24 @@ def place(value: object) -> object:
 
 def node_sets(value: object) -> object:
     """The name of a node set, names as a tuple, or indices as a tuple."""
-    value = listed(value)
+    return _names_or_indices(listed(value), "node")
+
+
+def triangle_sets(value: object) -> object:
+    """The same of triangles."""
+    return _names_or_indices(listed(value), "triangle")
+
+
+def _names_or_indices(value: object, one: str) -> object:
+    wanted = f"the name of a {one} set, a list of such names or a list of {one} indices"
     if isinstance(value, str) or (isinstance(value, tuple) and all(map(_is_whole, value))):
-        return nodes(value)
+        return _name_or_indices(value, one, wanted)
     if not isinstance(value, tuple) or not all(isinstance(name, str) for name in value):
-        raise wrong_type("the name of a node set, a list of such names or a list of node indices")
+        raise wrong_type(wanted)
     if "" in value:
-        raise PydanticCustomError("empty", "must hold names of node sets, not an empty text")
+        raise PydanticCustomError("empty", f"must hold names of {one} sets, not an empty text")
     if len(set(value)) < len(value):
-        raise PydanticCustomError("bad_nodes", "must not name a node set twice")
+        raise PydanticCustomError("bad_nodes", f"must not name a {one} set twice")
     return value
 
 
@@ -234,3 +246,7 @@ NodeSets = Annotated[
     str | Sequence[str] | Sequence[int], BeforeValidator(node_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
 ]
 """The name of a node set, names of several, or node indices (tuple, list or array), none twice."""
+TriangleSets = Annotated[
+    str | Sequence[str] | Sequence[int], BeforeValidator(triangle_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
+]
+"""The same of triangle sets and triangle indices."""

@@ -45,6 +45,7 @@ from membrane_rs._numbers import (
     Positive,
     Rows,
     Times,
+    TriangleSets,
     Unit,
     UnitOf,
     Vector,
@@ -75,6 +76,7 @@ __all__ = [
     "Positive",
     "Rows",
     "Times",
+    "TriangleSets",
     "Unit",
     "UnitOf",
     "Vector",
@@ -275,8 +277,9 @@ def _as_input_error(error: ValidationError, cls: type, prefix: str) -> InputErro
         inner = detail.get("ctx", {}).get("error")
         if isinstance(inner, InputError):
             owner, where, _ = _owner((*detail["loc"], "itself"), cls, prefix)
-            own, text = f"{owner.__name__}.", str(inner)
-            return type(inner)(f"{where}.{text.removeprefix(own)}" if text.startswith(own) else text)
+            own, text = owner.__name__, str(inner)
+            begins = text.startswith((f"{own}.", f"{own}:"))
+            return type(inner)(f"{where}{text.removeprefix(own)}" if begins else text)
     text = "; ".join(_explain(detail, cls, prefix) for detail in details)
     if all(detail["type"] in _TYPE_ERRORS for detail in details):
         return InputTypeError(text)

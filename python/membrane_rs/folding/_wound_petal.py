@@ -156,8 +156,10 @@ class WoundPath:
                 f"of a wound sail; {remedy}"
             )
 
-    def check(self, owner: str) -> None:
-        """Raise MeshError, in the name of a pattern, where cells are too long for the roll, or its layers cross."""
+    def check(self, owner: str, gaps: str = "layer_gap") -> None:
+        """Raise MeshError, in the name of a pattern, where cells are too long for the roll, or its layers cross; `gaps`
+        are the fields that say how far these are apart.
+        """
         longest = LONGEST * self.hub_radius
         if self.arm_cell > longest * (1.0 + 1e-9):
             rows = len(self.offset) - 1
@@ -171,7 +173,7 @@ class WoundPath:
             raise MeshError(
                 f"{owner}: the layers of a wound arm take {stack:.3g} m, and cells of {self.cell:.4g} m along the "
                 f"inner edge and {self.arm_cell:.4g} m beyond it leave {gap:.3g} m for them; take more rows, fewer "
-                "columns, or a smaller layer_gap or diagonal_gap"
+                f"columns, or a smaller {gaps}"
             )
 
     @property

@@ -362,7 +362,7 @@ class SquareSail(StowedPattern):
                 )
         path = self._wound_path()
         path.check_hub()
-        path.check("SquareSail")
+        path.check("SquareSail", "layer_gap or diagonal_gap")
 
     def _path(self) -> StowedPath:
         rows = self.strips * self.rows_per_strip

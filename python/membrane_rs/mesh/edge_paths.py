@@ -40,12 +40,14 @@ def path_through(mesh: Triangulation, nodes: Ints, *, closed: bool = False) -> I
     stops = [*nodes.tolist(), *nodes[:1].tolist()] if closed else nodes.tolist()
     links = _Links(mesh)
     path = stops[:1]
+    visited = set() if closed else set(path)
     for stop in stops[1:]:
-        path += links.way(path[-1], stop)
-    once, counts = np.unique(path[1:] if closed else path, return_counts=True)
-    if counts.max() > 1:
-        twice = once[counts.argmax()]
-        raise MeshError(f"the path along the edges comes to node {twice} twice; name more nodes on the way, in order")
+        for node in links.way(path[-1], stop):
+            if node in visited:
+                what = "twice; name more nodes on the way, in order"
+                raise MeshError(f"the path along the edges comes to node {node} {what}")
+            visited.add(node)
+            path.append(node)
     return np.array(path, np.int64)
 
 
@@ -120,6 +122,8 @@ class _Links:
 
     def way(self, start: int, end: int) -> list[int]:
         """Nodes of the shortest way from a node to another one, without the first. Raises MeshError."""
+        if end in self.others[self.first[start] : self.first[start + 1]]:
+            return [end]  # a straight edge, and no search through the mesh
         mesh, total = self.mesh, float(self.mesh.edge_lengths.sum())
         goal, begun = np.array([end], np.int64), np.zeros(1)
         left = shortest_paths(mesh.edges, mesh.edge_lengths, mesh.node_count, goal, begun=begun, longest=total)

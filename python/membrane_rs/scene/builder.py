@@ -57,6 +57,7 @@ class Builder:
         self._loaded: Ints = np.zeros(0, np.int64)
         self._bridge_stiffness = 0.0
         self._regions: list[tuple[FilmRegion, str]] = []
+        self._owners: Ints = np.zeros(0 if mesh is None else len(mesh.triangles), np.int64)
         self._creases: dict[str, Floats] = {}
         self._crease_places: dict[str, list[tuple[str, Ints]]] = {}
 
@@ -73,7 +74,7 @@ class Builder:
         if isinstance(wanted, str):
             if wanted not in self.node_sets:
                 hint = nearest(wanted, self.node_sets) if self.node_sets else "this scene has none"
-                raise SceneError(f"{where}.{field} = {wanted!r}: no such node set; {hint}")
+                raise SceneError(f"{where}.{field} = {show(wanted)}: no such node set; {hint}")
             found = self.node_sets[wanted]
         else:
             found = np.array(wanted, np.int64)
@@ -120,13 +121,13 @@ class Builder:
         """
         count = 0 if self.mesh is None else len(self.mesh.triangles)
         sets = {} if self.mesh is None else self.mesh.triangle_sets
-        if wanted == "all" and count and "all" not in sets:
-            return np.arange(count)
+        if count:
+            sets = {"all": np.arange(count), **sets}
         found: Ints = np.zeros(0, np.int64)
         for group in groups_of(wanted):
             if isinstance(group, str) and group not in sets:
                 hint = nearest(group, sets) if sets else "this mesh has none"
-                raise SceneError(f"{where}.{field} = {group!r}: no such triangle set; {hint}")
+                raise SceneError(f"{where}.{field} = {show(group)}: no such triangle set; {hint}")
             found = np.union1d(found, sets[group] if isinstance(group, str) else np.array(group, np.int64))
         if found.size and found.max() >= count:
             allowed = f"from 0 to {count - 1}" if count else "none, for there is no mesh"
@@ -218,7 +219,8 @@ class Builder:
         own = name or f"{kind}-{len(self._cords)}"
         for key, value in {own: nodes, f"{own}-start": nodes[:1], f"{own}-end": nodes[-1:]}.items():
             if key in self.node_sets and name is None:
-                raise SceneError(f"mesh.node_sets: the name {key!r} is taken by a {kind}; rename the set")
+                what = "a cord without a name takes it; rename the node set of the mesh, or the cord that has it"
+                raise SceneError(f"{where}: there is a node set {key!r} already, and {what}")
             if key in self.node_sets:
                 raise SceneError(f"{where}.name = {name!r}: there is a node set {key!r} already; rename one of them")
             self.node_sets[key] = value
@@ -259,12 +261,14 @@ class Builder:
 
     def add_region(self, region: FilmRegion, where: str) -> None:
         """Give triangles a film of their own. Raises SceneError where another part has given one of them its own."""
-        for other, place in self._regions:
-            both = np.intersect1d(region.triangles, other.triangles)
-            if both.size:
-                what = f"triangle {both[0]} ({both.size} such) belongs to {place} too"
-                raise SceneError(f"{where}: {what}; leave it out of one of them, or make a region of what they share")
+        owners = self._owners[region.triangles]
+        if owners.any():
+            first = int(np.flatnonzero(owners)[0])
+            place, count = self._regions[owners[first] - 1][1], np.count_nonzero(owners == owners[first])
+            what = f"triangle {region.triangles[first]} ({count} such) belongs to {place} too"
+            raise SceneError(f"{where}: {what}; leave it out of one of them, or make a region of what they share")
         self._regions.append((region, where))
+        self._owners[region.triangles] = len(self._regions)
 
     def set_creases(self, creases: Ints, field: str, value: float, where: str) -> None:
         """Give creases a value of their own. Raises SceneError where another part has given one of them its own."""

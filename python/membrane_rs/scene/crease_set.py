@@ -92,7 +92,9 @@ class CreaseSet(Part):
             is_mountain = np.asarray(builder.mesh.fold_angles)[found] < 0.0
             found = found[is_mountain == (self.fold == "mountain")]
         if not len(found):
-            raise SceneError(f"{where}: no crease of the mesh is meant; correct nodes or fold")
+            given = {name: getattr(self, name) for name in ("creases", "nodes", "fold")}
+            said = " and ".join(f"{name} = {show(value)}" for name, value in given.items() if value is not None)
+            raise SceneError(f"{where}: no crease of the mesh is meant by {said}; correct that")
         for name, value in self._own.items():
             builder.set_creases(found, name, value, where)
 

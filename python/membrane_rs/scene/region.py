@@ -19,6 +19,7 @@ from membrane_rs._validation import (
     Pair,
     Points,
     Positive,
+    TriangleSets,
     Unit,
     show,
     validated,
@@ -35,6 +36,11 @@ from membrane_rs.scene.selection import has_numbers
 
 MOST_STRAIN = 0.5
 """Magnitude of a natural strain, at most [-]."""
+MOST_CURVATURE, FARTHEST = 1e9, 1e12
+"""Magnitudes of a natural curvature [1/m], that of a roll of 1 nm, and of a corner's place [m], at most."""
+MOST_SIDES, EACH_SIDE = 5 * 10**8, 1000
+"""Sides of the polygons of a region times triangles of the mesh, at most, which take some seconds; and how many
+triangles a side takes as long as beside its own."""
 THICKEST, HEAVIEST = 1e3, 1e3
 """Thickness of a region, and mass per area of its devices, over that of the film, from which it is hardly meant [-]:
 solar cells of 25 um are three times as thick as the film of IKAROS."""
@@ -103,7 +109,7 @@ class Region(Part):
     """
 
     kind: ClassVar[str] = "region"
-    triangles: NodeSets | None = None
+    triangles: TriangleSets | None = None
     nodes: NodeSets | None = field(default=None, kw_only=True)
     polygon: Annotated[Points | None, Unit("m")] = field(default=None, kw_only=True)
     copies: Count = field(default=1, kw_only=True)
@@ -133,8 +139,13 @@ class Region(Part):
             raise InputError(f"Region: {found}; give one of triangles, nodes and polygon")
         if self.polygon is not None and len(self.polygon) < 3:
             raise InputError(f"Region.polygon = {show(self.polygon)}: must have three corners or more")
+        far = next((corner for corner in self.polygon or () if max(map(abs, corner)) > FARTHEST), None)
+        if far is not None:
+            raise InputError(f"Region.polygon: corner {show(far)} must be within {FARTHEST:g} of the origin (m)")
         if self.polygon is None and self.copies != 1:
             raise InputError(f"Region.copies = {self.copies}: a polygon is repeated, and none is given; leave it out")
+        if any(abs(value) > MOST_CURVATURE for value in self.curvature):
+            raise InputError(f"Region.curvature = {show(self.curvature)}: each must be -1e9 to 1e9 (1/m)")
         if any(abs(value) > MOST_STRAIN for value in self.natural_strain):
             raise InputError(f"Region.natural_strain = {show(self.natural_strain)}: each must be -0.5 to 0.5")
         if self.direction != 0.0 and self.curvature == self.natural_strain == (0.0, 0.0):
@@ -169,6 +180,9 @@ class Region(Part):
         corners, centres = np.array(self.polygon), np.zeros((0, 2))
         if builder.mesh is not None:
             centres = builder.reference[builder.mesh.triangles][..., :2].mean(axis=1)
+        if self.copies * len(corners) * (len(centres) + EACH_SIDE) > MOST_SIDES:
+            what = f"{self.copies} polygons of {len(corners)} corners take too long in {len(centres)} triangles"
+            raise SceneError(f"{where}.copies = {self.copies}: {what}; take fewer copies or corners")
         angles = 2.0 * math.pi / self.copies * np.arange(self.copies)
         found: list[tuple[float, Ints]] = []
         taken: Bools = np.zeros(len(centres), bool)
@@ -268,7 +282,6 @@ def _inside(points: Floats, corners: Floats) -> Bools:
     inside: Bools = np.zeros(len(points), bool)
     for (x, y), (to_x, to_y) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         crosses = (points[:, 1] < y) != (points[:, 1] < to_y)
-        rise = to_y - y
-        at_x = x + (points[:, 1] - y) / (rise if rise != 0.0 else 1.0) * (to_x - x)
-        inside ^= crosses & (points[:, 0] < at_x)
+        at_x = x + (points[crosses, 1] - y) / (to_y - y) * (to_x - x)
+        inside[crosses] ^= points[crosses, 0] < at_x
     return inside

@@ -10,7 +10,7 @@ def groups_of(wanted: str | Sequence[str] | Sequence[int]) -> Sequence[str] | Se
     if isinstance(wanted, str):
         return [wanted]
     names = [name for name in wanted if isinstance(name, str)]
-    return names or [[index for index in wanted if not isinstance(index, str)]]
+    return names or [tuple(index for index in wanted if not isinstance(index, str))]
 
 
 def has_numbers(wanted: str | Sequence[str] | Sequence[int] | None) -> bool:
