@@ -86,7 +86,7 @@ def test_the_error_of_the_momentum_is_what_torque_does_not_explain() -> None:
     damped = whirled(replace(FREE, torque=PUSH), MassDamping(1.0))
     assert momentum_error(table, damped) == pytest.approx(0.02, rel=1e-3)
     outside = {name for name, law in LAWS.items() if law.exerts_outside_torque}
-    assert outside == {"air_drag", "pressure", "solar_pressure", "point_forces"}
+    assert outside == {"air_drag", "cord_drag", "pressure", "solar_pressure", "point_forces"}
     assert momentum_error(table, whirled(replace(FREE, torque=PUSH), Gravity())) == pytest.approx(0.02, rel=1e-3)
     nothing = table_of(scene, np.zeros_like, np.zeros_like)
     assert momentum_error(nothing, whirled(FREE)) is None

@@ -204,7 +204,7 @@ def test_a_spool_that_the_hole_of_the_sail_does_not_clear() -> None:
 def test_a_sail_without_a_law_of_the_film() -> None:
     bare = replace(MODEL, laws=[law for law in MODEL.laws if not law.is_film and not isinstance(law, SpringDamping)])
     found = warnings_of(bare)["film_law"]
-    assert found.remedy == "add [laws.springs] or [laws.triangles]"
+    assert found.remedy == "add [laws.springs] or [laws.triangles] or [laws.rectangles]"
 
 
 def test_a_scene_that_nothing_holds() -> None:

@@ -35,8 +35,8 @@ class Material:
         "curvature" of `Bending`. By keyword alone, as all that follow.
     shear_modulus : float, optional
         G [Pa] of it; both are given together.
-    direction : float
-        Of E_1 in the flat shape, from the x axis on [rad].
+    direction : float, optional
+        Of E_1 in the flat shape, from the x axis on [rad]. None: along x.
 
     Raises
     ------
@@ -61,7 +61,7 @@ class Material:
     softening: Annotated[Finite, Ge(1), Le(1e6)] | None = field(default=None, kw_only=True)
     youngs_modulus_across: Annotated[Positive | None, Unit("Pa")] = field(default=None, kw_only=True)
     shear_modulus: Annotated[Positive | None, Unit("Pa")] = field(default=None, kw_only=True)
-    direction: Annotated[Finite, Unit("rad")] = field(default=0.0, kw_only=True)
+    direction: Annotated[Finite | None, Unit("rad")] = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check the moduli of a film of two against each other."""
@@ -73,7 +73,7 @@ class Material:
             what = f"needs {missing} beside it; give both or none"
             raise InputError(f"Material.{given} = {getattr(self, given):g}: {what} (Pa)")
         if across is None:
-            if self.direction != 0.0:
+            if self.direction is not None:
                 what = "is that of a film of two moduli; give youngs_modulus_across and shear_modulus, or leave it out"
                 raise InputError(f"Material.direction = {self.direction:g}: {what} (rad)")
         elif self.poisson_ratio**2 * across >= self.youngs_modulus:

@@ -147,7 +147,7 @@ def _orthotropy_of(material: Material) -> Orthotropy | None:
     across, shear, along = material.youngs_modulus_across, material.shear_modulus, material.youngs_modulus
     if across is None or shear is None:
         return None
-    return Orthotropy(material.direction, across / along, shear / along)
+    return Orthotropy(material.direction or 0.0, across / along, shear / along)
 
 
 def laws_of(scene: Scene) -> list[tuple[str, dict[str, Any]]]:

@@ -2,6 +2,7 @@
 
 pub mod checks;
 pub mod factor;
+pub mod film;
 pub mod frame;
 pub mod graph;
 pub mod hub;

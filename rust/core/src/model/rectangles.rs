@@ -12,9 +12,9 @@
 //! Source: derived here from the energies; the element that the springs of Okuizumi et al. (2012) generalise to
 //! triangles.
 
+use super::film::Film;
 use super::mesh::{Hinge, Mesh, dot, sub};
 use crate::error::{Error, Result};
-use crate::model::input::Film;
 
 /// Deviation of a rectangle from its shape: the cosine of its right angles, and the distance between its fourth corner
 /// and that of the parallelogram of the others, relative to its diagonal.

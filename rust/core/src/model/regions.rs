@@ -1,7 +1,7 @@
 //! Regions of the membrane whose film has properties of its own.
 
 use super::checks::{finite, non_negative, within};
-use super::input::Film;
+use super::film::Film;
 use super::mesh::Mesh;
 use super::optics::Optics;
 use super::orthotropy::Orthotropy;

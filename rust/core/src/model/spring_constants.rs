@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::input::Film;
+use super::film::Film;
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
 
