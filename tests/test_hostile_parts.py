@@ -67,7 +67,7 @@ def scene_with(*parts: Part, mesh: Mesh = STRIP) -> Scene:
         ),
         (
             lambda: scene_with(Cord(HOOK, 0, **ROPE, name="cord-1"), Cord(HOOK, 1, **ROPE)),
-            SceneError, "parts[1]: there is a node set 'cord-1' already",
+            SceneError, "parts[1]: the name 'cord-1' is taken",
         ),
         (lambda: scene_with(Cord(HOOK, "x" * 10**5, **ROPE)), SceneError, "...: no such node set"),
     ],

@@ -219,8 +219,8 @@ class Builder:
         own = name or f"{kind}-{len(self._cords)}"
         for key, value in {own: nodes, f"{own}-start": nodes[:1], f"{own}-end": nodes[-1:]}.items():
             if key in self.node_sets and name is None:
-                what = "a cord without a name takes it; rename the node set of the mesh, or the cord that has it"
-                raise SceneError(f"{where}: there is a node set {key!r} already, and {what}")
+                what = f"is taken, which is that of a {kind} without a name; rename the set of the mesh or the cord"
+                raise SceneError(f"{where}: the name {key!r} {what} that has it")
             if key in self.node_sets:
                 raise SceneError(f"{where}.name = {name!r}: there is a node set {key!r} already; rename one of them")
             self.node_sets[key] = value
