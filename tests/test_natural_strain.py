@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -94,8 +95,8 @@ def test_two_films_pull_on_their_border_as_each_by_itself(film: Any) -> None:
     mesh = Strip(0.1, 0.04, 10, 4).mesh()
     middle = mesh.reference[:, 1].mean()
     is_upper = mesh.reference[mesh.triangles].mean(axis=1)[:, 1] > middle
-    upper = Region(np.flatnonzero(is_upper), youngs_modulus=3.2e10, natural_strain=(-0.01, 0.004))
-    lower = Region(np.flatnonzero(~is_upper), natural_strain=(0.002, 0.003))
+    upper = Region(np.flatnonzero(is_upper).tolist(), youngs_modulus=3.2e10, natural_strain=(-0.01, 0.004))
+    lower = Region(np.flatnonzero(~is_upper).tolist(), natural_strain=(0.002, 0.003))
     held = Fixed([0])
     both = Simulation(Scene(mesh, FILM, [film], [held, upper, lower])).forces()
     summed = np.zeros_like(both)
@@ -121,11 +122,12 @@ def test_directions_need_a_flat_shape_in_the_plane() -> None:
     flat = Strip(0.1, 0.02, 10, 2).mesh()
     upright = Mesh(flat.reference[:, [0, 2, 1]], flat.triangles)
     fibres = Material(3.2e9, 0.34, 1420.0, 7.5e-6, youngs_modulus_across=1e9, shear_modulus=1e9)
-    for material, parts in (
+    cases: list[tuple[Material, list[Region]]] = [
         (FILM, [Region("all", natural_strain=(0.0, 1e-3))]),
         (FILM, [Region([3], curvature=(1.0, 0.0))]),
         (fibres, []),
-    ):
+    ]
+    for material, parts in cases:
         scene = Scene(upright, material, [Triangles(1.0)], [Fixed([0]), *parts])
-        refused(lambda scene=scene: Simulation(scene), MeshError, r"triangle [03] of the flat shape is tilted .* turn")
+        refused(partial(Simulation, scene), MeshError, r"triangle [03] of the flat shape is tilted .* turn")
     Simulation(Scene(upright, FILM, [Triangles(1.0)], [Fixed([0]), Region([3], thickness=1e-5)]))

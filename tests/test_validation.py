@@ -115,7 +115,9 @@ def test_all_faults_are_told_at_once() -> None:
 def test_missing_and_too_many_values() -> None:
     with pytest.raises(InputTypeError, match=r"Material.thickness: is missing; must be greater than 0 \(m\)"):
         Material(3.2e9, 0.34, 1420)  # type: ignore[call-arg]
-    words = "too many values .5.; it takes youngs_modulus, poisson_ratio, density, thickness, and by keyword softening$"
+    words = (
+        "too many values .5.; it takes youngs_modulus, poisson_ratio, density, thickness, and by keyword softening, "
+    )
     with pytest.raises(InputTypeError, match=words):
         Material(3.2e9, 0.34, 1420, 1e-6, 5)  # type: ignore[call-arg]
 
