@@ -121,7 +121,7 @@ def pair(value: object) -> object:
 
 def points(value: object) -> object:
     """A list of points in a plane, as a tuple of tuples."""
-    if isinstance(value, Sized) and getattr(value, "ndim", 1) and len(value) > MOST_POINTS:
+    if isinstance(value, Sized) and getattr(value, "shape", None) != () and len(value) > MOST_POINTS:
         raise PydanticCustomError("too_many", f"must hold at most {MOST_POINTS} points")
     value = listed(value)
     found = tuple(listed(point) for point in value) if isinstance(value, tuple) else ()
