@@ -29,6 +29,8 @@ CREASED = Mesh(STRIP.reference, STRIP.triangles, creases=[(1, 4), (4, 7)], fold_
 SQUARE = [(0.0, -0.02), (0.05, -0.02), (0.05, 0.02), (0.0, 0.02)]
 ROPE: dict[str, Any] = {"segments": 4, "axial_stiffness": 10.0, "linear_density": 1e-3}
 HEM: dict[str, Any] = {"axial_stiffness": 10.0, "linear_density": 1e-3}
+MANY: Any = np.zeros((10**7, 2))
+ONE: Any = np.array(1.0)
 HOOK = (0.0, 0.0, 1.0)
 Part = Region | CreaseSet | Cord | Boltrope
 
@@ -41,6 +43,8 @@ def scene_with(*parts: Part, mesh: Mesh = STRIP) -> Scene:
     ("make", "kind", "words"),
     [
         (lambda: Region([]), InputError, "Region.triangles = []: must hold at least one triangle"),
+        (lambda: Region(polygon=MANY), InputError, "must hold at most 100000 points (m)"),
+        (lambda: Region(polygon=ONE), InputError, "must be a list of points"),
         (lambda: Region([3, 3]), InputError, "must not name a triangle twice"),
         (lambda: Region(["a", "a"]), InputError, "must not name a triangle set twice"),
         (lambda: Region("all", curvature=(1e300, 0.0)), InputError, "curvature = (1e+300, 0.0): each must be -1e9"),

@@ -6,14 +6,14 @@ NaN, infinities, booleans and strings are no numbers; numpy scalars are.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Annotated, TypeGuard
 
 import numpy as np
 from annotated_types import Ge, Gt, Le
-from pydantic import BeforeValidator, WithJsonSchema
+from pydantic import BeforeValidator, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 
@@ -56,6 +56,8 @@ def wrong_type(wanted: str) -> PydanticCustomError:
 
 MOST = 10**9
 """A larger count or node index is taken as an input error."""
+MOST_POINTS = 10**5
+"""Points of a polygon, at most."""
 
 
 NO_NUMBERS = (bool, np.bool_, np.timedelta64)
@@ -119,6 +121,8 @@ def pair(value: object) -> object:
 
 def points(value: object) -> object:
     """A list of points in a plane, as a tuple of tuples."""
+    if isinstance(value, Sized) and getattr(value, "shape", None) != () and len(value) > MOST_POINTS:
+        raise PydanticCustomError("too_many", f"must hold at most {MOST_POINTS} points")
     value = listed(value)
     found = tuple(listed(point) for point in value) if isinstance(value, tuple) else ()
     if not found or not all(isinstance(point, tuple) and len(point) == 2 for point in found):
@@ -243,10 +247,10 @@ _NAMES_OF_FILES: dict[str, object] = {
 }  # fmt: skip
 _NODE_SETS_OF_FILES = {"anyOf": [*_NODES_OF_FILES["anyOf"], _NAMES_OF_FILES]}
 NodeSets = Annotated[
-    str | Sequence[str] | Sequence[int], BeforeValidator(node_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
+    str | Sequence[str] | Sequence[int], PlainValidator(node_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
 ]
 """The name of a node set, names of several, or node indices (tuple, list or array), none twice."""
 TriangleSets = Annotated[
-    str | Sequence[str] | Sequence[int], BeforeValidator(triangle_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
+    str | Sequence[str] | Sequence[int], PlainValidator(triangle_sets), WithJsonSchema(_NODE_SETS_OF_FILES)
 ]
 """The same of triangle sets and triangle indices."""

@@ -62,9 +62,9 @@ class Region(Part):
     nodes : str, sequence of str or sequence of int, optional
         A node set, names of several, or node indices: triangles whose nodes all belong to one of them.
     polygon : sequence of (float, float), optional
-        Corners (x, y) in the flat shape [m], three or more.
+        Corners (x, y) in the flat shape [m], from 3 to 10^5, within 10^12 m.
     copies : int
-        How often the polygon is repeated round the hub's axis, at equal angles.
+        How often the polygon is repeated round the hub's axis, at equal angles; too many for the mesh are refused.
     youngs_modulus : float or None
         E [Pa], above 0.
     density : float or None
@@ -80,7 +80,8 @@ class Region(Part):
         D [N m] in place of E h^3 / (12 (1 - nu^2)), as of a film with devices; felt by the law `Bending`.
     curvature : tuple of float
         Natural curvatures (kappa_1, kappa_2) [1/m] along `direction` and across it, to which the law `Bending` turns
-        the film; positive where it curls towards the side of its normals, from which triangles run counter-clockwise.
+        the film, from -1e9 to 1e9; positive where it curls towards the side of its normals, from which triangles run
+        counter-clockwise.
     natural_strain : tuple of float
         Strains (e_1, e_2) of the flat shape [-], along `direction` and across it, at which the film is free of stress,
         from -0.5 to 0.5: a warmer film has its thermal strain, and one below 0 is taut where its edge is held. A stage
