@@ -1,0 +1,117 @@
+"""The sail of IKAROS with devices that curl it, for docs/ikaros_devices.md: how far it bows in sunlight, at the slowest
+spin and at others, and what its tethers hold.
+
+Finished runs are kept in the folder `out` and read again; remove it to repeat them, which takes half an hour on two
+cores. With `--write` the tables and the picture of docs/ikaros_devices.md are replaced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from ikaros_devices_picture import draw
+from ikaros_devices_runs import NOMINAL, at_spin, on_mesh, own, places, rested, stiffened, with_modulus, without_devices
+from marked import DOCS, MarkedPart
+from membrane_rs import Scene
+from membrane_rs._arrays import Floats
+from membrane_rs._markdown import table
+from page_of_runs import Runs, make_page
+
+NAMES = ("meshes", "values", "spins")
+PARTS = {name: MarkedPart(DOCS / "ikaros_devices.md", f"ikaros-devices-{name}") for name in NAMES}
+FILM, DEVICES = "film alone", "devices"
+CURVATURE, CELL = "parts.devices.curvature", 5e-6
+"""The curvature of devices by its place in a scene; bending stiffness of a solar cell by itself [N m]."""
+SPINS = ((0.4, 3.2e8), (1.0, NOMINAL), (2.5, NOMINAL))
+"""Spins [rpm], and the Young's modulus of film and tethers at each [Pa]."""
+Run = Mapping[str, Floats]
+Pairs = dict[str, tuple[Scene, Run]]
+
+
+class Sails(Runs):
+    """Sails at rest, each with its scene."""
+
+    def at_rest(self, scenes: Mapping[str, Scene]) -> Pairs:
+        """The runs of scenes."""
+        found = self.of({name: partial(rested, scene) for name, scene in scenes.items()})
+        return {name: (scenes[name], found[name]) for name in scenes}
+
+
+def meshes() -> dict[str, Scene]:
+    """The film alone and with devices, on three meshes."""
+    made = {}
+    for mesh in ("coarse", "as it is"):
+        scene = on_mesh(own(), mesh)
+        made |= {f"{FILM}, {mesh}": without_devices(scene), f"{DEVICES}, {mesh}": scene}
+    return made | {f"{DEVICES}, fine": on_mesh(own(), "fine")}
+
+
+def values() -> dict[str, Scene]:
+    """The coarse mesh with other values."""
+    scene = on_mesh(own(), "coarse")
+    curved = {f"{across:g} 1/m": (across, 0.0) for across in (0.0, 0.5, 1.0, 4.0, -2.0)}
+    curved |= {"2 1/m along the strips": (0.0, 2.0), "2 1/m in both directions": (2.0, 2.0)}
+    made = {f"{FILM}, coarse": without_devices(scene), f"{DEVICES}, coarse": scene}
+    made |= {name: scene.with_values({CURVATURE: pair}) for name, pair in curved.items()}
+    half = [(1.9, -0.95), (7.0, -3.5), (7.0, 3.5), (1.9, 0.95)]
+    cell = stiffened(scene, CELL)
+    return made | {
+        "a cell by itself": cell,
+        "a cell by itself, 4 1/m": cell.with_values({CURVATURE: (4.0, 0.0)}),
+        "half of each strip": scene.with_values({"parts.devices.polygon": half}),
+        "film ten times as stiff": with_modulus(scene, 3.2e7),
+    }
+
+
+def spins() -> dict[str, Scene]:
+    """The coarse mesh at other spins, with and without devices."""
+    scene, made = on_mesh(own(), "coarse"), {}
+    for rpm, modulus in SPINS:
+        turning = at_spin(scene, rpm, modulus)
+        made |= {f"{FILM}, {rpm:g} rpm": without_devices(turning), f"{DEVICES}, {rpm:g} rpm": turning}
+        made[f"2 1/m in both directions, {rpm:g} rpm"] = turning.with_values({CURVATURE: (2.0, 2.0)})
+    return made
+
+
+def rest_table(runs: Pairs) -> str:
+    """Where places of the sail rest along the axis, away from the sun, and what its tethers hold."""
+    rows = []
+    for name, (scene, run) in runs.items():
+        depth = -run["positions"][:, 2]
+        at = [f"{depth[nodes].mean():.3f}" for nodes in places(scene).values()]
+        tension = f"{1e3 * run['tensions'].mean():.2f}"
+        rows.append((name, f"{run['nodes'][0]:,.0f}", *at, f"{depth.std():.3f}", f"{-run['drift'][0]:.3f}", tension))
+    heads = (
+        "run", "nodes", *(f"{name} [m]" for name in places(next(iter(runs.values()))[0])), "spread [m]",
+        "last tenth of the run [m]", "tension of a tether [mN]",
+    )  # fmt: skip
+    return table(heads, rows, words=(0,))
+
+
+def meshes_part(runs: Sails, picture: Path) -> str:
+    """The film alone and with devices, on three meshes, and both shapes."""
+    found = runs.at_rest(meshes())
+    draw({name: found[f"{name}, as it is"] for name in (FILM, DEVICES)}, picture)
+    return rest_table(found)
+
+
+def values_part(runs: Sails, _: Path) -> str:
+    """The coarse mesh with other values."""
+    return rest_table(runs.at_rest(values()))
+
+
+def spins_part(runs: Sails, _: Path) -> str:
+    """Other spins."""
+    return rest_table(runs.at_rest(spins()))
+
+
+MAKERS: dict[str, Callable[[Sails, Path], str]] = {
+    "meshes": meshes_part, "values": values_part, "spins": spins_part,
+}  # fmt: skip
+
+if __name__ == "__main__":
+    np.seterr(all="raise")
+    make_page("ikaros-devices", __doc__, runs_in=Sails, parts=PARTS, makers=MAKERS, write_shapes=lambda _: None)

@@ -1,0 +1,111 @@
+"""Where the deployed sail of IKAROS rests in sunlight, with devices that curl it and without, and its variants."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from ikaros_runs import sail_of
+from marked import ROOT
+from membrane_rs import Region, Scene, Simulation, Stage
+from membrane_rs._arrays import Floats, Ints
+
+RPM = 0.055
+"""Spin of the scene: the least that was reported [rpm]."""
+NOMINAL = 3.2e9
+"""Young's modulus of the film [Pa]."""
+AT_REST = 0.1
+"""Share of the last stage at its end, over which the sail still drifts by little [-]."""
+ROWS = {"coarse": 20, "as it is": 40, "fine": 60}
+"""Of cells in each petal, by what a table calls the mesh."""
+
+
+def own() -> Scene:
+    """The scene of the example."""
+    return Scene.from_toml(ROOT / "examples" / "ikaros_devices.toml")
+
+
+def on_mesh(scene: Scene, name: str) -> Scene:
+    """The scene on a mesh of another density; its step goes with the cells."""
+    sail = sail_of(scene)
+    assert sail.rows is not None
+    assert scene.run.dt is not None
+    density = ROWS[name] / sail.rows
+    return replace(scene, mesh=sail.refined(density).mesh(), run=replace(scene.run, dt=scene.run.dt / density))
+
+
+def without_devices(scene: Scene) -> Scene:
+    """The film alone."""
+    return replace(scene, parts=tuple(part for part in scene.parts if not isinstance(part, Region)))
+
+
+def stiffened(scene: Scene, bending_stiffness: float) -> Scene:
+    """Devices of another bending stiffness [N m], which buckle in proportion."""
+    factor = bending_stiffness / number(scene, "parts.devices.bending_stiffness")
+    buckling = factor * number(scene, "parts.devices.buckling")
+    return scene.with_values({"parts.devices.bending_stiffness": bending_stiffness, "parts.devices.buckling": buckling})
+
+
+def with_modulus(scene: Scene, modulus: float) -> Scene:
+    """Film and tethers of another Young's modulus [Pa]; devices bend and buckle as before."""
+    assert scene.run.dt is not None
+    factor = modulus / number(scene, "material.youngs_modulus")
+    values = {"material.youngs_modulus": modulus, "run.dt": scene.run.dt / math.sqrt(factor)}
+    values["parts.tethers.axial_stiffness"] = factor * number(scene, "parts.tethers.axial_stiffness")
+    if any(isinstance(part, Region) for part in scene.parts):
+        values["parts.devices.buckling"] = number(scene, "parts.devices.buckling") / factor
+    return scene.with_values(values)
+
+
+def at_spin(scene: Scene, rpm: float, modulus: float) -> Scene:
+    """The scene at another spin [rpm], with a film of this modulus [Pa]; stages are shorter by the root of the spin, and
+    friction stronger by it.
+    """
+    faster = math.sqrt(rpm / RPM)
+    curl, rest = scene.stages
+    rate = faster * float(rest.set["laws.mass_damping.rate"])
+    stages = (_shorter(curl, faster), replace(_shorter(rest, faster), set={"laws.mass_damping.rate": rate}))
+    found = scene.with_values({"laws.spin.frequency": rpm / 60.0})
+    return with_modulus(replace(found, stages=stages), modulus)
+
+
+def number(scene: Scene, name: str) -> float:
+    """A value of a scene that is a number."""
+    return float(scene.value(name))  # type: ignore[arg-type]
+
+
+def rested(scene: Scene) -> Mapping[str, Floats]:
+    """The scene at its end: positions of the film [m], tension of each tether [N], how far the film has moved along the
+    axis in the last part of the run [m], and nodes and steps.
+    """
+    sim = Simulation(replace(scene, run=replace(scene.run, snapshots=())))
+    count = 0 if scene.mesh is None else scene.mesh.node_count
+    sim.reach(sim.planned_end - AT_REST * scene.stages[-1].duration)
+    before = sim.positions[:count, 2]
+    sim.reach(sim.planned_end)
+    after = sim.positions[:count]
+    tensions = sim.cord_tensions().reshape(4, -1).mean(axis=1)
+    return {
+        "positions": after, "tensions": tensions, "drift": np.array([(after[:, 2] - before).mean()]),
+        "nodes": np.array([float(count)]), "steps": np.array([float(sim.step_count)]),
+    }  # fmt: skip
+
+
+def places(scene: Scene) -> dict[str, Ints]:
+    """Nodes of the film at which it is compared: inner corners, corners, middles of the outer edges, all."""
+    assert scene.mesh is not None
+    plan, half = scene.mesh.reference[:, :2], 0.5 * sail_of(scene).outer_width
+    middles = np.array([(half, 0.0), (0.0, half), (-half, 0.0), (0.0, -half)])
+    nearest = np.linalg.norm(plan[:, None] - middles, axis=2).argmin(axis=0)
+    sets = scene.mesh.node_sets
+    return {
+        "inner corners": sets["inner_corners"], "corners": sets["corners"], "middles of outer edges": nearest,
+        "mean": np.arange(len(plan)),
+    }  # fmt: skip
+
+
+def _shorter(stage: Stage, faster: float) -> Stage:
+    assert stage.duration is not None
+    return replace(stage, duration=stage.duration / faster)
