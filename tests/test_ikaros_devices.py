@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import ikaros_devices_runs as runs
 import numpy as np
 import pytest
 from ikaros_devices import meshes, rest_table, spins, values
+from ikaros_runs import sail_of
 from membrane_rs import Scene, Simulation, SolarPressure
 
 
@@ -17,9 +19,16 @@ def coarse() -> Scene:
 
 
 def test_light_pushes_the_sail_by_the_reported_thrust(coarse: Scene) -> None:
-    sim = Simulation(coarse)
     law = next(law for law in coarse.laws if isinstance(law, SolarPressure))
-    assert -sim.forces(law)[:, 2].sum() == pytest.approx(1.12e-3, rel=0.02)
+    assert (Simulation(coarse).forces(law)[:, 2] <= 0.0).all()
+    assert runs.light_on(coarse) == pytest.approx(1.12e-3, rel=0.02)
+
+
+def test_the_pull_of_a_quarter_is_that_of_its_moment(coarse: Scene) -> None:
+    """Of a square with a square hole and a tip: |x| + |y| over a quarter of the plane is twice the integral of x."""
+    first = 2.0 * runs.areal_mass(coarse) * (7.0**3 - 1.9**3) / 2.0 / math.sqrt(2.0)
+    tether = 4.0 * 0.019 * 1.74 / 4.0
+    assert runs.pull_of_quarter(coarse, 1.0) == pytest.approx(first + 0.5 * 7.0 * math.sqrt(2.0) + tether, rel=0.01)
 
 
 def test_devices_are_as_heavy_as_the_film_without_them(coarse: Scene) -> None:
@@ -36,12 +45,12 @@ def test_strips_curl_to_arcs_with_their_middles_away_from_the_sun(coarse: Scene)
     assert coarse.mesh is not None
     x, y = coarse.mesh.reference[:, :2].T
     height = sim.positions[: len(x), 2]
-    near, sail = np.abs(y) < 0.2, runs.sail_of(coarse)
+    near, sail = np.abs(y) < 0.2, sail_of(coarse)
     lines = 1.9 + sail.strip_height * np.arange(1, 10)
     on_lines = near & (np.abs(x[:, None] - lines).min(axis=1) < 0.01)
     between = near & (np.abs(x[:, None] - lines[:-1] - 0.5 * sail.strip_height).min(axis=1) < 0.01)
     arc = 2.0 * sail.strip_height**2 / 8.0
-    assert height[on_lines].mean() - height[between].mean() == pytest.approx(arc, rel=0.1)
+    assert 0.7 * arc < height[on_lines].mean() - height[between].mean() < arc
 
 
 def test_variants_change_what_they_say(coarse: Scene) -> None:
@@ -53,7 +62,7 @@ def test_variants_change_what_they_say(coarse: Scene) -> None:
     cell = runs.stiffened(coarse, 5e-6)
     assert runs.number(cell, "parts.devices.buckling") == pytest.approx(3.5e5 / 8)
     turning = runs.at_spin(coarse, 4 * runs.RPM, 3.2e6)
-    assert [stage.duration for stage in turning.stages] == [30.0, 450.0]
+    assert [stage.duration for stage in turning.stages] == [30.0, 750.0]
     assert turning.value("laws.spin.frequency") == pytest.approx(4 * runs.RPM / 60.0)
 
 

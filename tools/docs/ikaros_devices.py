@@ -7,25 +7,41 @@ cores. With `--write` the tables and the picture of docs/ikaros_devices.md are r
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from ikaros_devices_picture import draw
-from ikaros_devices_runs import NOMINAL, at_spin, on_mesh, own, places, rested, stiffened, with_modulus, without_devices
+from ikaros_devices_runs import (
+    RPM,
+    areal_mass,
+    at_spin,
+    light_on,
+    number,
+    on_mesh,
+    own,
+    places,
+    pull_of_quarter,
+    rested,
+    stiffened,
+    with_modulus,
+    without_devices,
+)
+from ikaros_runs import sail_of
 from marked import DOCS, MarkedPart
 from membrane_rs import Scene
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
 from page_of_runs import Runs, make_page
 
-NAMES = ("meshes", "values", "spins")
+NAMES = ("scales", "meshes", "values", "spins")
 PARTS = {name: MarkedPart(DOCS / "ikaros_devices.md", f"ikaros-devices-{name}") for name in NAMES}
 FILM, DEVICES = "film alone", "devices"
 CURVATURE, CELL = "parts.devices.curvature", 5e-6
 """The curvature of devices by its place in a scene; bending stiffness of a solar cell by itself [N m]."""
-SPINS = ((0.4, 3.2e8), (1.0, NOMINAL), (2.5, NOMINAL))
+SPINS = ((0.4, 3.2e7), (1.0, 3.2e8), (2.5, 3.2e8))
 """Spins [rpm], and the Young's modulus of film and tethers at each [Pa]."""
 Run = Mapping[str, Floats]
 Pairs = dict[str, tuple[Scene, Run]]
@@ -42,7 +58,7 @@ class Sails(Runs):
 
 def meshes() -> dict[str, Scene]:
     """The film alone and with devices, on three meshes."""
-    made = {}
+    made: dict[str, Scene] = {}
     for mesh in ("coarse", "as it is"):
         scene = on_mesh(own(), mesh)
         made |= {f"{FILM}, {mesh}": without_devices(scene), f"{DEVICES}, {mesh}": scene}
@@ -68,12 +84,31 @@ def values() -> dict[str, Scene]:
 
 def spins() -> dict[str, Scene]:
     """The coarse mesh at other spins, with and without devices."""
-    scene, made = on_mesh(own(), "coarse"), {}
+    scene = on_mesh(own(), "coarse")
+    made: dict[str, Scene] = {}
     for rpm, modulus in SPINS:
         turning = at_spin(scene, rpm, modulus)
         made |= {f"{FILM}, {rpm:g} rpm": without_devices(turning), f"{DEVICES}, {rpm:g} rpm": turning}
         made[f"2 1/m in both directions, {rpm:g} rpm"] = turning.with_values({CURVATURE: (2.0, 2.0)})
     return made
+
+
+def scale_table() -> str:
+    """Tension of the film by its spin, the length over which it flattens a device, and what a corner would hold."""
+    scene = own()
+    half = 0.5 * sail_of(scene).outer_width
+    stiffness, light = number(scene, "parts.devices.bending_stiffness"), light_on(scene)
+    rows = []
+    for rpm in (RPM, *(spin for spin, _ in SPINS)):
+        rate = math.tau * rpm / 60.0
+        tension = 0.5 * areal_mass(scene) * (rate * half) ** 2
+        flattened, pull = math.sqrt(stiffness / tension), pull_of_quarter(scene, rate)
+        rows.append((f"{rpm:g}", f"{tension:.2g}", f"{flattened:.3f}", f"{1e3 * pull:.3g}", f"{0.25e3 * light:.2g}"))
+    heads = (
+        "spin [rpm]", "tension of the film, rho h (Omega R)^2 / 2 [N/m]", "(D/T)^(1/2) [m]",
+        "pull of a quarter of the sail [mN]", "light on a quarter [mN]",
+    )  # fmt: skip
+    return table(heads, rows)
 
 
 def rest_table(runs: Pairs) -> str:
@@ -89,6 +124,11 @@ def rest_table(runs: Pairs) -> str:
         "last tenth of the run [m]", "tension of a tether [mN]",
     )  # fmt: skip
     return table(heads, rows, words=(0,))
+
+
+def scales_part(_: Sails, __: Path) -> str:
+    """What is to be expected."""
+    return scale_table()
 
 
 def meshes_part(runs: Sails, picture: Path) -> str:
@@ -109,7 +149,7 @@ def spins_part(runs: Sails, _: Path) -> str:
 
 
 MAKERS: dict[str, Callable[[Sails, Path], str]] = {
-    "meshes": meshes_part, "values": values_part, "spins": spins_part,
+    "scales": scales_part, "meshes": meshes_part, "values": values_part, "spins": spins_part,
 }  # fmt: skip
 
 if __name__ == "__main__":

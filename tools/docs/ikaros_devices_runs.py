@@ -9,13 +9,11 @@ from dataclasses import replace
 import numpy as np
 from ikaros_runs import sail_of
 from marked import ROOT
-from membrane_rs import Region, Scene, Simulation, Stage
+from membrane_rs import Region, Scene, Simulation, SolarPressure, Stage
 from membrane_rs._arrays import Floats, Ints
 
 RPM = 0.055
 """Spin of the scene: the least that was reported [rpm]."""
-NOMINAL = 3.2e9
-"""Young's modulus of the film [Pa]."""
 AT_REST = 0.1
 """Share of the last stage at its end, over which the sail still drifts by little [-]."""
 ROWS = {"coarse": 20, "as it is": 40, "fine": 60}
@@ -60,8 +58,9 @@ def with_modulus(scene: Scene, modulus: float) -> Scene:
 
 
 def at_spin(scene: Scene, rpm: float, modulus: float) -> Scene:
-    """The scene at another spin [rpm], with a film of this modulus [Pa]; stages are shorter by the root of the spin, and
-    friction stronger by it.
+    """The scene at another spin [rpm], with a film of this modulus [Pa].
+
+    Stages are shorter by the root of the spin, and friction is stronger by it.
     """
     faster = math.sqrt(rpm / RPM)
     curl, rest = scene.stages
@@ -73,7 +72,25 @@ def at_spin(scene: Scene, rpm: float, modulus: float) -> Scene:
 
 def number(scene: Scene, name: str) -> float:
     """A value of a scene that is a number."""
-    return float(scene.value(name))  # type: ignore[arg-type]
+    return float(scene.value(name))
+
+
+def areal_mass(scene: Scene) -> float:
+    """Of the film [kg/m2]."""
+    return number(scene, "material.density") * number(scene, "material.thickness")
+
+
+def light_on(scene: Scene) -> float:
+    """Force of sunlight on the flat sail along the axis [N]."""
+    law = next(law for law in scene.laws if isinstance(law, SolarPressure))
+    return float(np.abs(Simulation(scene).forces(law)[:, 2].sum()))
+
+
+def pull_of_quarter(scene: Scene, rate: float) -> float:
+    """What the inner corner of a quarter of the flat sail would hold at a spin [rad/s], were it cut off [N]."""
+    sim = Simulation(scene)
+    out = np.abs(sim.positions[:, :2]).sum(axis=1) / math.sqrt(2.0)
+    return rate**2 * float(sim.masses @ out) / 4.0
 
 
 def rested(scene: Scene) -> Mapping[str, Floats]:
