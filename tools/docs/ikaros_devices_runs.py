@@ -16,7 +16,7 @@ RPM = 0.055
 """Spin of the scene: the least that was reported [rpm]."""
 AT_REST = 0.1
 """Share of the last stage at its end, over which the sail still drifts by little [-]."""
-ROWS = {"coarse": 20, "as it is": 40, "fine": 60}
+ROWS = {"coarse": 20, "as it is": 30}
 """Of cells in each petal, by what a table calls the mesh."""
 
 
