@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from marked import in_few_colours
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from membrane_rs import Scene
 from membrane_rs._arrays import Floats
 from membrane_rs.plotting.figure import save_figure
+from PIL import Image
 
 
 def draw(runs: Mapping[str, tuple[Scene, Mapping[str, Floats]]], picture: Path) -> None:
@@ -29,3 +31,6 @@ def draw(runs: Mapping[str, tuple[Scene, Mapping[str, Floats]]], picture: Path) 
     assert drawn is not None
     figure.colorbar(drawn, ax=panels, label="Away from the sun, from the hub [m]")
     save_figure(figure, picture)
+    with Image.open(picture) as drawn_picture:
+        small = in_few_colours(drawn_picture.convert("RGB"), 128)
+    small.save(picture, optimize=True)
