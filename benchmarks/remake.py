@@ -93,6 +93,12 @@ PARTS = (
         [("tools/docs/folding.py", "--write")],
     ),
     Part(
+        "devices",
+        "docs/ikaros_devices.md: the sail of IKAROS in sunlight, with devices that curl it and without",
+        [("tools/docs/ikaros_devices.py", "--write")],
+        fills_cores=True,
+    ),
+    Part(
         "contact",
         "docs/contact.md: contact between layers, its cost, and what it changes",
         [("tools/docs/contact.py", "--write")],

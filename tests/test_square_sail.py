@@ -45,6 +45,17 @@ def test_counts_of_the_two_models(fold_lines: int) -> None:
     assert counts == {"masses": 4 * 476, "springs": 4 * 1339, "elements": 4 * 864}
 
 
+@pytest.mark.parametrize("layout", ["ruled", "equilateral"])
+def test_a_flat_sail_starts_as_it_is_cut(layout: Any) -> None:
+    stowed, sail = SquareSail(layout=layout), SquareSail(layout=layout, stowage="flat")
+    flat = sail.mesh()
+    assert (flat.positions == stowed.mesh().reference).all()
+    assert (flat.creases == stowed.mesh().creases).all()
+    assert not flat.fold_angles.any()
+    assert "guide_bars" not in flat.node_sets
+    assert (sail.facts(), sail.turns, sail.corner_turn, sail.cord_path(flat.reference[0])) == ({}, None, 0.0, None)
+
+
 @pytest.mark.parametrize("layout", ["fan", "even"])
 def test_counts_of_the_other_layouts(layout: Any) -> None:
     assert SquareSail(layout=layout).counts() == TABLE_2

@@ -67,9 +67,9 @@ class SquareSail(StowedPattern):
         are equal, have negative spring constants and are kept for comparison.
     join : "merge" or "bridge"
         Petals share the nodes on the diagonals, or have their own, joined by stiff bridges.
-    stowage : "cross" or "wound"
-        The stowed shape: four straight arms on the diagonals, or all of it wound round the spool, counter-clockwise
-        seen from +z. Wound, the layout must be "ruled".
+    stowage : "cross", "wound" or "flat"
+        The shape of the start: four straight arms on the diagonals; all of it wound round the spool, counter-clockwise
+        seen from +z, in the layout "ruled"; or flat at z = 0, deployed, its fold angles 0.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class SquareSail(StowedPattern):
     diagonal_gap: Annotated[NonNegative, Unit("m")] | None = None
     layout: Literal["ruled", "equilateral", "fan", "even"] = "ruled"
     join: Literal["merge", "bridge"] = "merge"
-    stowage: Literal["cross", "wound"] = "cross"
+    stowage: Literal["cross", "wound", "flat"] = "cross"
 
     def __post_init__(self) -> None:
         """Check dimensions and counts against each other."""
@@ -130,7 +130,7 @@ class SquareSail(StowedPattern):
         check_nodes(nodes, where, "take fewer; without columns, a wider film or fewer rows", MeshError)
         if self.stowage == "cross":
             self._path()
-        else:
+        elif self.stowage == "wound":
             self._check_wound()
 
     @property
@@ -198,7 +198,7 @@ class SquareSail(StowedPattern):
         >>> list(SquareSail(stowage="wound").facts())
         ['roll']
         """
-        if self.stowage == "cross":
+        if self.stowage != "wound":
             return {}
         path = self._wound_path()
         gap = float(path.offset[self.rows_per_strip] - path.offset[0])
@@ -231,7 +231,7 @@ class SquareSail(StowedPattern):
         """
         x, y = float(node[0]), float(node[1])
         row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)
-        if self.stowage == "cross" or abs(abs(x) - abs(y)) > 1e-9 * self.outer_width:
+        if self.stowage != "wound" or abs(abs(x) - abs(y)) > 1e-9 * self.outer_width:
             return None
         return self._wound_path().diagonal_path(math.floor(math.atan2(y, x) / (0.5 * math.pi)), row)
 
@@ -258,7 +258,8 @@ class SquareSail(StowedPattern):
         pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
         creases = np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)])
         # Between strips 0 and 1 the lower sides meet: a mountain. Then valley and mountain in turn.
-        angles = np.repeat([math.pi if k % 2 == 0 else -math.pi for k in range(1, self.strips)], list(map(len, pairs)))
+        fold = 0.0 if self.stowage == "flat" else math.pi
+        angles = np.repeat([fold if k % 2 == 0 else -fold for k in range(1, self.strips)], list(map(len, pairs)))
 
         petals = Petals(petal, 4, self.join == "merge")
         reference, positions = (petals.points(points, self.outer_width) for points in (petal.points, stowed))
@@ -317,6 +318,8 @@ class SquareSail(StowedPattern):
 
     def _stowed(self, petal: FlatPetal, height: Floats) -> tuple[Floats, dict[str, Bools]]:
         """(n, 3) stowed nodes of the petal about the x axis [m], and its node sets by name, (n,)."""
+        if self.stowage == "flat":
+            return petal.points, {}
         if self.stowage == "cross":
             points, held = stowed_petal(petal, self._path(), height, by_chord=self.layout == "ruled")
             return points, {"guide_bars": held}
