@@ -47,10 +47,11 @@ class Cord(Corded):
     """A cord between any two places: points, nodes of the film, and nodes of cords that stand before it.
 
     A place is a point (x, y, z), a node index, or a text: the name of a node set of one node ("riser-end"), the node of
-    a set by its index ("corners[2]", "corners[-1]"), or by its share of the way along the set ("riser@0.5"), counted
-    by nodes: of a `Cord`, whose segments are equal, the share of its length. Cords that name one node meet there, so that bridles branch and join. The node sets
-    of a cord are its `name` (all nodes in order), "<name>-start" and "<name>-end"; without a name "cord-<k>" and so
-    on, where k counts the cords of a scene from 0. A cord longer than its span hangs below in an arc without strain.
+    a set by its index ("corners[2]", "corners[-1]"), or by its share of the way along the set ("riser@0.5"), counted by
+    nodes: of a `Cord`, whose segments are equal, the share of its length. Cords that name one node meet there, so that
+    bridles branch and join. The node sets of a cord are its `name` (all nodes in order), "<name>-start" and
+    "<name>-end"; without a name "cord-<k>" and so on, where k counts the cords of a scene from 0. A cord longer than
+    its span hangs below in an arc without strain.
 
     Parameters
     ----------
