@@ -79,7 +79,7 @@ struct Creases {
     sides: Sides,
     contact_penalty: f64,
     natural_angle: f64,
-    /// gamma and theta0 of each crease, by batch; `None` where all have those of the law.
+    /// gamma - 1 and theta0 of each crease, by batch; `None` where all have those of the law.
     own: Option<Vec<[F64x8; 2]>>,
     largest_penalty: f64,
     /// Whether c is zero; the force is then singular as a facet collapses.
@@ -117,8 +117,8 @@ impl Creases {
             creases.own(row).natural_angle.unwrap_or(fold_fraction.map_or(natural_angle, of_pattern))
         };
         let own = (fold_fraction.is_some() || !creases.own.is_empty()).then(|| {
-            let penalties = hinges.elements.pack(contact_penalty, penalty).into_iter();
-            penalties.zip(hinges.elements.pack(natural_angle, natural)).map(|(gamma, angle)| [gamma, angle]).collect()
+            let excesses = hinges.elements.pack(0.0, |row| penalty(row) - 1.0).into_iter();
+            excesses.zip(hinges.elements.pack(natural_angle, natural)).map(|(excess, angle)| [excess, angle]).collect()
         });
         Ok(Self {
             sides: Sides::own(&hinges.elements),
@@ -139,11 +139,11 @@ impl Creases {
         (facets, angle)
     }
 
-    /// gamma and theta0 of the batch at this place.
+    /// gamma - 1 and theta0 of the batch at this place.
     #[inline(always)]
-    fn penalty_and_natural_angle<V: SimdF64>(&self, place: usize) -> [V; 2] {
+    fn own_or_common<V: SimdF64>(&self, place: usize) -> [V; 2] {
         match &self.own {
-            None => [V::all(self.contact_penalty), V::all(self.natural_angle)],
+            None => [V::all(self.contact_penalty - 1.0), V::all(self.natural_angle)],
             Some(own) => [V::load(&own[place][0]), V::load(&own[place][1])],
         }
     }
@@ -151,10 +151,10 @@ impl Creases {
     /// u [J] and du/dtheta [N m] of the batch at this place, of this stiffness, with its factors of the weights.
     #[inline(always)]
     fn potential<V: SimdF64>(&self, place: usize, kappa: V, angle: V) -> (V, V) {
-        let [penalty, natural_angle] = self.penalty_and_natural_angle::<V>(place);
+        let [excess, natural_angle] = self.own_or_common::<V>(place);
         let opening = angle - natural_angle;
         let inside = angle.min(V::zero()) + (angle - V::all(TAU)).max(V::zero());
-        let overlap = (penalty - V::all(1.0)) * inside;
+        let overlap = excess * inside;
         (V::all(0.5) * kappa * (opening * opening + overlap * inside), kappa * (opening + overlap))
     }
 }

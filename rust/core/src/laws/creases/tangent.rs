@@ -28,8 +28,8 @@ impl Creases {
         let HingeParameters { sign, stiffness, softening } = self.hinges.parameters[batch];
         let (energy, moment) = self.potential(batch, stiffness, angles);
         let [energy, moment, angle] = [energy, moment, angles].map(|lanes| lanes.0[lane]);
-        let [penalty, _] = self.penalty_and_natural_angle::<F64x8>(batch).map(|lanes| lanes.0[lane]);
-        let gamma = if !(0.0..=std::f64::consts::TAU).contains(&angle) { penalty } else { 1.0 };
+        let [excess, _] = self.own_or_common::<F64x8>(batch).map(|lanes| lanes.0[lane]);
+        let gamma = if !(0.0..=std::f64::consts::TAU).contains(&angle) { 1.0 + excess } else { 1.0 };
         // theta = pi - sign phi.
         let slope = -sign.0[lane] * moment;
         WeightedAngle::new(corners, softening.map(|lanes| lanes.0[lane])).hessian(
