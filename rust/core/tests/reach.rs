@@ -125,7 +125,7 @@ fn nets_of_three_tiles() -> [Model; 2] {
     [Model { cords, ..bare.clone() }, Model { bridges: Bridges { nodes, stiffness: 3.0 }, ..bare }]
 }
 
-/// Every law of force alone; damping with each film, whose elements it has.
+/// Every law of force alone; damping with each film, whose elements it has; drag of cords with cords.
 fn scenes() -> impl Iterator<Item = (Model, Vec<LawSpec>)> {
     let forces = every_form().filter(|law| !acts_by_impulses(law));
     let of_film = forces.flat_map(|law| match law {
@@ -135,7 +135,11 @@ fn scenes() -> impl Iterator<Item = (Model, Vec<LawSpec>)> {
     let nets = nets_of_three_tiles().into_iter().map(|model| (model, Vec::new()));
     // Above the middle of the spool, in which the sheet would be too deep, but in the bodies.
     let height = |laws: &[LawSpec]| if matches!(laws, [LawSpec::SpoolContact(_)]) { 0.015 } else { 0.0 };
-    of_film.map(move |laws| (film_of_three_tiles(height(&laws)), laws)).chain(nets)
+    let scene = move |laws: Vec<LawSpec>| match laws[..] {
+        [LawSpec::CordDrag(_)] => (nets_of_three_tiles()[0].clone(), laws),
+        _ => (film_of_three_tiles(height(&laws)), laws),
+    };
+    of_film.map(scene).chain(nets)
 }
 
 #[test]
