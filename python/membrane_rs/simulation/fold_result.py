@@ -127,7 +127,7 @@ class FoldResult:
         On a path from flat to its angles by rigid panels, no crease folding further than its angle phi, there is for
         each crease a shape in which that one has fraction phi and none is further from its own than (1 - fraction)
         phi or so. The shape at rest has the least sum of L e^2 over all creases, of lengths L and errors e; so that
-        |e| <= (1 - fraction) (sum L phi^2 / L)^(1/2) for each. What exceeds that by 5 degrees is a fault. Flat shapes
+        e^2 <= (1 - fraction)^2 (sum L phi^2) / L for each. What exceeds that by 5 degrees is a fault. Flat shapes
         satisfy it up to a fraction of a half; they are faults as such.
         """
         found = (

@@ -21,7 +21,7 @@ BLUNTEST = 3.0
 
 @validated
 class CordDrag(Law):
-    """Drag of air across the segments of cords: 0.5 rho C_d d l |w| w on each, with w its velocity across itself.
+    """Drag of air across the segments of cords: 0.5 rho C_d d l w^2 on each, against its velocity w across itself.
 
     w is the mean velocity of its two nodes relative to the air, without the part along the segment; l is its present
     length. Half of the drag acts on either node. A boltrope has none, for the film beside it has
