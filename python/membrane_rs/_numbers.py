@@ -97,10 +97,7 @@ def listed(value: object) -> object:
 
 def vector(value: object) -> object:
     """Three of something, as a tuple."""
-    value = listed(value)
-    if not isinstance(value, tuple) or len(value) != 3:
-        raise wrong_type("three numbers (x, y, z)")
-    return value
+    return _of_length(value, 3, "three numbers (x, y, z)")
 
 
 def numbers(value: object) -> object:
@@ -113,9 +110,13 @@ def numbers(value: object) -> object:
 
 def pair(value: object) -> object:
     """Two of something, as a tuple."""
+    return _of_length(value, 2, "two numbers")
+
+
+def _of_length(value: object, count: int, wanted: str) -> object:
     value = listed(value)
-    if not isinstance(value, tuple) or len(value) != 2:
-        raise wrong_type("two numbers")
+    if not isinstance(value, tuple) or len(value) != count:
+        raise wrong_type(wanted)
     return value
 
 

@@ -88,3 +88,16 @@ def turned(points: Floats, sides: int) -> Floats:
             for a in angles
         ]
     return np.concatenate([np.stack(columns, axis=1) for columns in all_sides])
+
+
+def zigzag(strips: int, rows_per_strip: int) -> Floats:
+    """(r,) height of each row of strips that stand folded, over that of a strip [-]."""
+    level = np.arange(strips * rows_per_strip + 1) % (2 * rows_per_strip)
+    height: Floats = 1.0 - np.abs(level / rows_per_strip - 1.0)
+    return height
+
+
+def fold_lines(petal: FlatPetal, strips: int, rows_per_strip: int) -> list[Ints]:
+    """(k, 2) edges of each line between two strips, from the inner one outward."""
+    lines = [petal.index[k * rows_per_strip] for k in range(1, strips)]
+    return [np.stack([line[:-1], line[1:]], axis=1) for line in lines]

@@ -35,7 +35,7 @@ from membrane_rs._numbers import MOST, whole
 from membrane_rs._validation import Count, Positive, Unit, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, flat_petal
-from membrane_rs.folding._petals import Petals
+from membrane_rs.folding._petals import Petals, fold_lines, zigzag
 from membrane_rs.folding._wound_petal import NEAREST, WoundPath, default_gap, wound_petal
 from membrane_rs.folding.pattern import StowedPattern, multiplied
 from membrane_rs.mesh import Mesh
@@ -243,8 +243,7 @@ class SpiralHexagon(StowedPattern):
         columns from one hairpin of each petal to where it leaves the hub, and "hairpins", those of the hairpins alone.
         """
         petal, path = self._petal(), self._path()
-        level = np.arange(self.strips * self.rows_per_strip + 1) % (2 * self.rows_per_strip)
-        height = self.strip_height * (1.0 - np.abs(level / self.rows_per_strip - 1.0))
+        height = self.strip_height * zigzag(self.strips, self.rows_per_strip)
         petals = Petals(petal, self.sides)
         reference = petals.points(petal.points / [self._slope, 1.0, 1.0], self.radius)
         positions = petals.points(wound_petal(petal, path, height), self.radius)
@@ -344,8 +343,7 @@ class SpiralHexagon(StowedPattern):
         The upper side faces the hub in strip 0. Between strips 0 and 1 lower sides meet, a mountain; so they do in the
         hairpin of strip 0, and upper sides on its diagonal; from strip to strip all are mountains and valleys in turn.
         """
-        lines = [petal.index[k * self.rows_per_strip] for k in range(1, self.strips)]
-        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
+        pairs = fold_lines(petal, self.strips, self.rows_per_strip)
         strip = np.arange(len(petal.index) - 1) // self.rows_per_strip
         mountain = np.where(strip % 2 == 0, -math.pi, math.pi)
         seam = np.array([row[-1] for row in petal.index])

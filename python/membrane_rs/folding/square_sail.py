@@ -20,7 +20,7 @@ from membrane_rs._bounds import check_nodes
 from membrane_rs._validation import Count, NonNegative, Positive, Unit, Whole, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
-from membrane_rs.folding._petals import Petals
+from membrane_rs.folding._petals import Petals, fold_lines, zigzag
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
 from membrane_rs.folding._wound_petal import NEAREST, THICKEST, WoundPath, default_gap, wound_petal
 from membrane_rs.folding.pattern import StowedPattern, multiplied
@@ -251,11 +251,9 @@ class SquareSail(StowedPattern):
         hairpin of each petal to where it leaves the hub, and "hairpins", those of the hairpins alone.
         """
         petal = self._petal()
-        level = np.arange(self.strips * self.rows_per_strip + 1) % (2 * self.rows_per_strip)
-        height = self.strip_height * (1.0 - np.abs(level / self.rows_per_strip - 1.0))
+        height = self.strip_height * zigzag(self.strips, self.rows_per_strip)
         stowed, stowed_sets = self._stowed(petal, height)
-        lines = [petal.index[k * self.rows_per_strip] for k in range(1, self.strips)]
-        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
+        pairs = fold_lines(petal, self.strips, self.rows_per_strip)
         creases = np.concatenate([*pairs, np.empty((0, 2), dtype=np.int64)])
         # Between strips 0 and 1 the lower sides meet: a mountain. Then valley and mountain in turn.
         fold = 0.0 if self.stowage == "flat" else math.pi

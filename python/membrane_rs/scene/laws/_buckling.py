@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
 from membrane_rs._arrays import Floats
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
-from membrane_rs.scene.law import Law
+from membrane_rs.scene.law import Law, StiffThrough, Surroundings
 
 F = TypeVar("F", bound="BucklingFilm")
 
@@ -19,6 +20,8 @@ F = TypeVar("F", bound="BucklingFilm")
 class BucklingFilm(Law):
     """A law of the film whose edges buckle: alpha, alpha_c, and the lengths in their critical strain [m]."""
 
+    is_film: ClassVar[bool] = True
+    length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     if TYPE_CHECKING:  # fields, in the order of each law, are those of its own class
         buckling: float
         buckling_on_creases: float
@@ -36,6 +39,27 @@ class BucklingFilm(Law):
     def critical_strains(self, mesh: Mesh, material: Material) -> Floats:
         """Those at which creases buckle; edges, where there are no creases."""
         return _critical_strains(self, mesh, material.thickness)
+
+
+class FilmOfSprings(BucklingFilm):
+    """A law of the film whose edges are springs."""
+
+    stiff_through: ClassVar[StiffThrough] = "film"
+    if TYPE_CHECKING:
+        strain_limit: float
+
+    @property
+    def edge_strain_limit(self) -> float:
+        """Every edge is a spring."""
+        return self.strain_limit
+
+    def why_idle(self, scene: Surroundings) -> str | None:
+        """Without a membrane there is no spring."""
+        return "the scene has no membrane" if scene.mesh is None else None
+
+    def step_advice(self, gain: float) -> str:
+        """A coarser mesh."""
+        return "a coarser mesh of the membrane has a longer step in proportion to its springs"
 
 
 def _with(law: F, **values: float) -> F:

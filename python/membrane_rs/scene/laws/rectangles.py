@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
-from membrane_rs.scene.law import StiffThrough, Surroundings
-from membrane_rs.scene.laws._buckling import BucklingFilm
+from membrane_rs.scene.laws._buckling import FilmOfSprings
 
 
 @validated
-class Rectangles(BucklingFilm):
+class Rectangles(FilmOfSprings):
     """Springs along the sides and both diagonals of rectangles, which buckle; for meshes of squares or rectangles.
 
     The triangles of the mesh must form rectangles in pairs, without a crease between the two (`Mesh.find_rectangles`).
@@ -49,10 +47,7 @@ class Rectangles(BucklingFilm):
     """
 
     kind: ClassVar[str] = "rectangles"
-    stiff_through: ClassVar[StiffThrough] = "film"
-    is_film: ClassVar[bool] = True
     has_rectangles: ClassVar[bool] = True
-    length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 1000.0
     buckling_length: Annotated[Positive | None, Unit("m")] = None
@@ -63,16 +58,3 @@ class Rectangles(BucklingFilm):
     def negative_springs(self) -> str:
         """Nothing uses the constants of eq. (1), so none need be refused; the law refuses negative ones of its own."""
         return "unused"
-
-    @property
-    def edge_strain_limit(self) -> float:
-        """Every edge is a spring."""
-        return self.strain_limit
-
-    def why_idle(self, scene: Surroundings) -> str | None:
-        """Without a membrane there is no rectangle."""
-        return "the scene has no membrane" if scene.mesh is None else None
-
-    def step_advice(self, gain: float) -> str:
-        """A coarser mesh."""
-        return "a coarser mesh of the membrane has a longer step in proportion to its springs"

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
-from membrane_rs.scene.law import StiffThrough, Surroundings
-from membrane_rs.scene.laws._buckling import BucklingFilm
+from membrane_rs.scene.laws._buckling import FilmOfSprings
 
 
 @validated
-class Springs(BucklingFilm):
+class Springs(FilmOfSprings):
     """Springs along the edges of the membrane, which buckle.
 
     They represent the film in every direction only on equilateral triangles at nu = 1/3; on right triangles they are
@@ -52,9 +50,6 @@ class Springs(BucklingFilm):
     """
 
     kind: ClassVar[str] = "springs"
-    stiff_through: ClassVar[StiffThrough] = "film"
-    is_film: ClassVar[bool] = True
-    length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 1000.0
     buckling_length: Annotated[Positive | None, Unit("m")] = None
@@ -70,16 +65,3 @@ class Springs(BucklingFilm):
     def negative_springs(self) -> str:
         """As the law says."""
         return self.negative
-
-    @property
-    def edge_strain_limit(self) -> float:
-        """Every edge is a spring."""
-        return self.strain_limit
-
-    def why_idle(self, scene: Surroundings) -> str | None:
-        """Without a membrane there is no edge."""
-        return "the scene has no membrane" if scene.mesh is None else None
-
-    def step_advice(self, gain: float) -> str:
-        """A coarser mesh."""
-        return "a coarser mesh of the membrane has a longer step in proportion to its springs"

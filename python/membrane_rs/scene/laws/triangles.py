@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from annotated_types import Ge, Le
@@ -50,8 +49,6 @@ class Triangles(BucklingFilm):
     """
 
     kind: ClassVar[str] = "triangles"
-    is_film: ClassVar[bool] = True
-    length_fields: ClassVar[Mapping[str, str]] = {"buckling": "buckling_length", "crease": "crease_length"}
     compression: Annotated[Finite, Ge(0), Le(1)] = 0.0
     buckling: NonNegative = 100.0
     buckling_on_creases: NonNegative = 20.0
