@@ -107,7 +107,7 @@ fn the_side_is_saved_with_a_run_and_kept_by_a_motion_of_the_same_shape() {
 }
 
 #[test]
-fn the_side_is_that_on_which_the_crease_was_last_open_and_whole() {
+fn the_side_is_that_on_which_the_crease_was_last_open() {
     let mut bench = Bench::new(hinge(PI, 0.0), &[creases(NATURAL)]);
     let moved = bench.assembly.numbering.to_internal([3])[0] as usize;
     let mut at = |angle: f64, height: f64| {
@@ -130,7 +130,11 @@ fn the_side_is_that_on_which_the_crease_was_last_open_and_whole() {
         (5.5, SIZE, 5.5),
         (7.8, SIZE, 7.8),
         (4.0, 1e-3 * SIZE, 4.0),
-        (5.5, SIZE, 5.5 - TAU),
+        (5.5, 1e-3 * SIZE, 5.5),
+        (5.5, SIZE, 5.5),
+        (3.1, SIZE, 3.1),
+        (1.6, 1e-3 * SIZE, 1.6),
+        (-0.5, SIZE, -0.5),
         (4.6, SIZE, 4.6),
         (5.5, SIZE, 5.5),
         (3.1, SIZE, 3.1),
@@ -138,5 +142,50 @@ fn the_side_is_that_on_which_the_crease_was_last_open_and_whole() {
     ] {
         let found = at(angle, height);
         assert!((found - expected).abs() < 1e-12, "{found} in place of {expected}");
+    }
+}
+
+/// Work of the forces and change of the energy along a path of the apex, in equal parts; each point is an angle and the
+/// height of the facet, negative where it is inverted.
+fn along(path: &[(f64, f64)], parts: usize) -> [f64; 2] {
+    let mut bench = Bench::new(hinge(PI, 0.0), &[creases(NATURAL)]);
+    let moved = bench.assembly.numbering.to_internal([3])[0] as usize;
+    let (mut work, mut energies, mut last) = (0.0, Vec::new(), None);
+    for pair in path.windows(2) {
+        for part in 0..=parts {
+            let share = part as f64 / parts as f64;
+            let [angle, height] =
+                [pair[0].0 + share * (pair[1].0 - pair[0].0), pair[0].1 + share * (pair[1].1 - pair[0].1)];
+            let apex = [0.5 * SIZE, SIZE * height * (PI - angle).cos(), SIZE * height * (PI - angle).sin()];
+            for (axis, value) in apex.into_iter().enumerate() {
+                bench.state.positions[(moved, axis)] = value;
+            }
+            let instant = Instant::new(bench.state.at(0.0), &bench.spin);
+            bench.laws[0].history_dependent_mut().unwrap().accept(instant);
+            let state = bench.state.clone();
+            let (forces, _) = bench.evaluate(0, 0.0, &state);
+            let force = [0, 1, 2].map(|axis| forces[(moved, axis)]);
+            if let Some((before, pull)) = last.replace((apex, force)) {
+                work += (0..3).map(|k| 0.5 * (force[k] + pull[k]) * (apex[k] - before[k])).sum::<f64>();
+            }
+            energies.push(bench.laws[0].energy(bench.instant()));
+        }
+    }
+    [work, energies[energies.len() - 1] - energies[0]]
+}
+
+#[test]
+fn the_energy_goes_on_where_a_facet_collapses_and_turns_over() {
+    // Folded on the other side, collapsed and opened there; collapsed, unfolded to its own side and opened; inverted.
+    let other = [(PI, 1.0), (5.5, 1.0), (5.5, 0.02), (4.0, 0.02), (5.5, 0.02), (5.5, 1.0)];
+    let own = [(PI, 1.0), (4.0, 1.0), (4.0, 0.02), (1.6, 0.02), (0.3, 0.02), (0.3, 1.0)];
+    let over = [(PI, 1.0), (2.0, 1.0), (2.0, -1.0), (2.0, 1.0)];
+    for path in [&other[..], &own, &over] {
+        let misfits = [2000, 4000].map(|parts| {
+            let [work, energy] = along(path, parts);
+            work + energy
+        });
+        assert!((3.9..4.1).contains(&(misfits[0] / misfits[1])), "{path:?}: {misfits:?}");
+        assert!(misfits[1].abs() < 1e-10, "{path:?}: {misfits:?}");
     }
 }

@@ -11,7 +11,9 @@
 //! that is folded against its side beyond 3 pi/2 would be one with facets that interpenetrate by 90 degrees: a run
 //! gains the energy of that contact.
 //!
-//! A collapsed facet has no direction, and turns over at will. Such a crease is on its own side, as at the start.
+//! A collapsed facet makes no difference. Where it turns over, through a line, the angle changes by half a turn, but the
+//! weights are zero there, and the energy does not jump. To put such a crease on its own side is to change the energy
+//! of one that still has a weight: a run gains energy so.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,8 +30,6 @@ use crate::simd::lanes::{F64x8, SimdF64};
 /// The least angle of a crease on its own side, and on the other one \[rad\].
 const OWN: f64 = -FRAC_PI_2;
 const OTHER: f64 = FRAC_PI_2;
-/// Product of the weights of both facets below which one of them has collapsed.
-const COLLAPSED: f64 = 0.5;
 
 /// The least angle of each crease, by batch \[rad\].
 pub(super) struct Sides(Vec<F64x8>);
@@ -87,14 +87,11 @@ impl BatchKernel for SideKernel<'_> {
         let parameters = self.hinges.parameters.of(&pass);
         let (zero, own) = (V::zero(), V::all(OWN));
         for batch in 0..pass.len() {
-            let HingeParameters { sign, softening: [soft_c, soft_d], .. } = &parameters[batch];
+            let HingeParameters { sign, .. } = &parameters[batch];
             let facets = Facets::new(positions.read::<V>(batch));
-            let [square_c, square_d] = facets.squares();
             let least = &mut self.least_angles[pass.place(batch)];
             let by_sine = facets.sine(V::load(sign)).below(zero, V::all(OTHER), own);
-            let side = facets.cosine().below(zero, by_sine, V::load(least));
-            let whole = (square_c + V::load(soft_c)) * (square_d + V::load(soft_d));
-            *least = (square_c * square_d).below(V::all(COLLAPSED) * whole, own, side).lanes();
+            *least = facets.cosine().below(zero, by_sine, V::load(least)).lanes();
         }
         zero
     }
