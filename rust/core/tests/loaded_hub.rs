@@ -34,6 +34,7 @@ fn net(speed: f64) -> Model {
     model.positions.iter_mut().for_each(|p| *p = [1.004 * (p[0] - middle), 1.004 * (p[1] - middle), p[2]]);
     model.velocities = Dice(3).vectors(model.positions.len(), speed);
     model.bridges = Bridges::default();
+    (model.cords[0].nodes, model.cords[0].rest_length) = ([25, 12], 1.19 * SIDE);
     model.fixed = (0..25).filter(|node| node % 5 == 0 || node % 5 == 4 || !(5..20).contains(node)).collect();
     model.fixed.push(25);
     model.loaded = vec![3, 11, 18];
@@ -133,14 +134,17 @@ fn momentum_changes_by_the_impulse_of_each_load() {
             let after = [linear(&simulation, HUB), momentum(&simulation)];
             // Drag is evaluated with predicted velocities by leapfrog.
             let tolerance = match (integrator, name) {
-                ("leapfrog", "air_drag" | "cord_drag") => 1e-4,
+                ("leapfrog", "air_drag" | "cord_drag") => 1e-3,
                 ("leapfrog", _) => 1e-10,
+                // |S . V| has kinks, where the rule of Simpson is of lower order.
+                (_, "air_drag") => 1e-5,
                 _ => 1e-7,
             };
             for k in 0..2 {
-                let error = (after[k] - before[k] - impulse[k]).norm() / impulse[k].norm();
+                let size = impulse[k].norm() + 1e-3 * before[k].norm();
+                let error = (after[k] - before[k] - impulse[k]).norm() / size;
                 assert!(
-                    impulse[k].norm() > 1e-9 && error < tolerance,
+                    impulse[k].norm() > 1e-12 && error < tolerance,
                     "{name} {integrator} {k}: {error:e} {impulse:?}"
                 );
             }
@@ -167,7 +171,7 @@ fn the_work_of_each_load_closes_the_balance_at_the_order_of_the_method() {
             };
             let [coarse, fine] = [2e-6, 1e-6].map(residual);
             assert!(
-                fine < 1e-3 && (coarse > least * fine || coarse < 1e-9),
+                fine < 1e-2 && (coarse > least * fine || coarse < 1e-9),
                 "{name} {integrator}: {coarse:e} {fine:e}"
             );
         }
@@ -289,11 +293,12 @@ fn sunlight_along_the_axis_of_a_flat_sail_is_a_thrust() {
     let pressure = 4.56e-6 * (149_597_870_700.0_f64 / 1e8).powi(2);
     let laws = [springs(), black.into(), body(20.0, HUB, [0.6e-6, 1e-6]).into()];
     let mut simulation = start(net(0.0), &laws, "leapfrog", 1e-6);
+    let before = linear(&simulation, HUB);
     simulation.step(2000).unwrap();
-    let thrust = linear(&simulation, HUB) / simulation.time();
+    let thrust = (linear(&simulation, HUB) - before) / simulation.time();
     let expected = -pressure * (1.004 * SIDE).powi(2);
     assert!(
-        (thrust.z / expected - 1.0).abs() < 1e-6 && thrust.xy().norm() < 1e-6 * thrust.z.abs(),
+        (thrust.z / expected - 1.0).abs() < 1e-9 && thrust.xy().norm() < 1e-9 * thrust.z.abs(),
         "{thrust} {expected}"
     );
     assert!(pose(&simulation).1.z < -1e-5);
@@ -316,7 +321,7 @@ fn a_spun_hub_precesses_by_the_torque_over_its_angular_momentum() {
         let (attitude, origin) = pose(&simulation);
         let axis = attitude * Vector3::z();
         let expected = height * force / (along * rate) * time;
-        assert!(expected > 6e-4 && (axis.y / expected - 1.0).abs() < 1e-3, "{integrator}: {} {expected}", axis.y);
+        assert!(expected > 4e-4 && (axis.y / expected - 1.0).abs() < 1e-3, "{integrator}: {} {expected}", axis.y);
         assert!(axis.x.abs() < 1e-3 * expected, "{integrator}: {}", axis.x);
         assert!((origin.x / (0.5 * force / 2.0 * time * time) - 1.0).abs() < 1e-6, "{integrator}: {origin}");
     }
