@@ -75,7 +75,7 @@ PARTS = (
     Part(
         "free-hub",
         "docs/free_hub.md: free hubs against closed forms, and their cost",
-        [("tools/docs/free_hub.py", "--write")],
+        [("tools/docs/free_hub.py", "--write"), ("tools/docs/flight.py", "--write")],
     ),
     Part(
         "hexagon",

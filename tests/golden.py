@@ -6,7 +6,8 @@ python tests/golden.py --write    # makes that file anew; say in the commit what
 Every built-in scene without stages, by every method, or by its own where it gives its step, and at every width of
 vector instructions (of those that this machine lacks, the next narrower), some hundred steps from its start; 20 ms of
 the deployment of model 1 with all that a run looks at, and its start with a film of rectangles; bars that press into
-the wound sail as they turn; and a strip of which one end is moved.
+the wound sail as they turn; a strip of which one end is moved; and one in flight on a hub in six degrees of freedom,
+under every load.
 Initial positions are rounded, those of the mesh and of wound cords, for numpy's trigonometric functions differ in the
 last bit from processor to processor; what the core does with them does not.
 """
@@ -25,15 +26,20 @@ from typing import Any
 
 import numpy as np
 from membrane_rs import (
+    AirDrag,
+    Fixed,
     Gravity,
     MassDamping,
     Material,
     Mesh,
     Moved,
+    PointForces,
+    Pressure,
     Rectangles,
     Scene,
     Schedule,
     Simulation,
+    SolarPressure,
     Spin,
     SpringDamping,
     Springs,
@@ -121,6 +127,8 @@ def cases() -> Iterator[tuple[str, Callable[[str], dict[str, str]]]]:
     yield "okuizumi-whole, bars pressed in, leapfrog", partial(_stepped, rounded(_pressed()), "leapfrog")
     for method in METHODS:
         yield f"moved strip, {method}", partial(_stepped, rounded(_moved()), method)
+    for method in ("rk4", "leapfrog"):
+        yield f"strip in flight, {method}", partial(_stepped, rounded(_in_flight()), method)
 
 
 def _moved() -> Scene:
@@ -129,6 +137,17 @@ def _moved() -> Scene:
     laws = [Springs(), SpringDamping(0.01), Spin(frequency=3.0), Gravity((0.0, 0.0, -1.0)), MassDamping(5.0)]
     film = Material(youngs_modulus=3.2e9, poisson_ratio=0.34, density=1420.0, thickness=7.5e-6)
     return Scene(Strip(0.05, 0.02, 5, 2, (0.4,), 0.6).mesh(), film, laws, [prescribed])
+
+
+def _in_flight() -> Scene:
+    """A strip of film held at one end on a hub in six degrees of freedom, with light, air, weight and forces."""
+    hub = Spin(frequency=3.0, inertia=1e-5, mass=0.02, transverse_inertia=0.8e-5, tumble=0.2)
+    laws = [
+        *(Springs(), SpringDamping(0.01), hub, MassDamping(5.0), AirDrag(100.0), Pressure(0.1)),
+        *(SolarPressure(0.84, 0.04, sun=(0.6, 0.0, 0.8), distance=1e9), Gravity((1.0, 0.5, -1.0))),
+        PointForces("end", (1e-4, 0.0, 2e-4), frame="inertial"),
+    ]
+    return replace(_moved(), laws=laws, parts=[Fixed("start")])
 
 
 def _of_rectangles() -> Scene:

@@ -10,7 +10,7 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import Fixed, RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
+from membrane_rs import Fixed, MassDamping, RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
 from membrane_rs.analysis.attitude import turn_at, turned
 from membrane_rs.check import audit
 from membrane_rs.errors import InputError
@@ -159,12 +159,16 @@ def test_half_a_body_is_refused(values: dict[str, Any], expected: str) -> None:
         Spin(0.2, **values)
 
 
-def test_what_acts_relative_to_the_frame_is_refused() -> None:
-    from membrane_rs import MassDamping
-
-    scene = flown(BODY)
-    with pytest.raises(InputError, match=r"laws\.mass_damping: does not go with a free hub"):
-        Simulation(replace(scene, laws=[*scene.laws, MassDamping(1.0)]))
+@pytest.mark.parametrize("integrator", ["leapfrog", "rk4"])
+def test_damping_between_sail_and_hub_takes_no_momentum(integrator: str) -> None:
+    scene = flown(BODY, integrator=integrator)
+    sim = Simulation(replace(scene, laws=[*scene.laws, MassDamping(1.0)]))
+    before = sim.angular_momentum().in_space
+    sim.reach(1.0)
+    assert np.linalg.norm(sim.angular_momentum().in_space - before) < 1e-7 * np.linalg.norm(before)
+    ledger = sim.ledger()
+    assert ledger["work_by_law"]["mass_damping"] < 0.0
+    assert abs(ledger["error"]) < 1e-3
 
 
 def test_the_nutation_of_the_scene_is_that_of_its_equation() -> None:

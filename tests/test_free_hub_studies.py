@@ -45,7 +45,6 @@ def test_methods_that_do_not_move_a_free_hub_are_left_out_with_the_reason() -> N
     [
         ({"run.integrator": "generalized_alpha"}, "run.integrator = 'generalized_alpha': does not go with a free hub"),
         ({"run.integrator": "leapfrog", "run.substeps": 3}, "run.substeps = 3: does not go with a free hub; take one"),
-        ({"laws.gravity.acceleration": (0.0, -9.81, 0.0)}, "laws.gravity: does not go with a free hub; a weight along"),
     ],
 )
 def test_what_a_free_hub_excludes_is_named_by_its_key(values: dict[str, Any], words: str) -> None:

@@ -156,12 +156,6 @@ def test_wrong_values_are_refused_by_name(values: dict[str, Any], error: type[In
         Scene(STRIP, RUBBER, [Springs(), PointForces(**given)]).assemble()
 
 
-def test_a_hub_in_six_degrees_of_freedom_is_refused() -> None:
-    body = Spin(1.0, inertia=1e-3, mass=1.0, transverse_inertia=1e-3)
-    with pytest.raises(InputError, match=r"point_forces.*does not go with a free hub"):
-        Simulation(pulled(body), "leapfrog")
-
-
 def test_what_has_no_effect_and_what_is_hardly_meant_is_said() -> None:
     for law, why in (
         (PointForces("end", (0.0, 0.0, 0.0)), "its force is 0"),

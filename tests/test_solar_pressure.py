@@ -207,10 +207,3 @@ def test_what_it_cannot_do_and_what_is_hardly_meant_is_said() -> None:
     near = Scene(DISC, RUBBER, [Springs(), SolarPressure(0.84, 0.04, distance=1.0)], [Fixed("rim")])
     doubts = [finding for finding in audit(near, costly=False).warnings if "solar_pressure.distance" in finding.message]
     assert ["was 1 au meant?" in doubt.remedy for doubt in doubts] == [True]
-
-
-def test_a_hub_in_six_degrees_of_freedom_is_refused() -> None:
-    body = Spin(1.0, inertia=1e-3, mass=1.0, transverse_inertia=1e-3)
-    scene = Scene(DISC, RUBBER, [Springs(), body, SolarPressure(0.84, 0.04)], [Fixed("rim")])
-    with pytest.raises(InputError, match=r"solar_pressure.*does not go with a free hub"):
-        Simulation(scene, "leapfrog")

@@ -60,7 +60,8 @@ def _free_stages(table: Mapping[str, Floats], scene: Scene, starts: Sequence[flo
     found = []
     for rows, staged in stages:
         hub = hub_of(staged)
-        is_alone = not any(law.exerts_outside_torque and law.why_idle(staged) is None for law in staged.laws)
-        if len(rows) > 1 and hub is not None and hub.inertia is not None and is_alone:
+        if len(rows) < 2 or hub is None or hub.inertia is None:
+            continue
+        if not any(law.turns_whole(hub) and law.why_idle(staged) is None for law in staged.laws):
             found.append((rows, hub))
     return found

@@ -164,6 +164,21 @@ class Law:
         """
         return self
 
+    def turns_whole(self, hub: Hub) -> bool:
+        """Whether it may change the angular momentum that hub and sail would keep without it.
+
+        Parameters
+        ----------
+        hub : Hub
+            A free one.
+
+        Returns
+        -------
+        bool
+            Of what is kept: the component about the axis of the hub, or in six degrees of freedom the vector in space.
+        """
+        return self.exerts_outside_torque
+
     @property
     def numbering_field(self) -> str | None:
         """The field by which it names nodes by their numbers, which belong to one mesh; None: it names none so."""

@@ -90,7 +90,7 @@ class AngularMomentum:
         Of all nodes, likewise [kg m2/s].
     in_space : (3,) float
         Of the whole, along axes fixed in space [kg m2/s]. All three components are constant with a hub in six degrees
-        of freedom; a bearing holds the axis of another hub, so that the third alone is.
+        of freedom, but for loads from outside; a bearing holds the axis of another hub, so that the third alone is.
 
     Examples
     --------

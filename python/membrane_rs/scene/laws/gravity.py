@@ -8,6 +8,7 @@ from dataclasses import field
 from typing import Annotated, ClassVar
 
 from membrane_rs._validation import Unit, Vector, validated
+from membrane_rs.scene.hub import Hub
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.laws._factor import largest_factor
 from membrane_rs.scene.plausible import Doubt, implausible
@@ -22,6 +23,8 @@ EARTH, SAME = 9.81, 0.005
 @validated
 class Gravity(Law):
     """A uniform field, fixed in inertial space: F = m g.
+
+    A hub in six degrees of freedom has its weight too, and falls with the sail.
 
     Parameters
     ----------
@@ -61,6 +64,10 @@ class Gravity(Law):
             least, units = EARTH * (1.0 - SAME), {"km/s2": 1e3}
             reason = "that is a thousandth of the gravity of the Earth, 9.81 m/s2"
         yield from implausible(f"{where}.acceleration", size, "m/s2", reason, least=least, most=STRONGEST, units=units)
+
+    def turns_whole(self, hub: Hub) -> bool:
+        """But along the axis that a bearing holds: about a point in space whatever falls gains angular momentum."""
+        return hub.mass is not None or any(self.acceleration[:2])
 
     def why_idle(self, scene: Surroundings) -> str | None:
         """A field of no strength."""

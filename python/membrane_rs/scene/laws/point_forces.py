@@ -22,7 +22,7 @@ class PointForces(Law):
 
     The force is that on each node, not their sum. It keeps its direction in the turning frame or in inertial space,
     and follows a factor of time. Its work is external: that on the velocities in the turning frame. On a free hub its
-    torque about the axis is one from outside.
+    torque is one from outside, and in six degrees of freedom it moves the whole.
 
     Parameters
     ----------

@@ -32,7 +32,8 @@ class SolarPressure(Law):
 
     a third on each node, with the shares r_s and r_d of the lit side, the emissivities e and Lambert coefficients B of
     the lit and the dark side. The front of a triangle is the side of its normal, from which its nodes are seen
-    counter-clockwise. The direction to the sun is fixed in inertial space, so that it turns in a frame that spins.
+    counter-clockwise. The direction to the sun is fixed in inertial space, so that it turns in a frame that spins
+    or tumbles. It falls on the film alone, not on the hub.
 
     There are no shadows: layers of a folded film do not shade each other, nor does a body shade the film, nor is light
     reflected from triangle to triangle. The work of the load is external.

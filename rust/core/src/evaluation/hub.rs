@@ -3,16 +3,18 @@
 //! Forces within the whole of hub and sail have no sum and no torque. What acts on the hub is therefore the reaction to
 //! the forces on all free nodes but those from outside, whatever law and whatever contact transmits it:
 //!
-//!     F = -sum m a,    tau = -sum m (x - c) x a + tau_out + tau_motor    over free nodes, a the forces in space over m
+//!     F = -sum m a + F_out,    tau = -sum m (x - c) x a + tau_out + tau_motor
 //!
-//! Loads from outside are allowed on a hub that turns about its axis, whose torque they report.
+//! with sums over free nodes, a the forces in space over m, and F_out and tau_out those of the loads from outside on all
+//! nodes and on the hub itself, which their laws report (`Law::outside_load`).
 
 use nalgebra::Vector3;
 
 use super::mechanics::Mechanics;
 use crate::arrays::state::{NodeVectors, PhasePoint, columns};
-use crate::laws::Instant;
-use crate::model::hub::Load;
+use crate::integrators::evaluate;
+use crate::laws::{Instant, WorkClass};
+use crate::model::load::Load;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};
 
@@ -74,8 +76,8 @@ impl Mechanics {
         all
     }
 
-    /// The load, with the torque of the loads from outside on all nodes \[N m\].
-    pub(super) fn load_with(&self, outside: f64, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
+    /// See `System::hub_load`.
+    pub(super) fn load_on_hub(&self, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
         let Some(hub) = &self.spin.hub else { return Load::default() };
         let (x, a, masses) = (columns(at.positions), columns(accelerations), self.masses.as_slice());
         let centre = hub.centre();
@@ -83,38 +85,43 @@ impl Mechanics {
             let formula = Moment { centre: [centre[i], centre[j]] };
             each(self.instructions, &formula, [masses, x[i], x[j], a[i], a[j]], [])
         };
-        let about_axis = outside + hub.motor_torque(self.spin.time_of(at.time)) - moment(0, 1);
+        let mut outside = Load::default();
+        self.outside_loads.iter().for_each(|load| outside += *load);
+        let outside = outside.about(&centre);
+        let about_axis = outside.torque.z + hub.motor_torque(self.spin.time_of(at.time)) - moment(0, 1);
         if !hub.is_body() {
             return Load { torque: Vector3::new(0.0, 0.0, about_axis), ..Load::default() };
         }
         let sum = |k: usize| -each(self.instructions, &Weighted, [masses, a[k]], []);
         Load {
-            force: Vector3::new(sum(0), sum(1), sum(2)),
-            torque: Vector3::new(-moment(1, 2), -moment(2, 0), about_axis),
+            force: Vector3::new(sum(0), sum(1), sum(2)) + outside.force,
+            torque: Vector3::new(outside.torque.x - moment(1, 2), outside.torque.y - moment(2, 0), about_axis),
         }
     }
 
     /// See `System::hub_power`.
     pub(super) fn add_hub_power(&self, time: f64, powers: &mut [f64]) {
         let (Some(row), Some(hub)) = (self.hub_row, &self.spin.hub) else { return };
-        let rate = hub.rates().z;
-        powers[row] += rate * hub.motor_torque(self.spin.time_of(time));
-        powers.iter_mut().zip(&self.outside_torques).for_each(|(power, torque)| *power += rate * torque);
+        let (rates, velocity) = (hub.rates(), hub.velocity_of_origin());
+        powers[row] += rates.z * hub.motor_torque(self.spin.time_of(time));
+        for ((power, load), law) in powers.iter_mut().zip(&self.outside_loads).zip(&self.laws) {
+            if law.properties().work_class != WorkClass::Conservative {
+                *power += load.power(&rates, &velocity);
+            }
+        }
     }
 
     /// Sets the accelerations of the frame of a free hub, for readings.
     pub(crate) fn with_accelerations<'a>(&mut self, mut at: Instant<'a>) -> Instant<'a> {
-        let Some(hub_row) = self.hub_row else { return at };
-        let mut accelerations = self.forces_by(|row| row != hub_row, at);
-        for mut column in accelerations.column_iter_mut() {
-            column.iter_mut().zip(&self.inverse_masses).for_each(|(value, inverse)| *value *= inverse);
+        if self.hub_row.is_none() {
+            return at;
         }
-        let rows = self.outside.concat();
-        let [fx, fy, _] = &columns(&self.forces_by(|row| rows.contains(&row), at)).map(<[f64]>::to_vec);
-        let [x, y, _] = columns(at.positions);
-        let outside = (0..x.len()).map(|node| x[node] * fy[node] - y[node] * fx[node]).sum();
+        let (mut accelerations, mut powers) = (NodeVectors::zeros(self.masses.len()), vec![0.0; self.laws.len() + 1]);
         let point = PhasePoint { time: at.time, positions: at.positions, velocities: at.velocities };
-        let load = self.load_with(outside, point, &accelerations);
+        let count = self.evaluation_count;
+        evaluate(self, point, &mut accelerations, &mut powers);
+        self.evaluation_count = count;
+        let load = self.load_on_hub(point, &accelerations);
         if let (Some(frame), Some(hub)) = (&mut at.frame.hub, &self.spin.hub) {
             let [turning, _, of_origin] = hub.accelerations(&load);
             frame.accelerations = [turning, of_origin];

@@ -101,7 +101,7 @@ pub struct Ledger {
     /// The terms at the start.
     pub start: EnergyTerms,
     /// Work of each law since the start, and behind them that of the loads from outside on the turning of the frame,
-    /// by their torques (`Law::outside_torque`) \[J\].
+    /// by their torques (`Law::outside_load`) \[J\].
     pub work: Vec<f64>,
     /// The turning energy at the start, see `Mechanics::turning_energy`; `None` where a state of an earlier version
     /// lacks it \[J\].

@@ -8,12 +8,12 @@ use super::ledger::{EnergyTerms, Scope};
 use super::plan::{Plan, Sums};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, columns, rows, rows_mut};
 use crate::integrators::{Integrator, Kick, NetForces, RateGroup, System};
-use crate::laws::Instant;
-use crate::laws::{Law, Moved};
+use crate::laws::{Instant, Law, Moved, WorkClass};
 use crate::linear::tangent::{Tangent, Weights};
 use crate::model::frame::Spin;
-use crate::model::hub::{Hub, Load};
+use crate::model::hub::Hub;
 use crate::model::hub_motion::HubMotion;
+use crate::model::load::Load;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Add, Formula, on_axes};
@@ -47,8 +47,8 @@ pub struct Mechanics {
     pub(super) moved: Option<usize>,
     /// The loads from outside: those evaluated tile by tile, and nodal laws.
     pub(super) outside: [Vec<usize>; 2],
-    /// The torque of each law from outside about the axis in the last evaluation, where the hub is free \[N m\].
-    pub(super) outside_torques: Vec<f64>,
+    /// Those of each law from outside about the origin in the last evaluation, where the hub is free.
+    pub(super) outside_loads: Vec<Load>,
     /// The law that acts by impulses.
     pub(super) impulsive: Option<usize>,
     /// The loads that do not depend on velocity.
@@ -76,7 +76,7 @@ impl Mechanics {
         let mut factors = inverse_masses.clone();
         laws.iter().filter_map(|law| law.moved()).flat_map(Moved::nodes).for_each(|node| factors[node] = 1.0);
         let outside = [false, true].map(|is_nodal| {
-            let is_own = |law: &mut Box<dyn Law>| law.outside_torque().is_some() && law.nodal().is_some() == is_nodal;
+            let is_own = |law: &mut Box<dyn Law>| law.outside_load().is_some() && law.nodal().is_some() == is_nodal;
             laws.iter_mut().enumerate().filter_map(|(row, law)| is_own(law).then_some(row)).collect()
         });
         let hub_row = spin.hub.as_ref().and_then(|_| laws.iter().position(|law| law.is_frame()));
@@ -84,7 +84,7 @@ impl Mechanics {
         hub_row.iter().for_each(|&row| is_selected[row] = false);
         Self {
             outside,
-            outside_torques: vec![0.0; laws.len()],
+            outside_loads: vec![Load::default(); laws.len()],
             hub_row,
             held: (0..nodes).filter(|&node| inverse_masses[node] == 0.0).collect(),
             history_dependent,
@@ -151,14 +151,17 @@ impl Mechanics {
     }
 
     /// The power by which the loads from outside, of those evaluated tile by tile or of nodal ones, turn with the frame
-    /// \[W\], by their last evaluation. Notes their torques where the hub is free.
+    /// about the axis \[W\], by their last evaluation. Notes them where the hub is free.
     fn turning_power(&mut self, is_nodal: bool, rate: f64) -> f64 {
         let mut power = 0.0;
         for &row in self.outside[usize::from(is_nodal)].iter().filter(|&&row| self.is_selected[row]) {
-            let torque = self.laws[row].outside_torque().unwrap_or_default();
-            power += rate * torque;
+            let law = &self.laws[row];
+            let load = law.outside_load().unwrap_or_default();
+            if law.properties().work_class != WorkClass::Conservative {
+                power += rate * load.torque.z;
+            }
             if self.hub_row.is_some() {
-                self.outside_torques[row] += torque;
+                self.outside_loads[row] += load;
             }
         }
         power
@@ -218,7 +221,7 @@ impl System for Mechanics {
     fn accumulate_forces(&mut self, tile: usize, point: PhasePoint<'_>, powers: &mut [f64]) {
         if tile == 0 {
             powers.fill(0.0);
-            self.outside_torques.fill(0.0);
+            self.outside_loads.fill(Load::default());
             // With rate groups, evaluations of the fast laws count.
             self.evaluation_count += u64::from(self.rate_group != Some(RateGroup::Slow));
         }
@@ -361,7 +364,7 @@ impl System for Mechanics {
     }
 
     fn hub_load(&self, at: PhasePoint<'_>, accelerations: &NodeVectors) -> Load {
-        self.load_with(self.outside_torques.iter().sum(), at, accelerations)
+        self.load_on_hub(at, accelerations)
     }
 
     fn hub_power(&self, time: f64, powers: &mut [f64]) {

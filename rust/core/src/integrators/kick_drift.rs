@@ -144,7 +144,7 @@ pub(super) fn add_work(work: &mut [f64], weight: f64, powers: &[f64]) {
 }
 
 /// Accelerations at the first instant, and the power of each law; velocities are not predicted there.
-pub(super) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
+pub(crate) fn begin(system: &mut dyn System, at: PhasePoint<'_>, accelerations: &mut NodeVectors, powers: &mut [f64]) {
     let count = accelerations.nrows();
     for tile in tiles(count) {
         system.accumulate_forces(tile, at, powers);

@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::simd::dispatch::InstructionSet;
 
 pub use controller::Controller;
+pub(crate) use kick_drift::begin as evaluate;
 pub use system::{Kick, NetForces, RateGroup, System};
 
 /// Default spectral radius: unresolved vibrations decay within some dozens of steps.

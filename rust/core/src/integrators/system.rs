@@ -5,8 +5,9 @@ use std::ops::Range;
 use crate::arrays::blocks::{row_blocks, rows_of, tiles};
 use crate::arrays::state::{NodeVectors, PhasePoint, State, rows_mut};
 use crate::linear::tangent::Weights;
-use crate::model::hub::{Hub, Load};
+use crate::model::hub::Hub;
 use crate::model::hub_motion::HubMotion;
+use crate::model::load::Load;
 
 /// The laws of one evaluation, for methods with substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,8 +83,8 @@ pub trait System {
     }
     /// Moves the free hub, and the frame with it.
     fn set_hub(&mut self, _motion: HubMotion) {}
-    /// The load on the free hub by the last evaluation, which gave these accelerations: the reaction to the forces on
-    /// all free nodes but those from outside, and the motor's torque.
+    /// The load on the free hub about its centre of mass by the last evaluation, which gave these accelerations: the
+    /// reaction to the forces on all free nodes but those from outside, and the motor's torque.
     fn hub_load(&self, _at: PhasePoint<'_>, _accelerations: &NodeVectors) -> Load {
         Load::default()
     }

@@ -4,18 +4,23 @@
 //!     F = -(rho_air/6) |S . V| V
 //!
 //! with S the vector area of the triangle and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber,
-//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v.
+//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v. In air at rest the origin of
+//! a hub in six degrees of freedom has the velocity V_0: V = v + omega x r + V_0.
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 mod tangent;
+mod total;
+mod wind;
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
+use self::total::Total;
+use self::wind::{AboutAxis, Carried, about_axis};
 use super::{
-    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, OF_AXIS_ALONE, Properties,
-    WorkClass,
+    Context, Inspection, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass,
 };
 use crate::arrays::blocks::tiles;
 use crate::arrays::columns::{Columns, ColumnsMut};
@@ -26,6 +31,7 @@ use crate::elements::facet::{FacetSet, normal};
 use crate::error::Result;
 use crate::model::checks::{non_negative, positive};
 use crate::model::frame::Frame;
+use crate::model::load::Load;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
 use crate::simd::lanes::{SimdF64, dot, scale, sum};
 use crate::simd::map::{Formula, each};
@@ -74,10 +80,12 @@ struct AirDrag {
     air: AirMotion,
     /// Velocity relative to the air along x, then along y [m/s].
     wind: Vec<f64>,
+    /// The same along z, where the frame moves along or across it; else that of the nodes, and this is empty.
+    along: Vec<f64>,
     /// The sum of |S . V| over the facets of each node, S twice the vector area [m3/s]; zero between evaluations.
     flows: Vec<f64>,
-    /// See `Law::outside_torque`.
-    torque: f64,
+    /// See `Law::outside_load`.
+    outside: Load,
     instructions: InstructionSet,
 }
 
@@ -91,36 +99,27 @@ impl AirDrag {
             factor: parameters.pressure / (GAS_CONSTANT * parameters.temperature) / 12.0,
             air: parameters.air,
             wind: vec![0.0; 2 * nodes],
+            along: Vec::new(),
             flows: vec![0.0; nodes],
-            torque: 0.0,
+            outside: Load::default(),
             instructions: assembly.instructions,
         })
     }
 
-    /// Angular velocity of the frame relative to the air [rad/s].
+    /// Angular velocity of the frame about the axis relative to the air [rad/s].
     fn rate(&self, frame: Frame) -> f64 {
         match self.air {
             AirMotion::Still => frame.rate,
             AirMotion::Turning => 0.0,
         }
     }
-}
 
-/// The velocity relative to the air, normal to the axis, of nodes at (x, y) with the velocity (u, v) in the frame.
-#[inline(always)]
-fn wind<V: SimdF64>([x, y]: [V; 2], [u, v]: [V; 2], rate: V) -> [V; 2] {
-    [u - rate * y, v + rate * x]
-}
-
-/// The velocities relative to the air.
-struct WindKernel {
-    rate: f64,
-}
-
-impl Formula<4, 2> for WindKernel {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, [x, y, u, v]: [V; 4], _: [V; 2]) -> [V; 2] {
-        wind([x, y], [u, v], V::all(self.rate))
+    /// The motion of the frame relative to the air, where it is not one about the axis.
+    fn carried(&self, frame: Frame) -> Option<Carried> {
+        (self.air == AirMotion::Still && frame.body().is_some()).then(|| {
+            let (rates, velocity) = frame.carried();
+            Carried { rates: rates.into(), velocity: velocity.into() }
+        })
     }
 }
 
@@ -131,7 +130,7 @@ struct FlowKernel<'a> {
     flows: ColumnsMut<'a, 1>,
     positions: Columns<'a>,
     wind: Columns<'a, 2>,
-    /// Velocities along the axis.
+    /// The same along the axis.
     along: Columns<'a, 1>,
 }
 
@@ -170,33 +169,16 @@ impl DragKernel {
     }
 }
 
-impl Formula<5, 4> for DragKernel {
+impl Formula<6, 4> for DragKernel {
     #[inline(always)]
-    fn row<V: SimdF64>(&self, [wind_x, wind_y, _, _, w]: [V; 5], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
+    fn row<V: SimdF64>(&self, [wind_x, wind_y, wind_z, ..]: [V; 6], [fx, fy, fz, flow]: [V; 4]) -> [V; 4] {
         let coefficient = self.coefficient(flow);
-        [fx + coefficient * wind_x, fy + coefficient * wind_y, fz + coefficient * w, V::zero()]
+        [fx + coefficient * wind_x, fy + coefficient * wind_y, fz + coefficient * wind_z, V::zero()]
     }
 
     #[inline(always)]
-    fn summand<V: SimdF64>(&self, [wind_x, wind_y, u, v, w]: [V; 5], [.., flow]: [V; 4]) -> V {
-        self.coefficient(flow) * (wind_x * u + wind_y * v + w * w)
-    }
-}
-
-/// x F_y - y F_x.
-struct TorqueKernel {
-    drag: DragKernel,
-}
-
-impl Formula<5, 0> for TorqueKernel {
-    #[inline(always)]
-    fn row<V: SimdF64>(&self, _: [V; 5], _: [V; 0]) -> [V; 0] {
-        []
-    }
-
-    #[inline(always)]
-    fn summand<V: SimdF64>(&self, [x, y, wind_x, wind_y, flow]: [V; 5], _: [V; 0]) -> V {
-        self.drag.coefficient(flow) * (x * wind_y - y * wind_x)
+    fn summand<V: SimdF64>(&self, [wind_x, wind_y, wind_z, u, v, w]: [V; 6], [.., flow]: [V; 4]) -> V {
+        self.coefficient(flow) * (wind_x * u + wind_y * v + wind_z * w)
     }
 }
 
@@ -206,6 +188,7 @@ struct DampingKernel<'a> {
     factor: f64,
     tile: usize,
     rate: f64,
+    carried: Option<Carried>,
     positions: Columns<'a>,
     velocities: Columns<'a>,
     p: Columns<'a>,
@@ -228,8 +211,11 @@ impl BatchKernel for DampingKernel<'_> {
             let factor = V::all(self.factor * self.drag.factor) * V::load(&presence[batch]);
             let mut products = [[V::zero(); 3]; 3];
             for k in 0..3 {
-                let [wind_x, wind_y] = wind([r[k][0], r[k][1]], [v[k][0], v[k][1]], V::all(self.rate));
-                let wind = [wind_x, wind_y, v[k][2]];
+                let [wind_x, wind_y] = about_axis([r[k][0], r[k][1]], [v[k][0], v[k][1]], V::all(self.rate));
+                let wind = match &self.carried {
+                    Some(carried) => carried.wind(r[k], v[k]),
+                    None => [wind_x, wind_y, v[k][2]],
+                };
                 let (flow, change) = (dot(normal, wind), dot(normal, p[k]));
                 let along = scale(change.copysign(flow * change), wind);
                 products[k] = scale(factor, sum(scale(flow.abs(), p[k]), along));
@@ -244,26 +230,41 @@ impl NodalLaw for AirDrag {
     fn prepare(&mut self, tile: usize, at: Instant<'_>) {
         let rate = self.rate(at.frame);
         let new = self.facets.elements.new_rows(tile);
+        let carried = self.carried(at.frame);
         let (wind_x, wind_y) = self.wind.split_at_mut(self.flows.len());
-        let ([x, y, _], [u, v, _]) = (rows(at.positions, new.clone()), rows(at.velocities, new.clone()));
-        let results = [&mut wind_x[new.clone()], &mut wind_y[new]];
-        each(self.instructions, &WindKernel { rate }, [x, y, u, v], results);
+        let ([x, y, z], [u, v, w]) = (rows(at.positions, new.clone()), rows(at.velocities, new.clone()));
+        let results = [&mut wind_x[new.clone()], &mut wind_y[new.clone()]];
+        if let Some(carried) = &carried {
+            self.along.resize(self.flows.len(), 0.0);
+            let [wind_x, wind_y] = results;
+            each(self.instructions, carried, [x, y, z, u, v, w], [wind_x, wind_y, &mut self.along[new]]);
+        } else {
+            each(self.instructions, &AboutAxis { rate }, [x, y, u, v], results);
+        }
         let (positions, wind) = (Columns::of(at.positions), Columns::in_slice(&self.wind));
-        let along = Columns::in_slice(columns(at.velocities)[2]);
+        let of_nodes = columns(at.velocities)[2];
+        let along = Columns::in_slice(if carried.is_some() { &self.along } else { of_nodes });
         let flows = ColumnsMut::single(&mut self.flows);
         self.instructions.run_batches(FlowKernel { facets: &self.facets, tile, flows, positions, wind, along });
     }
 
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
         let (wind_x, wind_y) = self.wind.split_at(self.flows.len());
-        let ([x, y, _], [u, v, w]) = (rows(at.positions, range.clone()), rows(at.velocities, range.clone()));
+        let ([x, y, z], [u, v, w]) = (rows(at.positions, range.clone()), rows(at.velocities, range.clone()));
+        let is_carried = self.carried(at.frame).is_some();
+        let wind_z = if is_carried { &self.along[range.clone()] } else { w };
         let [wind_x, wind_y] = [&wind_x[range.clone()], &wind_y[range.clone()]];
-        let (drag, flows) = (DragKernel { factor: self.factor }, &self.flows[range.clone()]);
-        self.torque = match (self.air, at.frame) {
-            (AirMotion::Turning, _) | (_, Frame { rate: 0.0, hub: None, .. }) => 0.0,
-            _ => each(self.instructions, &TorqueKernel { drag }, [x, y, wind_x, wind_y, flows], []),
-        };
-        let read = [wind_x, wind_y, u, v, w];
+        let (places, wind, flows) = ([x, y, z], [wind_x, wind_y, wind_z], &self.flows[range.clone()]);
+        let total = Total { factor: self.factor, places, wind, flows, instructions: self.instructions };
+        self.outside = Load::default();
+        if is_carried {
+            self.outside.force = Vector3::from_fn(|axis, _| total.force(axis));
+            (self.outside.torque.x, self.outside.torque.y) = (total.torque(0), total.torque(1));
+        }
+        if self.air == AirMotion::Still && !matches!(at.frame, Frame { rate: 0.0, hub: None, .. }) {
+            self.outside.torque.z = total.torque(2);
+        }
+        let read = [wind_x, wind_y, wind_z, u, v, w];
         each(self.instructions, &DragKernel { factor: self.factor }, read, [fx, fy, fz, &mut self.flows[range]])
     }
 }
@@ -290,12 +291,8 @@ impl Law for AirDrag {
         Some(self)
     }
 
-    fn outside_torque(&self) -> Option<f64> {
-        (self.air == AirMotion::Still).then_some(self.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
+    fn outside_load(&self) -> Option<Load> {
+        (self.air == AirMotion::Still).then_some(self.outside)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -322,6 +319,7 @@ impl Linearisation for AirDrag {
                 factor,
                 tile,
                 rate,
+                carried: self.carried(at.frame),
                 positions,
                 velocities,
                 p,

@@ -15,13 +15,14 @@ use serde::Deserialize;
 
 use super::air_drag::AirMotion;
 use super::segments::{Ends, Segments};
-use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, OF_AXIS_ALONE, Properties, WorkClass};
+use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, Properties, WorkClass};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at};
 use crate::arrays::state::NodeVectors;
 use crate::assembly::Assembly;
 use crate::error::Result;
 use crate::model::checks::{non_negative, positive};
 use crate::model::frame::Frame;
+use crate::model::load::Load;
 
 /// Parameters of the air and of the cords.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -65,8 +66,8 @@ struct CordDrag {
     /// rho C_d d / 2 \[kg/m2\].
     factor: f64,
     air: AirMotion,
-    /// See `Law::outside_torque`.
-    torque: f64,
+    /// See `Law::outside_load`.
+    outside: Load,
 }
 
 /// A segment in the air: d from end to end, its length, V, and w.
@@ -119,21 +120,24 @@ impl CordDrag {
             Segment([a.min(b), a.max(b)])
         };
         let segments = Segments::new(cords.map(internal).collect(), assembly.masses.len());
-        Self { segments, factor: 0.5 * density * coefficient * diameter, air, torque: 0.0 }
+        Self { segments, factor: 0.5 * density * coefficient * diameter, air, outside: Load::default() }
     }
 
-    /// Omega x of the frame relative to the air, as a matrix \[rad/s\].
-    fn turning(&self, frame: Frame) -> Matrix3<f64> {
-        let rate = match self.air {
-            AirMotion::Still => frame.rate,
-            AirMotion::Turning => 0.0,
-        };
-        Matrix3::new(0.0, -rate, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0)
+    /// Of the frame relative to the air: its rates \[rad/s\] as a matrix, and the velocity of its origin \[m/s\].
+    fn carried(&self, frame: Frame) -> (Matrix3<f64>, Vector3<f64>) {
+        match self.air {
+            AirMotion::Still => {
+                let (rates, velocity) = frame.carried();
+                (rates.cross_matrix(), velocity)
+            }
+            AirMotion::Turning => (Matrix3::zeros(), Vector3::zeros()),
+        }
     }
 
     fn flow(&self, [a, b]: [u32; 2], instant: Instant<'_>) -> Flow {
         let (x, v) = ([a, b].map(|node| at(instant.positions, node)), [a, b].map(|node| at(instant.velocities, node)));
-        let (d, velocity) = (x[1] - x[0], 0.5 * (v[0] + v[1] + self.turning(instant.frame) * (x[0] + x[1])));
+        let (turning, of_origin) = self.carried(instant.frame);
+        let (d, velocity) = (x[1] - x[0], 0.5 * (v[0] + v[1] + turning * (x[0] + x[1])) + of_origin);
         let length = d.norm();
         let across = velocity - d * (d.dot(&velocity) / (length * length).max(f64::MIN_POSITIVE));
         Flow { d, length, velocity, across }
@@ -159,7 +163,7 @@ impl Law for CordDrag {
     }
 
     fn add_to_tile(&mut self, tile: usize, instant: Instant<'_>, forces: &mut NodeVectors) -> f64 {
-        let (mut power, mut torque) = (0.0, 0.0);
+        let (mut power, mut outside) = (0.0, Load::default());
         for segment in self.segments.of_tile(tile) {
             let flow = self.flow(segment.0, instant);
             let force = flow.across * (-0.5 * self.factor * flow.length * flow.across.norm());
@@ -169,20 +173,16 @@ impl Law for CordDrag {
                 }
                 let place = at(instant.positions, node);
                 power += force.dot(&at(instant.velocities, node));
-                torque += place.x * force.y - place.y * force.x;
+                outside += Load::at(place, force);
             }
         }
         let is_still = matches!(instant.frame, Frame { rate: 0.0, hub: None, .. });
-        self.torque = if is_still || self.air == AirMotion::Turning { 0.0 } else { torque };
+        self.outside = if is_still { Load::default() } else { outside };
         power
     }
 
-    fn outside_torque(&self) -> Option<f64> {
-        (self.air == AirMotion::Still).then_some(self.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
+    fn outside_load(&self) -> Option<Load> {
+        (self.air == AirMotion::Still).then_some(self.outside)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {
@@ -213,7 +213,7 @@ impl Linearisation for CordDrag {
     }
 
     fn add_jacobian(&self, instant: Instant<'_>, jacobian: &mut dyn JacobianBlocks) {
-        let turning = self.turning(instant.frame);
+        let (turning, _) = self.carried(instant.frame);
         for segment in self.segments.all() {
             let flow = self.flow(segment.0, instant);
             let by_velocity: Block = flow.by_velocity() * (-0.25 * self.factor);

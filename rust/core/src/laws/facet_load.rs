@@ -1,6 +1,6 @@
 //! Loads on the facets of the film from outside: on each node of a triangle the same force, a function of its normal.
 
-use super::{Inspection, Instant, Kernels, Law, Linearisation, OF_AXIS_ALONE, Properties, WorkClass};
+use super::{Inspection, Instant, Kernels, Law, Linearisation, Properties, WorkClass};
 use crate::arrays::columns::{Columns, ColumnsMut};
 use crate::arrays::jacobian::{Block, JacobianBlocks, at, cross_matrix};
 use crate::arrays::state::NodeVectors;
@@ -8,8 +8,9 @@ use crate::assembly::Assembly;
 use crate::elements::facet::{FacetSet, normal};
 use crate::model::factor::Factor;
 use crate::model::frame::Frame;
+use crate::model::load::Load;
 use crate::simd::dispatch::{BatchKernel, InstructionSet};
-use crate::simd::lanes::{SimdF64, Vec3, dot, sum};
+use crate::simd::lanes::{SimdF64, Vec3, cross, dot, sum};
 use nalgebra::Vector3;
 
 /// The force on a node of a facet as a function of the facet's normal.
@@ -44,8 +45,8 @@ pub(super) trait FacetLoadLaw: Send + Sync {
 pub(super) struct LoadedFacets<L> {
     load: L,
     facets: FacetSet,
-    /// Of the load on the facets of the last tile, see `Law::outside_torque`.
-    torque: f64,
+    /// On the facets of the last tile, see `Law::outside_load`.
+    outside: Load,
     instructions: InstructionSet,
 }
 
@@ -104,9 +105,39 @@ impl<L: FacetLoad> BatchKernel for TorqueKernel<'_, L> {
     }
 }
 
+/// The sum of the load on the facets of one tile, about the origin.
+struct SumKernel<'a, L> {
+    facets: &'a FacetSet,
+    load: &'a L,
+    tile: usize,
+    positions: Columns<'a>,
+    sum: &'a mut Load,
+}
+
+impl<L: FacetLoad> BatchKernel for SumKernel<'_, L> {
+    #[inline(always)]
+    fn sweep_kind<V: SimdF64, const KIND: usize>(&mut self) -> V {
+        let pass = self.facets.elements.pass::<KIND>(self.tile, self.positions.rows());
+        let positions = pass.reader(self.positions);
+        let presence = self.facets.presence.of(&pass);
+        let mut sums = [[V::zero(); 3]; 2];
+        for batch in 0..pass.len() {
+            let corners = positions.read::<V>(batch);
+            let force = self.load.on_node(pass.place(batch), V::load(&presence[batch]), normal(&corners));
+            let torque = cross(sum(corners[0], sum(corners[1], corners[2])), force);
+            sums = [sum(sums[0], sum(force, sum(force, force))), sum(sums[1], torque)];
+        }
+        for k in 0..3 {
+            self.sum.force[k] += sums[0][k].lanes().sum();
+            self.sum.torque[k] += sums[1][k].lanes().sum();
+        }
+        V::zero()
+    }
+}
+
 impl<L> LoadedFacets<L> {
     pub(super) fn new(load: L, facets: FacetSet, assembly: &Assembly) -> Self {
-        Self { load, facets, torque: 0.0, instructions: assembly.instructions }
+        Self { load, facets, outside: Load::default(), instructions: assembly.instructions }
     }
 }
 
@@ -127,19 +158,18 @@ impl<L: FacetLoadLaw> Law for LoadedFacets<L> {
     fn add_to_tile(&mut self, tile: usize, at: Instant<'_>, forces: &mut NodeVectors) -> f64 {
         let (positions, velocities) = (Columns::of(at.positions), Columns::of(at.velocities));
         let (load, facets, forces) = (&self.load.at(at), &self.facets, ColumnsMut::of(forces));
-        self.torque = match at.frame {
-            Frame { rate: 0.0, hub: None, .. } => 0.0,
-            _ => self.instructions.run_batches(TorqueKernel { facets, load, tile, positions }),
-        };
+        self.outside = Load::default();
+        if at.frame.body().is_some() {
+            let sum = &mut self.outside;
+            self.instructions.run_batches(SumKernel { facets, load, tile, positions, sum });
+        } else if !matches!(at.frame, Frame { rate: 0.0, hub: None, .. }) {
+            self.outside.torque.z = self.instructions.run_batches(TorqueKernel { facets, load, tile, positions });
+        }
         self.instructions.run_batches(LoadKernel { facets, load, tile, positions, velocities, forces })
     }
 
-    fn outside_torque(&self) -> Option<f64> {
-        Some(self.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
+    fn outside_load(&self) -> Option<Load> {
+        Some(self.outside)
     }
 
     fn jumps(&self) -> Vec<f64> {

@@ -1,21 +1,27 @@
 //! Weight: F = m g \[N\], U = -sum m g . x \[J\], with g fixed in inertial space.
 //!
-//! In the frame at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g lies along the
-//! axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the system.
+//! In the frame of a driven hub at the angle phi = integral of Omega, the components of g are rotated by -phi. Unless g
+//! lies along the axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the
+//! system. The angle of a free hub is a part of the motion: U does not depend on time.
+//!
+//! In six degrees of freedom the hub has the weight M g too, at the origin, and U is that in space, with the origin at X:
+//! U = -g . (M X + sum m (X + x)).
 //!
 //! With a factor f of time, g = f g_1, it is a load from outside like any other that changes with time: its power is
-//! that of the forces, its torque about the axis is named beside it, and it has no potential. (The power of a potential
-//! would be -f' sum m g_1 . x, which jumps at the knots of a schedule.)
+//! that of the forces, and it has no potential. (The power of a potential would be -f' sum m g_1 . x, which jumps at
+//! the knots of a schedule.)
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, OF_AXIS_ALONE, Properties, WorkClass};
+use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, Properties, WorkClass};
 use crate::arrays::state::{NodeVectors, columns, rows};
 use crate::error::Result;
 use crate::model::checks::finite;
 use crate::model::factor::Factor;
+use crate::model::load::Load;
 
 /// Parameters of weight.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -34,7 +40,7 @@ impl LawParameters for GravityParameters {
             finite("acceleration of gravity [m/s2]", component)?;
         }
         let (masses, factor) = (context.assembly.masses.clone(), self.factor.clone());
-        Ok(Box::new(Gravity { acceleration: self.acceleration, masses, factor, torque: 0.0 }))
+        Ok(Box::new(Gravity { acceleration: self.acceleration, masses, factor, outside: Load::default() }))
     }
 
     fn example() -> Self {
@@ -48,8 +54,8 @@ struct Gravity {
     acceleration: [f64; 3],
     masses: Vec<f64>,
     factor: Factor,
-    /// See `Law::outside_torque`.
-    torque: f64,
+    /// See `Law::outside_load`.
+    outside: Load,
 }
 
 impl Gravity {
@@ -81,10 +87,18 @@ impl NodalLaw for Gravity {
         let places = rows(at.positions, range.clone());
         let rate = at.frame.angle_rate();
         let mut turning = 0.0;
-        self.torque = 0.0;
-        if rate != 0.0 && (g[0] != 0.0 || g[1] != 0.0) {
+        self.outside = Load::default();
+        if let Some(body) = at.frame.body() {
+            let g = Vector3::from(g);
+            let weight = g * masses.iter().sum::<f64>();
+            let moment = Vector3::from(places.map(|column| moment(column, masses)));
+            // The hub counts once, with the first nodes.
+            let of_hub = if range.start == 0 { g * body.mass } else { Vector3::zeros() };
+            self.outside = Load { force: weight + of_hub, torque: moment.cross(&g) };
+        } else if (rate != 0.0 || at.frame.hub.is_some()) && (g[0] != 0.0 || g[1] != 0.0) {
             let torque = g[0] * moment(places[1], masses) - g[1] * moment(places[0], masses);
-            (self.torque, turning) = (-torque, rate * torque);
+            self.outside.torque.z = -torque;
+            turning = if at.frame.hub.is_some() { 0.0 } else { rate * torque };
         }
         if self.factor.varies() {
             let momentum = rows(at.velocities, range).map(|column| moment(column, masses));
@@ -120,16 +134,8 @@ impl Law for Gravity {
         true
     }
 
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        if is_body {
-            return Some(OF_AXIS_ALONE);
-        }
-        let is_along_axis = self.acceleration[..2] == [0.0; 2];
-        (!is_along_axis).then_some("a weight along the axis alone has no torque about it")
-    }
-
-    fn outside_torque(&self) -> Option<f64> {
-        self.factor.varies().then_some(self.torque)
+    fn outside_load(&self) -> Option<Load> {
+        Some(self.outside)
     }
 
     fn jumps(&self) -> Vec<f64> {
@@ -141,7 +147,11 @@ impl Law for Gravity {
             return 0.0;
         }
         let (g, moment) = (self.at(at), self.moment(at.positions));
-        -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2])
+        let in_frame = -(g[0] * moment[0] + g[1] * moment[1] + g[2] * moment[2]);
+        at.frame.body().map_or(in_frame, |body| {
+            let whole = body.mass + self.masses.iter().sum::<f64>();
+            in_frame - whole * Vector3::from(self.acceleration).dot(&body.origin)
+        })
     }
 
     fn remedy(&self) -> &'static str {

@@ -5,9 +5,7 @@ use std::ops::Range;
 
 use serde::Deserialize;
 
-use super::{
-    Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, OF_AXIS_ALONE, Properties, WorkClass,
-};
+use super::{Context, Instant, Kernels, Law, LawParameters, Linearisation, NodalLaw, Properties, WorkClass};
 use crate::arrays::jacobian::{Block, JacobianBlocks};
 use crate::arrays::state::{NodeVectors, columns, columns_mut, rows};
 use crate::error::Result;
@@ -73,10 +71,6 @@ impl Law for MassDamping {
 
     fn nodal(&mut self) -> Option<&mut dyn NodalLaw> {
         Some(self)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
     }
 
     fn linearisation(&self) -> Option<&dyn Linearisation> {

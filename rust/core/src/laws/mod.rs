@@ -42,6 +42,7 @@ use crate::arrays::state::NodeVectors;
 use crate::elements::link::Links;
 use crate::error::Result;
 use crate::layout::Coded;
+use crate::model::load::Load;
 
 pub use air_drag::AirMotion;
 pub use bending::BendingForm;
@@ -58,9 +59,6 @@ pub use nodal::NodalLaw;
 pub use point_forces::ForceFrame;
 pub use self_contact::{ContactStatistics, Scheme, SelfContact};
 pub use spring_damping::{DashpotMass, Limited};
-
-/// The remedy for a law that goes with a hub on its axis, and not with one in six degrees of freedom.
-const OF_AXIS_ALONE: &str = "leave it out, or let the hub turn about its axis alone";
 
 /// The role of the work of a law in the energy balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,8 +158,8 @@ pub trait Law: Send + Sync {
         false
     }
 
-    /// Why it does not go with a free hub, as a remedy; `is_body`: with one in six degrees of freedom.
-    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+    /// Why it does not go with a free hub, as a remedy.
+    fn remedy_on_free_hub(&self) -> Option<&'static str> {
         None
     }
 
@@ -170,10 +168,11 @@ pub trait Law: Send + Sync {
         false
     }
 
-    /// Of a load from outside, such as that of air at rest: its torque about the axis \[N m\], the sum of x F_y - y F_x
-    /// over what the last `add_to_tile` or `add_to_rows` added. `None` for forces between nodes, for those that the hub
-    /// or what turns with it exerts, and for inertial laws whose power is that of the turning frame alone.
-    fn outside_torque(&self) -> Option<f64> {
+    /// Of a load from outside, such as that of air at rest: the sum of what the last `add_to_tile` or `add_to_rows`
+    /// added, about the origin \[N, N m\]. Where the hub is not free in six degrees of freedom, the torque about the
+    /// axis alone. Its power as the frame moves counts beside that of the law, unless the law is conservative. `None`
+    /// for forces between nodes, for those that the hub or what turns with it exerts, and for those of the frame.
+    fn outside_load(&self) -> Option<Load> {
         None
     }
 

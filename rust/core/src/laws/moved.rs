@@ -164,7 +164,7 @@ impl Law for Moved {
         Some(self)
     }
 
-    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+    fn remedy_on_free_hub(&self) -> Option<&'static str> {
         Some("move bodies in place of nodes")
     }
 

@@ -1,19 +1,21 @@
 //! Forces on nodes, the same on each of some nodes: F = f(t) F_1 \[N\], with F_1 fixed in the turning frame or in
-//! inertial space. From the inertial one, the components in the frame at the angle phi are rotated by -phi.
+//! inertial space; from there, their components in the frame turn as it turns.
 //!
 //! They act from outside, also where they turn with the hub. Their work is external, also where a potential exists: in
 //! a frame at rest, of forces that do not change.
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, OF_AXIS_ALONE, Properties, WorkClass};
+use super::{Context, Instant, Kernels, Law, LawParameters, NodalLaw, Properties, WorkClass};
 use crate::arrays::state::rows;
 use crate::error::Result;
 use crate::model::checks::finite;
 use crate::model::factor::Factor;
 use crate::model::frame::Frame;
+use crate::model::load::Load;
 
 /// In which frame forces keep their direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -49,7 +51,7 @@ impl LawParameters for PointForcesParameters {
         let internal = |&node: &u32| assembly.numbering.to_internal([node])[0];
         let mut nodes: Vec<u32> = assembly.model.loaded.iter().map(internal).collect();
         nodes.sort_unstable();
-        Ok(Box::new(PointForces { parameters: self.clone(), nodes, torque: 0.0 }))
+        Ok(Box::new(PointForces { parameters: self.clone(), nodes, load: Load::default() }))
     }
 
     fn example() -> Self {
@@ -62,8 +64,8 @@ struct PointForces {
     parameters: PointForcesParameters,
     /// Internal numbers, ascending.
     nodes: Vec<u32>,
-    /// See `Law::outside_torque`.
-    torque: f64,
+    /// See `Law::outside_load`.
+    load: Load,
 }
 
 impl PointForces {
@@ -80,7 +82,7 @@ impl PointForces {
 
 impl NodalLaw for PointForces {
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
-        self.torque = 0.0;
+        self.load = Load::default();
         let first = self.nodes.partition_point(|&node| (node as usize) < range.start);
         let end = self.nodes.partition_point(|&node| (node as usize) < range.end);
         if first == end {
@@ -92,10 +94,11 @@ impl NodalLaw for PointForces {
         for node in self.nodes[first..end].iter().map(|&node| node as usize - range.start) {
             (fx[node], fy[node], fz[node]) = (fx[node] + x, fy[node] + y, fz[node] + z);
             power += x * velocities[0][node] + y * velocities[1][node] + z * velocities[2][node];
-            self.torque += places[0][node] * y - places[1][node] * x;
+            let place = places.map(|column| column[node]);
+            self.load += Load::at(place.into(), Vector3::new(x, y, z));
         }
         if let Frame { rate: 0.0, hub: None, .. } = at.frame {
-            self.torque = 0.0;
+            self.load = Load::default();
         }
         power
     }
@@ -119,12 +122,8 @@ impl Law for PointForces {
         Some(self)
     }
 
-    fn outside_torque(&self) -> Option<f64> {
-        Some(self.torque)
-    }
-
-    fn remedy_on_free_hub(&self, is_body: bool) -> Option<&'static str> {
-        is_body.then_some(OF_AXIS_ALONE)
+    fn outside_load(&self) -> Option<Load> {
+        Some(self.load)
     }
 
     fn jumps(&self) -> Vec<f64> {

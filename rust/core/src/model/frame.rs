@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::hub::{Hub, HubFrame};
+use nalgebra::Vector3;
+
+use super::hub::{BodyFrame, Hub, HubFrame};
 use super::schedule::Schedule;
 
 /// Prescribed rotation of the hub: Omega(t) = rate + acceleration t, or 2 pi times a schedule of the frequency; or a
@@ -49,9 +51,25 @@ impl Frame {
         if self.is_frozen { 0.0 } else { self.rate }
     }
 
-    /// The components in this frame, which has turned about z, of a vector that is fixed in inertial space.
+    /// How the hub stands in space, in six degrees of freedom.
+    #[inline]
+    pub fn body(&self) -> Option<&BodyFrame> {
+        self.hub.as_ref().and_then(|hub| hub.body.as_ref())
+    }
+
+    /// Rates of this frame \[rad/s\], and the velocity of its origin in space \[m/s\].
+    #[inline]
+    pub fn carried(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let about_axis = (Vector3::new(0.0, 0.0, self.rate), Vector3::zeros());
+        self.hub.as_ref().map_or(about_axis, |hub| (hub.rates, hub.velocity))
+    }
+
+    /// The components in this frame of a vector that is fixed in inertial space.
     #[inline]
     pub fn components_of(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        if let Some(body) = self.body() {
+            return body.attitude.inverse_transform_vector(&Vector3::new(x, y, z)).into();
+        }
         let (sine, cosine) = self.angle.sin_cos();
         [cosine * x + sine * y, cosine * y - sine * x, z]
     }

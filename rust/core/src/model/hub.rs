@@ -16,17 +16,9 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::hub_motion::{HubMotion, NUMBERS};
+use super::load::Load;
 use super::schedule::Schedule;
 use super::turn::Turn;
-
-/// Force on the hub \[N\] and torque about its centre of mass \[N m\].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Load {
-    /// Force \[N\].
-    pub force: Vector3<f64>,
-    /// Torque about the centre of mass \[N m\].
-    pub torque: Vector3<f64>,
-}
 
 /// What the hub is free to do, with its moments of inertia \[kg m2\] without the nodes held on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +48,19 @@ pub struct HubFrame {
     pub accelerations: [Vector3<f64>; 2],
     /// Kinetic energy of the hub without the nodes held on it, less that at the start \[J\].
     pub energy: f64,
+    /// How it stands in space, in six degrees of freedom.
+    pub body: Option<BodyFrame>,
+}
+
+/// The frame of a hub in six degrees of freedom, as it stands in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyFrame {
+    /// From components of the hub to those in space.
+    pub attitude: UnitQuaternion<f64>,
+    /// The origin, from the point where the centre of mass of the hub began \[m\].
+    pub origin: Vector3<f64>,
+    /// Mass at the origin, that of the hub without the nodes held on it \[kg\].
+    pub mass: f64,
 }
 
 /// A free hub: what it is, and how it moves now.
@@ -229,17 +234,22 @@ impl Hub {
     pub fn frame(&self) -> HubFrame {
         let (mass, inertia) = self.own();
         let origin = self.velocity_of_origin();
+        let body = self.is_body().then(|| {
+            let attitude = self.attitude();
+            BodyFrame { attitude, origin: self.motion.centre - attitude * self.centre, mass }
+        });
         let turning = 0.5 * inertia.component_mul(&self.motion.change).dot(&(2.0 * self.start + self.motion.change));
         HubFrame {
             rates: self.rates(),
             velocity: origin,
             accelerations: [Vector3::zeros(); 2],
             energy: turning + 0.5 * mass * origin.norm_squared(),
+            body,
         }
     }
 
     /// Rates of change of the rates \[rad/s2\], and of the velocities in space of the centre and of the origin, under a
-    /// load \[m/s2\].
+    /// load about the centre of mass \[m/s2\].
     pub fn accelerations(&self, load: &Load) -> [Vector3<f64>; 3] {
         let rates = self.rates();
         if !self.is_body() {
@@ -251,7 +261,7 @@ impl Hub {
         [turning, centre, centre + turning.cross(&to_origin) + rates.cross(&rates.cross(&to_origin))]
     }
 
-    /// Rates of change of the numbers of the motion under a load.
+    /// Rates of change of the numbers of the motion under such a load.
     pub fn derivative(&self, load: &Load) -> [f64; NUMBERS] {
         let (rates, [turning, centre, _]) = (self.rates(), self.accelerations(load));
         if !self.is_body() {
@@ -268,7 +278,7 @@ impl Hub {
         .numbers()
     }
 
-    /// Adds the impulse of a load over a time \[s\].
+    /// Adds the impulse of a load about its centre of mass over a time \[s\].
     pub fn kick(&mut self, load: &Load, dt: f64) {
         self.motion.change += self.inverse * load.torque * dt;
         if self.is_body() {
@@ -276,7 +286,7 @@ impl Hub {
         }
     }
 
-    /// F^2/M + tau . I^-1 tau of a load \[N2/kg\].
+    /// F^2/M + tau . I^-1 tau of such a load \[N2/kg\].
     pub fn square_of(&self, load: &Load) -> f64 {
         let along = if self.is_body() { load.force.norm_squared() / self.mass } else { 0.0 };
         along + load.torque.dot(&(self.inverse * load.torque))

@@ -8,6 +8,7 @@ pub mod graph;
 pub mod hub;
 pub mod hub_motion;
 pub mod input;
+pub mod load;
 pub mod mesh;
 pub mod names;
 pub mod optics;

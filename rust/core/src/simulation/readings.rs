@@ -42,8 +42,7 @@ impl Simulation {
     pub fn momenta(&self) -> [Vector3<f64>; 2] {
         let frame = self.mechanics.spin.at(self.time());
         let (hub, still) = (self.mechanics.spin.hub.as_ref(), Vector3::zeros());
-        let (rates, velocity) =
-            frame.hub.map_or((Vector3::new(0.0, 0.0, frame.rate), still), |hub| (hub.rates, hub.velocity));
+        let (rates, velocity) = frame.carried();
         // From the fixed point to the origin, in components of the hub.
         let start = hub
             .filter(|hub| hub.is_body())

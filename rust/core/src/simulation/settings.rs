@@ -53,7 +53,9 @@ impl Settings {
     /// # Errors
     /// `FreeHub`.
     pub(super) fn check_free_hub(&self, spin: &Spin, method: &dyn Integrator, laws: &[Box<dyn Law>]) -> Result<()> {
-        let Some(hub) = &spin.hub else { return Ok(()) };
+        if spin.hub.is_none() {
+            return Ok(());
+        }
         let refuse = |what: String, remedy| Err(Error::FreeHub { what, remedy });
         if self.substeps > 1 {
             return refuse(format!("substeps = {}", self.substeps), "take one substep");
@@ -64,7 +66,7 @@ impl Settings {
         if self.frozen_at.is_some() {
             return refuse("a frozen time".to_owned(), "drive the hub while the scene is relaxed");
         }
-        let mut unfit = laws.iter().filter_map(|law| Some((law.name(), law.remedy_on_free_hub(hub.is_body())?)));
+        let mut unfit = laws.iter().filter_map(|law| Some((law.name(), law.remedy_on_free_hub()?)));
         unfit.next().map_or(Ok(()), |(name, remedy)| refuse(format!("the law {name}"), remedy))
     }
 }

@@ -22,7 +22,7 @@ use crate::arrays::history::History;
 use crate::arrays::state::{NodeVectors, State, columns, columns_mut};
 use crate::integrators::kick_drift::{End, add_work, amplification, begin, energy_shift};
 use crate::integrators::{Integrator, Options, Properties, System, leapfrog};
-use crate::model::hub::Load;
+use crate::model::load::Load;
 use crate::simd::dispatch::InstructionSet;
 use crate::simd::lanes::SimdF64;
 use crate::simd::map::{Formula, each};

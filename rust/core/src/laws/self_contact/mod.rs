@@ -350,7 +350,7 @@ impl Law for SelfContact {
         Some(self)
     }
 
-    fn remedy_on_free_hub(&self, _is_body: bool) -> Option<&'static str> {
+    fn remedy_on_free_hub(&self) -> Option<&'static str> {
         Some("leave it out")
     }
 
