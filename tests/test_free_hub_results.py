@@ -12,6 +12,7 @@ import membrane_rs
 import numpy as np
 import pytest
 from membrane_rs import (
+    CordDrag,
     Gravity,
     MassDamping,
     RunSettings,
@@ -88,6 +89,9 @@ def test_the_error_of_the_momentum_is_what_torque_does_not_explain() -> None:
     outside = {name for name, law in LAWS.items() if law.exerts_outside_torque}
     assert outside == {"air_drag", "cord_drag", "pressure", "solar_pressure", "point_forces"}
     assert momentum_error(table, whirled(replace(FREE, torque=PUSH), Gravity())) == pytest.approx(0.02, rel=1e-3)
+    turning, still = (CordDrag(1e-3, air=air) for air in ("turning", "still"))
+    assert momentum_error(table, whirled(replace(FREE, torque=PUSH), turning)) == pytest.approx(0.02, rel=1e-3)
+    assert momentum_error(table, whirled(replace(FREE, torque=PUSH), still)) is None
     nothing = table_of(scene, np.zeros_like, np.zeros_like)
     assert momentum_error(nothing, whirled(FREE)) is None
 

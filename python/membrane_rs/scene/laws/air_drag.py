@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
 from membrane_rs.analysis.extent import span
+from membrane_rs.scene.hub import Hub
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.plausible import FILM, Doubt, implausible
 
@@ -49,6 +50,10 @@ class AirDrag(Law):
     pressure: Annotated[NonNegative, Unit("Pa")] = 4.5
     temperature: Annotated[Positive, Unit("K")] = 293.0
     air: Literal["still", "turning"] = "still"
+
+    def turns_whole(self, hub: Hub) -> bool:
+        """Air that turns with the hub acts between sail and hub."""
+        return self.air == "still"
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """The law is that of thin air, without added mass: air beside the film, about as deep as the film is wide,

@@ -10,6 +10,7 @@ import numpy as np
 from membrane_rs._arrays import Ints
 from membrane_rs._validation import NonNegative, Positive, Unit, validated
 from membrane_rs.mesh import Mesh
+from membrane_rs.scene.hub import Hub
 from membrane_rs.scene.law import Law, Surroundings
 from membrane_rs.scene.plausible import Doubt, implausible
 
@@ -56,6 +57,10 @@ class CordDrag(Law):
     coefficient: NonNegative = 1.1
     density: Annotated[NonNegative, Unit("kg/m3")] = 1.204
     air: Literal["still", "turning"] = "still"
+
+    def turns_whole(self, hub: Hub) -> bool:
+        """Air that turns with the hub acts between sail and hub."""
+        return self.air == "still"
 
     def implausible_values(self, scene: Surroundings, where: str) -> Iterator[Doubt]:
         """A cord is thicker than a fibre, thinner than its segments are long, and no blunter than any section."""
