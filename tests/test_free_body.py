@@ -10,7 +10,19 @@ from typing import Any
 import membrane_rs
 import numpy as np
 import pytest
-from membrane_rs import Fixed, MassDamping, RunSettings, Scene, Schedule, Simulation, Spin, Stage, Tether, scenes
+from membrane_rs import (
+    Fixed,
+    MassDamping,
+    PointForces,
+    RunSettings,
+    Scene,
+    Schedule,
+    Simulation,
+    Spin,
+    Stage,
+    Tether,
+    scenes,
+)
 from membrane_rs.analysis.attitude import turn_at, turned
 from membrane_rs.check import audit
 from membrane_rs.errors import InputError
@@ -46,6 +58,21 @@ def test_angular_momentum_in_space_is_constant(integrator: str) -> None:
     whole = sim.hub_rotation.T @ after.in_space
     assert whole[2] == pytest.approx(after.total, rel=1e-12)
     assert sim.nutation_angle == pytest.approx(math.acos(whole[2] / np.linalg.norm(whole)), rel=1e-6)
+
+
+def test_places_in_space_follow_from_rotation_and_displacement() -> None:
+    """A body with a weight at the end of a mast, pushed there: its centre of mass flies as a point."""
+    mast = Tether((0.05, 0.0, 0.02), (0.06, 0.0, 0.02), 1, 1.0, 1e-9, tip_mass=0.01)
+    spin = Spin(3.0, inertia=4e-5, mass=0.02, transverse_inertia=3e-5, tumble=2.0)
+    push = PointForces("tether-0-end", (0.0, 0.1, 0.2), frame="inertial")
+    run = RunSettings(until=0.1, integrator="rk4", dt=1e-4)
+    sim = Simulation(Scene(None, None, [spin, push], [mast, Fixed("tether-0-end")], run=run))
+    centre = 0.01 * sim.positions[1] / 0.03
+    sim.reach(0.1)
+    masses, places = np.append(sim.masses, 0.02), np.vstack([sim.positions, np.zeros(3)])
+    places = (places - centre) @ sim.hub_rotation.T + sim.hub_displacement
+    flown_by = 0.5 * np.array([0.0, 0.1, 0.2]) / 0.03 * 0.1**2
+    assert masses @ places / 0.03 == pytest.approx(flown_by, rel=1e-6, abs=1e-9)
 
 
 def test_a_bearing_holds_the_axis_of_another_hub() -> None:

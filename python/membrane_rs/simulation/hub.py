@@ -137,9 +137,10 @@ class HubReadings:
 
     @property
     def hub_rotation(self) -> Floats:
-        """(3, 3) rotation matrix of the hub [-]: `positions @ hub_rotation.T + hub_displacement` lie in space.
+        """(3, 3) rotation matrix of the hub [-]: `(positions - c) @ hub_rotation.T + hub_displacement` lie in space.
 
-        Of a hub whose centre of mass is displaced by the nodes that it holds, they are those but for a constant.
+        In six degrees of freedom c is the centre of mass of the hub and the nodes held on it: the origin, where these
+        lie evenly about it. Of a hub on its axis c is 0.
         """
         return frozen(rotation_of(self.hub_attitude))
 
