@@ -58,6 +58,7 @@ fn sunlight(sun: [f64; 3]) -> SolarPressureParameters {
 /// Loads from outside, strong beside the motion, each with its name.
 fn loads() -> Vec<(&'static str, LawSpec)> {
     let factor = Schedule::new(vec![0.0, 1e-3], vec![0.5, 1.5], 0.5).unwrap();
+    let half = Schedule::new(vec![0.0, 1e-3], vec![0.5, 0.5], 0.0).unwrap();
     let weight = GravityParameters { acceleration: [30.0, -20.0, 50.0], ..GravityParameters::default() };
     let air = AirDragParameters { pressure: 1e5, temperature: 293.0, air: AirMotion::Still };
     let cords = CordDragParameters { diameter: 1e-2, coefficient: 1.1, density: 1.2, air: AirMotion::Still };
@@ -67,9 +68,10 @@ fn loads() -> Vec<(&'static str, LawSpec)> {
         ("pressure", PressureParameters { pressure: 10.0, ..PressureParameters::default() }.into()),
         ("solar_pressure", sunlight([0.7, 0.3, 0.6]).into()),
         ("gravity", weight.clone().into()),
-        ("gravity", GravityParameters { factor: factor.into(), ..weight }.into()),
+        ("gravity", GravityParameters { factor: factor.into(), ..weight.clone() }.into()),
         ("air_drag", air.into()),
         ("cord_drag", cords.into()),
+        ("gravity", GravityParameters { factor: half.into(), ..weight }.into()),
     ]
 }
 
