@@ -135,11 +135,8 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
 
 /// The velocity of a node in inertial space, v + omega x x + V \[m/s\].
 fn inertial(at: Instant<'_>, node: u32) -> Vector3<f64> {
-    let (x, v, rate) = (row(at.positions, node), row(at.velocities, node), at.frame.rate);
-    match &at.frame.hub {
-        Some(hub) => v + hub.rates.cross(&x) + hub.velocity,
-        None => v + Vector3::new(-rate * x.y, rate * x.x, 0.0),
-    }
+    let (rates, of_origin) = at.frame.carried();
+    row(at.velocities, node) + rates.cross(&row(at.positions, node)) + of_origin
 }
 
 /// Position \[m\] and velocity in inertial space \[m/s\] of the centre of mass.

@@ -51,7 +51,7 @@ impl LawParameters for PointForcesParameters {
         let internal = |&node: &u32| assembly.numbering.to_internal([node])[0];
         let mut nodes: Vec<u32> = assembly.model.loaded.iter().map(internal).collect();
         nodes.sort_unstable();
-        Ok(Box::new(PointForces { parameters: self.clone(), nodes, load: Load::default() }))
+        Ok(Box::new(PointForces { parameters: self.clone(), nodes, outside: Load::default() }))
     }
 
     fn example() -> Self {
@@ -65,7 +65,7 @@ struct PointForces {
     /// Internal numbers, ascending.
     nodes: Vec<u32>,
     /// See `Law::outside_load`.
-    load: Load,
+    outside: Load,
 }
 
 impl PointForces {
@@ -82,7 +82,7 @@ impl PointForces {
 
 impl NodalLaw for PointForces {
     fn add_to_rows(&mut self, range: Range<usize>, at: Instant<'_>, [fx, fy, fz]: [&mut [f64]; 3]) -> f64 {
-        self.load = Load::default();
+        self.outside = Load::default();
         let first = self.nodes.partition_point(|&node| (node as usize) < range.start);
         let end = self.nodes.partition_point(|&node| (node as usize) < range.end);
         if first == end {
@@ -95,10 +95,10 @@ impl NodalLaw for PointForces {
             (fx[node], fy[node], fz[node]) = (fx[node] + x, fy[node] + y, fz[node] + z);
             power += x * velocities[0][node] + y * velocities[1][node] + z * velocities[2][node];
             let place = places.map(|column| column[node]);
-            self.load += Load::at(place.into(), Vector3::new(x, y, z));
+            self.outside += Load::at(place.into(), Vector3::new(x, y, z));
         }
         if let Frame { rate: 0.0, hub: None, .. } = at.frame {
-            self.load = Load::default();
+            self.outside = Load::default();
         }
         power
     }
@@ -123,7 +123,7 @@ impl Law for PointForces {
     }
 
     fn outside_load(&self) -> Option<Load> {
-        Some(self.load)
+        Some(self.outside)
     }
 
     fn jumps(&self) -> Vec<f64> {
