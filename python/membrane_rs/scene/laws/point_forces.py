@@ -21,8 +21,8 @@ class PointForces(Law):
     """A force on each of some nodes, from outside, such as a pull by hand, a thruster or a load of a test.
 
     The force is that on each node, not their sum. It keeps its direction in the turning frame or in inertial space,
-    and follows a factor of time. Its work is external: that on the velocities in the turning frame. On a free hub its
-    torque is one from outside, and in six degrees of freedom it moves the whole.
+    and follows a factor of time. Its work is external: that on the velocities in the turning frame, or in space where
+    the hub is free. On a free hub its torque is one from outside, and in six degrees of freedom it moves the whole.
 
     Parameters
     ----------
