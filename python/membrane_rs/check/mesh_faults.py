@@ -14,6 +14,7 @@ from membrane_rs.mesh.audit import crossing, growing
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
+from membrane_rs.scene.scales import film_masses
 
 FEW_NODES = 1000
 """Up to which growing modes cost about as much as the other checks of the mesh."""
@@ -41,8 +42,11 @@ def _audit_of_mesh(scene: Scene) -> tuple[Finding, ...]:
     mesh, material, springs = scene.mesh, scene.material, _has_springs(scene)
     if mesh is None:
         return ()
-    key = "faults", material, springs
-    return _once(mesh, key, lambda: mesh.audit(material, springs=springs, growth=False, crossings=False).findings)
+    has_own = material is not None and (material.softening is not None or scene.assemble().regions)
+    stiffness = scene.membrane_stiffness() if springs and has_own else None
+    key = "faults", material, springs, None if stiffness is None else stiffness.tobytes()
+    options = {"springs": springs, "growth": False, "crossings": False}
+    return _once(mesh, key, lambda: mesh.audit(material, stiffness=stiffness, **options).findings)
 
 
 def crossings(scene: Scene) -> Iterator[Finding]:
@@ -104,7 +108,8 @@ def _growing(scene: Scene, fewer: float, most: float) -> Iterator[Finding]:
     if scene.mesh is None or scene.material is None or scene.negative_springs == "clip" or not _has_springs(scene):
         return
     if fewer < scene.mesh.node_count <= most:
-        yield from growing(scene.mesh, scene.material)
+        masses = film_masses(scene, scene.mesh, scene.material)
+        yield from growing(scene.mesh, scene.material, scene.membrane_stiffness(), masses)
 
 
 def _once(mesh: Mesh, key: Hashable, find: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:

@@ -91,12 +91,12 @@ def node_masses(scene: Surroundings) -> Floats:
     if scene not in _MASSES:
         masses: Floats = scene.assemble().extra_masses.copy()
         if scene.mesh is not None and scene.material is not None:
-            masses[: scene.mesh.node_count] += _film_masses(scene, scene.mesh, scene.material)
+            masses[: scene.mesh.node_count] += film_masses(scene, scene.mesh, scene.material)
         _MASSES[scene] = frozen(masses)
     return _MASSES[scene]
 
 
-def _film_masses(scene: Surroundings, mesh: Mesh, material: Material) -> Floats:
+def film_masses(scene: Surroundings, mesh: Mesh, material: Material) -> Floats:
     """(n,) [kg]; of a mesh that is refused for a triangle without area, which has no mass, as well."""
     if not scene.assemble().regions:
         try:
