@@ -1,16 +1,18 @@
-"""Regions in the checks of a scene: spring constants by the film of each triangle."""
+"""Regions and two moduli in the checks of a scene, and what its refusals name."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
-from membrane_rs import Fixed, Mesh, Rectangles, Region, Scene, Simulation, Springs
+from membrane_rs import Bending, Fixed, Mesh, Rectangles, Region, Scene, Simulation, Springs, Tether, Triangles
 from membrane_rs.check import audit
-from membrane_rs.errors import InputError, MeshError
+from membrane_rs.errors import InputError, MeshError, SceneError
+from membrane_rs.folding import Strip
 from membrane_rs.mesh import Finding
 from numpy.testing import assert_allclose
 from small_scenes import FILM, patch, refused
@@ -75,8 +77,41 @@ def test_constants_are_the_sums_over_the_films(softening: float | None) -> None:
 
 @pytest.mark.parametrize(
     ("stiffness", "words"),
-    [([1.0], "stiffness has shape (1,); it must be (2,)"), ([1.0, 0.0], "stiffness[1] = 0: must be greater than 0")],
+    [([1.0], "stiffness has shape (1,); it must be (2,)"), ([1.0, -2.0], "stiffness[1] = -2: must be 0 or greater")],
 )
 def test_a_stiffness_that_does_not_fit_is_refused(stiffness: list[float], words: str) -> None:
     for constants in (KITE.spring_constants, patch(creases=[], fold_angles=[]).rectangle_constants):
         refused(partial(constants, FILM, stiffness=np.array(stiffness)), InputError, re.escape(words))
+
+
+@pytest.mark.parametrize("form", ["hinges", "curvature"])
+def test_a_curvature_beyond_the_mesh_names_law_region_and_edge(form: Any) -> None:
+    mesh = Strip(0.12, 0.04, 8, 4).mesh()
+    half = len(mesh.triangles) // 2
+    parts = [Fixed([0]), Region(range(half), thickness=1e-5), Region(range(half, 2 * half), curvature=(1e4, 0.0))]
+    scene = Scene(mesh, FILM, [Springs(), Bending(form)], parts)
+    words = r"laws.bending: the natural curvature of parts\[2\] folds edge \[\d+, \d+\] by \d+ degrees.*make it finer"
+    refused(lambda: Simulation(scene), MeshError, words)
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (Springs(), r'laws.springs: its springs represent .* has 0.25 times .*take the law "triangles"'),
+        (Rectangles(), r'laws.rectangles: its springs represent .* has 0.25 times .*take the law "triangles"'),
+        (Triangles(0.1), "laws.triangles: triangles that wrinkle represent .*set compression"),
+    ],
+)
+def test_two_moduli_are_refused_with_law_value_and_remedy(law: Any, words: str) -> None:
+    fibres = replace(FILM, youngs_modulus_across=0.8e9, shear_modulus=0.5e9)
+    scene = Scene(Strip(0.12, 0.06, 4, 2).mesh(), fibres, [law], [Fixed([0])])
+    refused(lambda: Simulation(scene), InputError, words)
+
+
+def test_a_node_without_mass_is_named_with_its_part_and_place() -> None:
+    light = Scene(patch(), replace(FILM, density=1e-320), [Springs()], [Fixed([0])])
+    words = r"node 1, of the mesh at \[0.2, 0.0, 0.0\] m, has a mass of 0e0 kg; give it mass"
+    refused(lambda: Simulation(light), InputError, words)
+    bare = Tether((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 2, 1.0, 0.0)
+    words = r"parts\[1\].linear_density = 0: node \d+ has no mass \(\d such nodes\): give the cord a linear_density"
+    refused(lambda: Scene(patch(), FILM, [Springs()], [Fixed([0]), bare]), SceneError, words)

@@ -124,7 +124,7 @@ class Triangulation(KnownAttributes):
         MeshError
             A triangle without area, or too large for a number to hold it.
         InputError, InputTypeError
-            No material; a stiffness that is not one number above 0 for each triangle.
+            No material; a stiffness that is not one number, 0 or above, for each triangle.
 
         Examples
         --------
@@ -187,7 +187,7 @@ class Triangulation(KnownAttributes):
         MeshError
             As `find_rectangles`, or sides so different that a constant is negative.
         InputError, InputTypeError
-            No material; a stiffness that is not one number above 0 for each triangle.
+            No material; a stiffness that is not one number, 0 or above, for each triangle.
 
         Examples
         --------
@@ -209,9 +209,9 @@ class Triangulation(KnownAttributes):
         given = np.asarray(numeric(stiffness, "stiffness", "fiu", "numbers: E h of each triangle (N/m)"), np.float64)
         if given.shape != (count,):
             raise InputError(f"stiffness has shape {given.shape}; it must be ({count},): a number a triangle (N/m)")
-        wrong = np.flatnonzero(~((given > 0.0) & np.isfinite(given)))
+        wrong = np.flatnonzero(~(given >= 0.0))
         if len(wrong):
-            raise InputError(f"stiffness[{wrong[0]}] = {given[wrong[0]]:g}: must be greater than 0, and finite (N/m)")
+            raise InputError(f"stiffness[{wrong[0]}] = {given[wrong[0]]:g}: must be 0 or greater (N/m)")
         return given
 
     def _check_sizes(self) -> None:

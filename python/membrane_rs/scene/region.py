@@ -170,7 +170,7 @@ class Region(Part):
             raise SceneError(f"{where}.{name} = {show(getattr(self, name))}: there is no triangle of the mesh in it")
         for angle, triangles in turned:
             if len(triangles):
-                builder.add_region(self._film(material, triangles, angle), where)
+                builder.add_region(self._film(material, triangles, angle, where))
 
     def _turned_triangles(self, builder: Builder, where: str) -> tuple[str, list[tuple[float, Ints]]]:
         """The field that names the triangles; and the triangles, those of each turned copy [rad] that differs."""
@@ -197,7 +197,7 @@ class Region(Part):
             return "polygon", [(0.0, np.flatnonzero(taken))]
         return "polygon", found
 
-    def _film(self, material: Material, triangles: Ints, angle: float) -> FilmRegion:
+    def _film(self, material: Material, triangles: Ints, angle: float, where: str) -> FilmRegion:
         """The film of triangles of a copy that is turned by an angle [rad]."""
         return FilmRegion(
             triangles=triangles,
@@ -211,6 +211,7 @@ class Region(Part):
             curvature=_turned(self.curvature, self.direction + angle),
             natural_strain=_turned(self.natural_strain, self.direction + angle),
             optics=self._optics(),
+            name=where,
         )
 
     def _optics(self) -> Optics | None:

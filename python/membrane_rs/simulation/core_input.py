@@ -51,11 +51,13 @@ FREE_HUB = "does not go with a free hub"
 """Words of the core by which its refusal of what a free hub excludes is known."""
 IMPULSES = "which acts by impulses"
 """Those of its refusal of what a law does not go with that acts by impulses."""
+OF_A_LAW = "the law "
+"""Those with which its refusals of what a law does not represent begin."""
 _KEYS = {
     r"^the method (\w+)": r"run.integrator = '\1':",
     r"^substeps = (\d+)": r"run.substeps = \1:",
     r"^the law moved": "parts of kind 'moved':",
-    r"^the law (\w+)": r"laws.\1:",
+    r"^the law (\w+):?": r"laws.\1:",
     r"leave its inertia out": "leave laws.spin.inertia out",
 }
 """Words of these refusals, and the keys of a scene in their place."""
@@ -63,17 +65,17 @@ _KEYS = {
 
 @contextmanager
 def refusals_named(scene: Scene) -> Iterator[None]:
-    """Name by keys of the scene what the core refuses: what does not go with a free hub or with impulses, and the cause
-    of a stiffness that is no number: coordinates were checked, so it overflowed.
+    """Name by keys of the scene what the core refuses: what does not go with a law, a free hub or impulses, and the
+    cause of a stiffness that is no number: coordinates were checked, so it overflowed.
     """
     try:
         yield
     except InputError as error:
         text = str(error)
-        if FREE_HUB in text or IMPULSES in text:
+        if FREE_HUB in text or IMPULSES in text or text.startswith(OF_A_LAW):
             for words, key in _KEYS.items():
                 text = re.sub(words, key, text)
-            raise InputError(text) from None
+            raise type(error)(text) from None
         if not text.startswith("the stiffness of node"):
             raise
         where, value = max(_numbers_of(scene), key=lambda item: abs(item[1]), default=("the scene", math.inf))

@@ -68,7 +68,8 @@ impl Assembly {
         model.held().for_each(|node| held[node] = true);
         for (node, (&mass, &held)) in masses.iter().zip(&held).enumerate() {
             if !(mass.is_finite() && (mass > 0.0 || (held && mass == 0.0))) {
-                return Err(Error::MasslessNode { node, mass });
+                let part = if node < mesh.reference.len() { "of the mesh" } else { "of the cords" };
+                return Err(Error::MasslessNode { node, part, place: model.positions[node], mass });
             }
         }
         let inverse: Vec<f64> =
