@@ -37,7 +37,7 @@ from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, flat_petal
 from membrane_rs.folding._petals import Petals, fold_lines, zigzag
 from membrane_rs.folding._wound_petal import NEAREST, WoundPath, default_gap, wound_petal
-from membrane_rs.folding.pattern import StowedPattern, multiplied
+from membrane_rs.folding.pattern import StowedPattern, multiplied, plan_of
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.fold_angles import measured_fold_angles
 from membrane_rs.mesh.queries import distinct
@@ -216,6 +216,11 @@ class SpiralHexagon(StowedPattern):
         (k, 2) float64, or None
             Points in plan [m].
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No three finite numbers.
+
         Examples
         --------
         >>> from membrane_rs.folding import SpiralHexagon
@@ -225,7 +230,7 @@ class SpiralHexagon(StowedPattern):
         >>> bool(abs(sail.cord_path(mesh.reference[corner])[-1] - mesh.positions[corner][:2]).max() < 1e-12)
         True
         """
-        x, y = float(node[0]), float(node[1])
+        x, y = plan_of(self, node)
         turn = 2.0 * math.pi / self.sides
         diagonal = math.floor(math.atan2(y, x) / turn)
         azimuth = turn * (diagonal + 0.5)

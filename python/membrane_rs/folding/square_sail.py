@@ -23,7 +23,7 @@ from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_pet
 from membrane_rs.folding._petals import Petals, fold_lines, zigzag
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
 from membrane_rs.folding._wound_petal import NEAREST, THICKEST, WoundPath, default_gap, wound_petal
-from membrane_rs.folding.pattern import StowedPattern, multiplied
+from membrane_rs.folding.pattern import StowedPattern, multiplied, plan_of
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
 
@@ -222,6 +222,11 @@ class SquareSail(StowedPattern):
         (k, 2) float64, or None
             Points in plan [m].
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No three finite numbers.
+
         Examples
         --------
         >>> from membrane_rs.folding import SquareSail
@@ -229,7 +234,7 @@ class SquareSail(StowedPattern):
         >>> sail.cord_path(sail.mesh().reference[0]) is None
         True
         """
-        x, y = float(node[0]), float(node[1])
+        x, y = plan_of(self, node)
         row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)
         if self.stowage != "wound" or abs(abs(x) - abs(y)) > 1e-9 * self.outer_width:
             return None

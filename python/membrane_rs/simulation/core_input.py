@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from membrane_rs.analysis.extent import span
 from membrane_rs.errors import InputError
 from membrane_rs.material import Material
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import Film, Model, Nodes, Orthotropy, Surface
+from membrane_rs.scene.places import places_of
 
 MARGIN = 0.4
 """Share of the stability limit that is taken as the step where none is given."""
@@ -78,19 +80,21 @@ def refusals_named(scene: Scene) -> Iterator[None]:
             raise type(error)(text) from None
         if not text.startswith("the stiffness of node"):
             raise
-        where, value = max(_numbers_of(scene), key=lambda item: abs(item[1]), default=("the scene", math.inf))
+        where, value = max(_numbers_of(scene), key=lambda item: abs(math.log(abs(item[1]))))
         raise InputError(
-            f"the stiffness, damping and masses of this scene overflow: their eigenvalues are no numbers; the largest "
-            f"value is {where} = {value:g}: check it, in SI units"
+            f"the stiffness, damping and masses of this scene overflow: their eigenvalues are no numbers; the value "
+            f"farthest from 1 is {where} = {value:g}: check it, in SI units"
         ) from None
 
 
 def _numbers_of(scene: Scene) -> Iterator[tuple[str, float]]:
-    """Numbers of material, laws and parts, by their names."""
-    for thing in (scene.material, *scene.laws, *scene.parts, *scene.bodies):
-        for name, value in vars(thing).items() if thing is not None else ():
-            if isinstance(value, float) and math.isfinite(value):
-                yield f"{type(thing).__name__}.{name}", value
+    """Numbers of material, laws, parts and bodies that are not 0, by their keys, and the extent of the scene [m]."""
+    yield "the extent of the scene", max(span(scene.assemble().reference), math.ulp(0.0))
+    for place in places_of(scene):
+        for name, value in vars(place.item).items():
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and math.isfinite(number) and number != 0.0:
+                    yield f"{place.label}.{name}", number
 
 
 def settings_of(scene: Scene) -> Settings:

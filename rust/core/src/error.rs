@@ -116,6 +116,10 @@ pub enum Error {
     )]
     NotAHinge { crease: usize, nodes: [usize; 2], reason: &'static str },
 
+    /// Triangles without a film.
+    #[error("the model has {triangles} triangles and no film; give it one, or leave the triangles out")]
+    NoFilm { triangles: usize },
+
     /// A node without mass.
     #[error(
         "node {node}, {part} at {place:?} m, has a mass of {mass:e} kg; give it mass by a triangle, a tether or a tip \
