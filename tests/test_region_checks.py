@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 from membrane_rs import Bending, Fixed, Mesh, Rectangles, Region, Scene, Simulation, Springs, Tether, Triangles
-from membrane_rs.check import audit
+from membrane_rs.check import audit, facts
 from membrane_rs.errors import InputError, MeshError, SceneError
 from membrane_rs.folding import Strip
 from membrane_rs.mesh import Finding
+from membrane_rs.scene.scales import natural_lengths
 from numpy.testing import assert_allclose
 from small_scenes import FILM, patch, refused
 
@@ -115,3 +116,55 @@ def test_a_node_without_mass_is_named_with_its_part_and_place() -> None:
     bare = Tether((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 2, 1.0, 0.0)
     words = r"parts\[1\].linear_density = 0: node \d+ has no mass \(\d such nodes\): give the cord a linear_density"
     refused(lambda: Scene(patch(), FILM, [Springs()], [Fixed([0]), bare]), SceneError, words)
+
+
+def test_the_strain_at_the_start_is_that_beyond_the_natural_one() -> None:
+    mesh, held = Strip(0.12, 0.04, 8, 4).mesh(), Fixed([0])
+    half = len(mesh.triangles) // 2
+    warm = Region(range(half), natural_strain=(0.012, -0.004), direction=0.6)
+    stretched = np.array(mesh.reference)
+    stretched[:, 0] *= 1.2
+    taut = Mesh(mesh.reference, mesh.triangles, positions=stretched)
+
+    def message(mesh: Mesh, *parts: Any) -> str:
+        (finding,) = found_in(Scene(mesh, FILM, [Triangles(1.0)], [held, *parts]), "strain")
+        return f"{finding.severity}: {finding.message}"
+
+    assert message(mesh).startswith("info: strain at the start from 0 % to 0 %")
+    assert message(mesh, warm).startswith("warning: strain at the start, beyond the natural strain, from -1.")
+    assert message(taut).startswith("error: ")
+    grown = message(taut, Region("all", natural_strain=(0.2, 0.0)))
+    assert grown.startswith("info: strain at the start, beyond the natural strain,")
+    assert "0 of " in grown
+
+
+def test_natural_lengths_are_those_of_a_film_at_rest() -> None:
+    """Of edges inside each region those of the stretched shape; of the border between two the mean."""
+    mesh = Strip(0.12, 0.04, 8, 4).mesh()
+    strain = (0.01, -0.02, 0.004)
+    matrix = np.array([[1.0 + strain[0], strain[2]], [strain[2], 1.0 + strain[1]]])
+    grown = np.array(mesh.reference)
+    grown[:, :2] = grown[:, :2] @ matrix
+    principal, axes = np.linalg.eigh(matrix - np.eye(2))
+    direction = float(np.arctan2(axes[1, 0], axes[0, 0]))
+    half = np.arange(len(mesh.triangles) // 2)
+    region = Region(half.tolist(), natural_strain=(float(principal[0]), float(principal[1])), direction=direction)
+    lengths = natural_lengths(Scene(mesh, FILM, [Springs()], [Fixed([0]), region]), mesh)
+    inside = np.bincount(mesh.triangle_edges[half].ravel(), minlength=len(mesh.edges)) / mesh.triangles_per_edge
+    assert set(inside) == {0.0, 0.5, 1.0}
+    assert_allclose(lengths, inside * mesh.lengths_in(grown) + (1.0 - inside) * mesh.edge_lengths, rtol=1e-14)
+
+
+def test_moduli_and_regions_in_use_are_listed() -> None:
+    fibres = replace(FILM, youngs_modulus_across=0.8e9, shear_modulus=0.5e9, direction=0.4)
+    scene = Scene(
+        Strip(0.12, 0.06, 4, 2).mesh(), fibres, [Triangles(1.0)], [Fixed([0]), Region([0, 1], thickness=1e-5)]
+    )
+    words = "E 3.2e+09 Pa at 22.92 degrees from x, nu 0.34; 8e+08 Pa across; G 5e+08 Pa"
+    assert facts(scene)["moduli"] == words
+    assert facts(scene)["regions"] == "2 of 16 triangles (parts[1])"
+    assert [finding.message for finding in found_in(scene, "two_moduli")] == [f"the film has two moduli: {words}"]
+    assert any(finding.kind == "two_moduli" for finding in Simulation(scene).audit().findings)
+    stiff = replace(scene, material=replace(fibres, shear_modulus=1e13))
+    assert any(finding.message.startswith("material.shear_modulus = 1e+13 Pa") for finding in audit(stiff).warnings)
+    assert not {"moduli", "regions"} & facts(Scene(patch(), FILM, [Springs()], [Fixed([0])])).keys()

@@ -10,11 +10,11 @@ import numpy as np
 
 from membrane_rs.check.self_contact import crossings_of_layers
 from membrane_rs.mesh import Mesh
-from membrane_rs.mesh.audit import crossing, growing
+from membrane_rs.mesh.audit import crossing, growing, strained
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
-from membrane_rs.scene.scales import film_masses
+from membrane_rs.scene.scales import film_masses, natural_lengths
 
 FEW_NODES = 1000
 """Up to which growing modes cost about as much as the other checks of the mesh."""
@@ -34,8 +34,13 @@ def mesh_faults(scene: Scene) -> Iterator[Finding]:
 
 
 def start_strain(scene: Scene) -> Iterator[Finding]:
-    """The strain at the start, where `Mesh.audit` finds it large."""
-    yield from (finding for finding in _audit_of_mesh(scene) if finding.kind == STRAIN)
+    """The strain at the start, where `Mesh.audit` finds it large; with regions of a natural strain, that beyond it."""
+    mesh = scene.mesh
+    if mesh is None or not any(any(region.natural_strain) for region in scene.assemble().regions):
+        yield from (finding for finding in _audit_of_mesh(scene) if finding.kind == STRAIN)
+        return
+    strain = mesh.lengths_in(mesh.positions) / natural_lengths(scene, mesh) - 1.0
+    yield from strained(mesh, strain, "strain at the start, beyond the natural strain,")
 
 
 def _audit_of_mesh(scene: Scene) -> tuple[Finding, ...]:

@@ -56,7 +56,7 @@ def audit(
         *(_thick(mesh, material) if material is not None else ()),
         *(_springs(mesh, film, stiffness, growth=growth) if springs else ()),
         *(crossing(mesh, positions) if crossings else ()),
-        *_strain(mesh, strain),
+        *strained(mesh, strain),
     ]
     return Audit.of(findings)
 
@@ -301,7 +301,8 @@ def crossing(mesh: Triangulation, positions: Floats) -> Iterator[Finding]:
         )
 
 
-def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
+def strained(mesh: Triangulation, strain: Floats, words: str = "strain at the start") -> Iterator[Finding]:
+    """The strain of the edges at the start, (e,), which `words` call."""
     low, high = float(strain.min()), float(strain.max())
     most = int(np.argmax(np.abs(strain)))
     large = np.flatnonzero(np.abs(strain) > STRAIN_NOTED)
@@ -310,7 +311,7 @@ def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
         severity,
         "strain",
         len(large),
-        f"strain at the start from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
+        f"{words} from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
         f"edges beyond {100 * STRAIN_NOTED:g} % (most at edge {most}, nodes {mesh.edges[most].tolist()})",
         "" if severity == "info" else "check the folded positions, or relax the membrane before its release",
         first_few(large),
