@@ -174,7 +174,7 @@ def test_a_strip_curls_to_its_natural_radius() -> None:
 
 def test_copies_of_a_polygon_turn_with_their_curvature() -> None:
     mesh = Disc(0.1, rings=6).mesh()
-    sector = [(0.0311, -0.0207), (0.1211, -0.0417), (0.1211, 0.0417), (0.0311, 0.0207)]
+    sector = [(0.0311, -0.0175), (0.1211, -0.0417), (0.1211, 0.0417), (0.0311, 0.0175)]
     scene = Scene(mesh, FILM, [Springs()], [Fixed("rim"), Region(polygon=sector, copies=6, curvature=(4.0, 0.0))])
     regions = scene.assemble().regions
     assert len(regions) == 6

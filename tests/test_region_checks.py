@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from functools import partial
@@ -12,7 +13,7 @@ import pytest
 from membrane_rs import Bending, Fixed, Mesh, Rectangles, Region, Scene, Simulation, Springs, Tether, Triangles
 from membrane_rs.check import audit, facts
 from membrane_rs.errors import InputError, MeshError, SceneError
-from membrane_rs.folding import Strip
+from membrane_rs.folding import Disc, Strip
 from membrane_rs.mesh import Finding
 from membrane_rs.scene.scales import natural_lengths
 from numpy.testing import assert_allclose
@@ -168,3 +169,48 @@ def test_moduli_and_regions_in_use_are_listed() -> None:
     stiff = replace(scene, material=replace(fibres, shear_modulus=1e13))
     assert any(finding.message.startswith("material.shear_modulus = 1e+13 Pa") for finding in audit(stiff).warnings)
     assert not {"moduli", "regions"} & facts(Scene(patch(), FILM, [Springs()], [Fixed([0])])).keys()
+
+
+WIDE = [(0.03, -0.05), (0.12, -0.05), (0.12, 0.05), (0.03, 0.05)]
+
+
+def test_copies_that_overlap_with_other_directions_are_refused_with_both_and_a_triangle() -> None:
+    mesh = Disc(0.1, rings=6).mesh()
+
+    def scene(polygon: Any, copies: int, **film: Any) -> Scene:
+        return Scene(mesh, FILM, [Springs()], [Fixed("rim"), Region(polygon=polygon, copies=copies, **film)])
+
+    words = (
+        r"parts\[1\].copies = 6: copies 0 and 1 share triangle (\d+) \(\d+ such\), where their directions differ; take"
+    )
+    with pytest.raises(SceneError, match=words) as caught:
+        scene(WIDE, 6, curvature=(4.0, 0.0))
+    found = re.search(words, str(caught.value))
+    assert found is not None
+    x, y = mesh.reference[mesh.triangles[int(found[1])], :2].mean(axis=0)
+    for angle in (0.0, math.pi / 3):
+        along, across = x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle)
+        assert 0.03 < along < 0.12
+        assert abs(across) < 0.05
+    refused(lambda: scene(WIDE, 6, natural_strain=(0.0, 1e-3)), SceneError, "share triangle")
+    # The same film in all directions, or that of a copy half a turn apart: what they share is of both.
+    assert len(scene(WIDE, 6, curvature=(4.0, 4.0)).assemble().regions) == 1
+    assert len(scene(WIDE, 6, thickness=1e-5).assemble().regions) == 1
+    through = [(-0.12, -0.02), (0.12, -0.02), (0.12, 0.02), (-0.12, 0.02)]
+    assert len(scene(through, 2, curvature=(4.0, 0.0)).assemble().regions) == 1
+
+
+def test_copies_that_touch_do_not_overlap() -> None:
+    """Quarters of a square of triangles, some of whose centres lie on the borders of the quarters, to rounding."""
+    side = np.linspace(-0.1, 0.1, 8)
+    points = np.stack([*np.meshgrid(side, side, indexing="ij"), np.zeros((8, 8))], axis=-1).reshape(-1, 3)
+    corner = (8 * np.arange(7)[:, None] + np.arange(7)).ravel()
+    lower, upper = (np.stack([corner, corner + a, corner + b], axis=1) for a, b in ((8, 9), (9, 1)))
+    mesh = Mesh(points, np.concatenate([lower, upper]))
+    centre = mesh.reference[mesh.triangles].mean(axis=1)[:, :2]
+    assert (np.abs(np.abs(centre[:, 0]) - np.abs(centre[:, 1])) < 1e-12).any()
+    quarter = [(0.0, 0.0), (0.3, -0.3), (0.3, 0.3)]
+    regions = Scene(
+        mesh, FILM, [Springs()], [Fixed([0]), Region(polygon=quarter, copies=4, curvature=(1.0, 0.0))]
+    ).assemble().regions  # fmt: skip
+    assert sum(len(region.triangles) for region in regions) >= len(mesh.triangles) - 4
