@@ -72,7 +72,7 @@ def test_a_text_of_few_digits_is_near_the_number(value: float, unit: str, digits
 
 @pytest.mark.parametrize("text", ["5e-324 um", "1e-400 m", "-1e-330 mm"])
 def test_a_text_that_would_be_0_is_refused_as_it_stands(text: str) -> None:
-    with pytest.raises(InputError, match=f"gap = '{text}': is too small to be told from 0 m; check number and unit"):
+    with pytest.raises(InputError, match=f"gap = '{text}': is so small that it would be 0 m; check number and unit"):
         units.number(text, "m", "gap")
     assert units.number("0e-400 um", "m") == 0.0
 

@@ -47,9 +47,7 @@ def spring_constants(
     stiffness: NDArray[np.float64],
     poisson_ratio: float,
 ) -> NDArray[np.float64]:
-    """Spring constant of each edge by eq. (1), (e,) [N/m], in the order of `edges`, with the E h of each triangle, (m,)
-    [N/m]; it may be negative.
-    """
+    """Spring constant of each edge by eq. (1), (e,) [N/m], or negative; with E h of each triangle, (m,) [N/m]."""
 
 def rectangles(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]
@@ -63,9 +61,7 @@ def rectangle_constants(
     stiffness: NDArray[np.float64],
     poisson_ratio: float,
 ) -> NDArray[np.float64]:
-    """Spring constants of the edges and then of the second diagonals of these rectangles, (e + r,) [N/m], with the E h
-    of each triangle, (m,) [N/m].
-    """
+    """Spring constants of the edges, then of the second diagonals, (e + r,) [N/m]; E h of each triangle, (m,) [N/m]."""
 
 def lumped_masses(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], areal_density: float

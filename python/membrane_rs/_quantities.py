@@ -193,7 +193,7 @@ def to_si(text: str, unit: str, name: str) -> float:
     if not math.isfinite(result):
         raise InputError(f"{head}: must be finite{f' ({unit})' if unit else ''}")
     if result == 0.0 and Decimal(found.value) != 0:
-        raise InputError(f"{head}: is too small to be told from 0{f' {unit}' if unit else ''}; check number and unit")
+        raise InputError(f"{head}: is so small that it would be 0{f' {unit}' if unit else ''}; check number and unit")
     return result
 
 
