@@ -190,11 +190,6 @@ impl FilmOfTriangles {
     }
 
     /// That of the triangles of no region.
-    pub fn whole(&self) -> &Film {
-        &self.films[0].film
-    }
-
-    /// The same, with what it has beside its material.
     pub fn of_no_region(&self) -> &RegionFilm {
         &self.films[0]
     }
