@@ -30,8 +30,8 @@ pub enum Error {
 
     /// A film with directions in x and y on a triangle that does not lie in a plane of constant z.
     #[error(
-        "triangle {triangle} of the flat shape is tilted to the xy plane, in which {what} is given; turn the flat shape \
-         into that plane"
+        "triangle {triangle} of the flat shape is tilted to the xy plane, in which {what} is given; turn the flat \
+         shape into that plane"
     )]
     TiltedFilm { triangle: usize, what: String },
 

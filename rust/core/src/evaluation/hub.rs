@@ -5,8 +5,8 @@
 //!
 //!     F = -sum m a + F_out,    tau = -sum m (x - c) x a + tau_out + tau_motor
 //!
-//! with sums over free nodes, a the forces in space over m, and F_out and tau_out those of the loads from outside on all
-//! nodes and on the hub itself, which their laws report (`Law::outside_load`).
+//! with sums over free nodes, a the forces in space over m, and F_out and tau_out those of the loads from outside on
+//! all nodes and on the hub itself, which their laws report (`Law::outside_load`).
 
 use nalgebra::Vector3;
 

@@ -4,8 +4,8 @@
 //!     F = -(rho_air/6) |S . V| V
 //!
 //! with S the vector area of the triangle and rho_air = p / (R T), R = 287 J/(kg K). The air is at rest in the chamber,
-//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v. In air at rest the origin of
-//! a hub in six degrees of freedom has the velocity V_0: V = v + omega x r + V_0.
+//! so that V = v + Omega x r in the turning frame, or it turns with the hub, so that V = v. In air at rest the origin
+//! of a hub in six degrees of freedom has the velocity V_0: V = v + omega x r + V_0.
 //! Source: Okuizumi et al. (2012), section 3.4.
 
 mod tangent;

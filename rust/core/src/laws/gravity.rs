@@ -4,8 +4,8 @@
 //! lies along the axis, U depends on time, and its partial derivative sum m (Omega x g) . x counts as power on the
 //! system. The angle of a free hub is a part of the motion: U does not depend on time.
 //!
-//! In six degrees of freedom the hub has the weight M g too, at the origin, and U is that in space, with the origin at X:
-//! U = -g . (M X + sum m (X + x)).
+//! In six degrees of freedom the hub has the weight M g too, at the origin, and U is that in space, with the origin at
+//! X: U = -g . (M X + sum m (X + x)).
 //!
 //! With a factor f of time, g = f g_1, it is a load from outside like any other that changes with time: its power is
 //! that of the forces, and it has no potential. (The power of a potential would be -f' sum m g_1 . x, which jumps at
