@@ -146,6 +146,20 @@ def refused(action: Callable[[], object], kind: type[Exception], words: str) -> 
     assert len(str(caught.value)) > 20
 
 
+def forces_are_slopes(sim: Simulation, kinds: Sequence[str], rel: float) -> None:
+    """The forces of laws are minus the slopes of their energies along a random way, on which node 0 stays."""
+    start, way = np.array(sim.positions), np.random.default_rng(7).normal(0.0, 1.0, sim.positions.shape)
+    way[0] = 0.0
+    for kind in kinds:
+        expected = -float((sim.forces(kind) * way).sum())
+        values: list[float] = []
+        for step in (1e-9, -1e-9):
+            sim.positions = start + step * way
+            values.append(sim.energies()[kind])
+        sim.positions = start
+        assert (values[0] - values[1]) / 2e-9 == pytest.approx(expected, rel=rel), kind
+
+
 def irregular(columns: int = 12, rows: int = 6, jitter: float = 0.25) -> Mesh:
     """A flat rectangle of 0.12 x 0.06 m whose inner nodes are displaced in its plane."""
     mesh = Strip(0.12, 0.06, columns, rows).mesh()

@@ -338,3 +338,9 @@ def test_the_built_in_scene_spins_out_flat() -> None:
     assert np.abs(np.degrees(azimuth)).max() < 4.0
     assert abs(sim.ledger()["error"]) < 0.01
     assert np.abs(mesh.strain(sim.positions)).max() < 0.06
+
+
+@pytest.mark.parametrize("sail", [SpiralHexagon(rows=10), SquareSail(stowage="wound")])
+@pytest.mark.parametrize("node", [[math.nan, 0.0, 0.0], [1.0, math.inf, 0.0], [1.0, 2.0], "corner"])
+def test_a_cord_to_no_place_is_refused(sail: Any, node: Any) -> None:
+    refused(lambda: sail.cord_path(node), InputError, f"{type(sail).__name__}.cord_path: node")

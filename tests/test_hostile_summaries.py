@@ -134,12 +134,14 @@ def test_measures_of_what_is_no_simulation(wrong: Any, tmp_path: Path) -> None:
 def test_a_stiffness_that_overflows_is_named_with_its_value() -> None:
     stiff = replace(SCENE, material=replace(FILM, youngs_modulus=1e300))
     damped = replace(SCENE, laws=[*SCENE.laws, MassDamping(rate=1e308)])
+    light = replace(SCENE, material=replace(FILM, density=1e-295, youngs_modulus=1e20))
     for scene, words in (
-        (stiff, r"Material.youngs_modulus = 1e\+300"),
-        (damped, r"MassDamping.rate = 1e\+308"),
+        (stiff, r"material.youngs_modulus = 1e\+300"),
+        (damped, r"laws.mass_damping.rate = 1e\+308"),
+        (light, r"material.density = 1e-295"),
     ):
         for make in (lambda: Simulation(scene), lambda: Simulation(scene, dt=1e-5).stable_dt()):  # noqa: B023
-            refused(make, InputError, f"overflow: .* the largest value is {words}: check it")
+            refused(make, InputError, f"overflow: .* the value farthest from 1 is {words}: check it")
 
 
 @pytest.mark.parametrize("name", ["", "a\0b", "\0", "x" * 1001])

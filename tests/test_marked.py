@@ -7,8 +7,9 @@ import re
 from collections import Counter
 from pathlib import Path
 
+import marked
 import pytest
-from marked import DOCS, ROOT, MarkedPart
+from marked import DOCS, ROOT, MarkedPart, make_parts
 from membrane_rs import OutputError
 from membrane_rs._markdown import table
 
@@ -85,3 +86,28 @@ def test_a_page_that_cannot_be_written_stays_whole(page: Path, monkeypatch: pyte
 def test_a_table_sets_words_left_and_numbers_right() -> None:
     assert table(("law", "cost"), [("drag", "1.0")]) == "| law | cost |\n| --- | ---: |\n| drag | 1.0 |\n"
     assert table(("x", "y", "set by"), [], words=(2,)) == "| x | y | set by |\n| ---: | ---: | --- |\n"
+
+
+def test_the_parts_of_a_page_are_made_on_demand(
+    page: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Those that --only names; written with --write alone, and the picture with the part that it belongs to."""
+    monkeypatch.chdir(tmp_path)
+    parts = {name: MarkedPart(page, name) for name in ("a", "b")}
+    drawn: list[Path] = []
+    shown: list[str] = []
+    monkeypatch.setattr(marked, "copy_small", lambda path, name: shown.append(name))
+    for options, written in (
+        ([], ("old", "")),
+        (["--only", "b", "--write"], ("old", "two")),
+        (["--write"], ("one", "two")),
+    ):
+        monkeypatch.setattr("sys.argv", ["script", *options])
+        make_parts("What it does.", parts, {"a": lambda: "one", "b": lambda: "two"}, ("a", "a.png", drawn.append))
+        assert (parts["a"].read(), parts["b"].read()) == written
+        assert "two" in capsys.readouterr().out
+    assert drawn == [Path("out/a.png")]
+    assert shown == ["a.png"]
+    monkeypatch.setattr("sys.argv", ["script", "--only", "c"])
+    with pytest.raises(SystemExit):
+        make_parts(None, parts, {})

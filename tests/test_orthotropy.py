@@ -13,7 +13,7 @@ from membrane_rs import Bending, Fixed, Material, Mesh, Region, Scene, Simulatio
 from membrane_rs.errors import InputError
 from membrane_rs.folding import Strip
 from numpy.testing import assert_allclose
-from small_scenes import refused
+from small_scenes import forces_are_slopes, refused
 
 FILM = Material(3.2e9, 0.3, 1420.0, 7.5e-6)
 FIBRES = replace(FILM, youngs_modulus_across=0.8e9, shear_modulus=0.5e9, direction=0.4)
@@ -93,16 +93,7 @@ def test_forces_are_the_slope_of_the_energy() -> None:
     mesh = crumpled()
     region = Region("all", thickness=12e-6, natural_strain=(0.01, -0.01), direction=0.2)
     sim = Simulation(Scene(mesh, FIBRES, [PLATE, Bending("curvature")], [Fixed([0]), region]))
-    start, way = np.array(sim.positions), np.random.default_rng(7).normal(0.0, 1.0, sim.positions.shape)
-    way[0] = 0.0
-    for kind in ("triangles", "bending"):
-        expected = -float((sim.forces(kind) * way).sum())
-        values: list[float] = []
-        for step in (1e-9, -1e-9):
-            sim.positions = start + step * way
-            values.append(sim.energies()[kind])
-        sim.positions = start
-        assert (values[0] - values[1]) / 2e-9 == pytest.approx(expected, rel=1e-4)
+    forces_are_slopes(sim, ("triangles", "bending"), 1e-4)
 
 
 @pytest.mark.parametrize("method", ["rk4", "leapfrog", "generalized_alpha"])

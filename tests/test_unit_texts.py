@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from membrane_rs import units
 from membrane_rs._quantities import KINDS
-from membrane_rs.errors import InputTypeError
+from membrane_rs.errors import InputError, InputTypeError
 
 
 @pytest.mark.parametrize(
@@ -68,6 +68,13 @@ def test_a_text_of_few_digits_is_near_the_number(value: float, unit: str, digits
     assert "*" not in text
     if unit and abs(value) < 1e308:
         assert units.number(text, unit) == pytest.approx(value, rel=10.0 ** (1 - digits), abs=0.0)
+
+
+@pytest.mark.parametrize("text", ["5e-324 um", "1e-400 m", "-1e-330 mm"])
+def test_a_text_that_would_be_0_is_refused_as_it_stands(text: str) -> None:
+    with pytest.raises(InputError, match=f"gap = '{text}': is so small that it would be 0 m; check number and unit"):
+        units.number(text, "m", "gap")
+    assert units.number("0e-400 um", "m") == 0.0
 
 
 @pytest.mark.parametrize(

@@ -44,11 +44,10 @@ def edges(triangles: NDArray[np.int64], node_count: int) -> tuple[NDArray[np.int
 def spring_constants(
     reference: NDArray[np.float64],
     triangles: NDArray[np.int64],
-    youngs_modulus: float,
+    stiffness: NDArray[np.float64],
     poisson_ratio: float,
-    thickness: float,
 ) -> NDArray[np.float64]:
-    """Spring constant of each edge by eq. (1), (e,) [N/m], in the order of `edges`; it may be negative."""
+    """Spring constant of each edge by eq. (1), (e,) [N/m], or negative; with E h of each triangle, (m,) [N/m]."""
 
 def rectangles(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], creases: NDArray[np.int64]
@@ -59,11 +58,10 @@ def rectangle_constants(
     reference: NDArray[np.float64],
     triangles: NDArray[np.int64],
     creases: NDArray[np.int64],
-    youngs_modulus: float,
+    stiffness: NDArray[np.float64],
     poisson_ratio: float,
-    thickness: float,
 ) -> NDArray[np.float64]:
-    """Spring constants of the edges and then of the second diagonals of these rectangles, (e + r,) [N/m]."""
+    """Spring constants of the edges, then of the second diagonals, (e + r,) [N/m]; E h of each triangle, (m,) [N/m]."""
 
 def lumped_masses(
     reference: NDArray[np.float64], triangles: NDArray[np.int64], areal_density: float

@@ -165,7 +165,7 @@ def to_si(text: str, unit: str, name: str) -> float:
     InputTypeError
         A text that is no number with a unit.
     InputError
-        A unit of another dimension or an unknown one; a number that is not finite.
+        A unit of another dimension or an unknown one; a number that is not finite, or so small that it would be 0.
     """
     what, example = KINDS.get(unit, (f"a number in {unit}", f"1 {unit}"))
     wanted = f"must be a number{f' ({unit})' if unit else ''}, or a text with its unit such as {example!r}"
@@ -192,6 +192,8 @@ def to_si(text: str, unit: str, name: str) -> float:
     result = float(Decimal(found.value) * factor + offset)
     if not math.isfinite(result):
         raise InputError(f"{head}: must be finite{f' ({unit})' if unit else ''}")
+    if result == 0.0 and Decimal(found.value) != 0:
+        raise InputError(f"{head}: is so small that it would be 0{f' {unit}' if unit else ''}; check number and unit")
     return result
 
 

@@ -5,16 +5,14 @@ python tools/docs/bending.py [--write] [--only plates ...]
 
 from __future__ import annotations
 
-import argparse
 import time
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
 from bending_cases import CASES, SIZE, Form, elastica, exact_curve, exact_elastica, order, turned_cantilever
-from marked import DOCS, MarkedPart, copy_small
+from marked import DOCS, MarkedPart, make_parts
 from matplotlib.figure import Figure
 from membrane_rs import Bending, Scene, Simulation, scenes
 from membrane_rs._markdown import table
@@ -32,24 +30,9 @@ MODEL, REPEATS, STEPS = "okuizumi-model-1", 9, 400
 
 def main() -> None:
     """Print the tables, and write them and the picture into the docs."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--write", action="store_true", help="write into docs/")
-    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="some parts")
-    options = parser.parse_args()
     warnings.simplefilter("ignore", AuditWarning)
-    make: dict[str, Callable[[], str]] = {
-        "plates": plates, "directions": directions, "elastica": elastica_table, "cost": cost,
-    }  # fmt: skip
-    for name in options.only:
-        text = make[name]()
-        print(f"\n{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
-    if options.write and "elastica" in options.only:
-        picture = Path("out") / "bending.png"
-        picture.parent.mkdir(exist_ok=True)
-        draw(picture)
-        copy_small(picture, picture.name)
+    make = {"plates": plates, "directions": directions, "elastica": elastica_table, "cost": cost}
+    make_parts(__doc__, PARTS, make, ("elastica", "bending.png", draw))
 
 
 def plates() -> str:

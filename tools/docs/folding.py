@@ -5,7 +5,6 @@ python tools/docs/folding.py [--write] [--only sheets ...]
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from folding_cases import SECTORS, SQUARE_TWIST, distance, multiplier, rigid_tilt, sheet, square_twist, vertex
-from marked import DOCS, MarkedPart, copy_small
+from marked import DOCS, MarkedPart, make_parts
 from matplotlib.figure import Figure
 from membrane_rs import FoldResult, Mesh, fold
 from membrane_rs._markdown import table
@@ -31,23 +30,8 @@ SHOWN = (0.15, 0.3, 0.6, 0.9)
 
 def main() -> None:
     """Print the tables, and write them and the picture into the docs."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--write", action="store_true", help="write into docs/")
-    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="some parts")
-    options = parser.parse_args()
-    make: dict[str, Callable[[], str]] = {
-        "sheets": sheets, "fractions": fractions, "patterns": patterns, "file": file,
-    }  # fmt: skip
-    for name in options.only:
-        text = make[name]()
-        print(f"\n{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
-    if options.write and "patterns" in options.only:
-        picture = Path("out") / "folding.png"
-        picture.parent.mkdir(exist_ok=True)
-        draw(picture)
-        copy_small(picture, picture.name)
+    make = {"sheets": sheets, "fractions": fractions, "patterns": patterns, "file": file}
+    make_parts(__doc__, PARTS, make, ("patterns", "folding.png", draw))
 
 
 def sheets() -> str:

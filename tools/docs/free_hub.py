@@ -5,16 +5,14 @@ python tools/docs/free_hub.py [--write] [--only yo-yo ...]
 
 from __future__ import annotations
 
-import argparse
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from statistics import median
 from typing import Any
 
 import numpy as np
-from marked import DOCS, MarkedPart
+from marked import DOCS, MarkedPart, make_parts
 from membrane_rs import RunSettings, Scene, Simulation, Spin, scenes
 from membrane_rs._arrays import Floats
 from membrane_rs._markdown import table
@@ -40,18 +38,8 @@ REPEATS, STEPS = 9, 400
 
 def main() -> None:
     """Print the tables, and write them into the page."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--write", action="store_true", help="write into docs/")
-    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="some parts")
-    options = parser.parse_args()
-    make: dict[str, Callable[[], str]] = {
-        "yo-yo": yo_yo, "nutation": nutation, "momentum": momentum, "order": order, "cost": cost,
-    }  # fmt: skip
-    for name in options.only:
-        text = make[name]()
-        print(f"\n{name}\n\n{text}", flush=True)
-        if options.write:
-            PARTS[name].write(text)
+    make = {"yo-yo": yo_yo, "nutation": nutation, "momentum": momentum, "order": order, "cost": cost}
+    make_parts(__doc__, PARTS, make)
 
 
 def yo_yo() -> str:

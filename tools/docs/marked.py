@@ -6,6 +6,8 @@ parts that it writes as constants of its module; `tests/test_marked.py` holds th
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,3 +99,29 @@ class MarkedPart:
         if not found:
             raise SystemExit(f"{self.page} has the mark {end} before {begin}; exchange them")
         return before, between, after
+
+
+def make_parts(
+    script: str | None,
+    parts: Mapping[str, MarkedPart],
+    make: Mapping[str, Callable[[], str]],
+    picture: tuple[str, str, Callable[[Path], None]] | None = None,
+) -> None:
+    """The command line of a script whose docstring is `script`: print the parts of its page, and with --write put them
+    there. A picture has the name of a part with which it is written, that of its file in docs/, and who draws it.
+    """
+    parser = argparse.ArgumentParser(description=script.splitlines()[0] if script else None)
+    parser.add_argument("--write", action="store_true", help="write into docs/")
+    parser.add_argument("--only", nargs="+", choices=tuple(parts), default=tuple(parts), help="some parts")
+    options = parser.parse_args()
+    for name in options.only:
+        text = make[name]()
+        print(f"\n{name}\n\n{text}", flush=True)
+        if options.write:
+            parts[name].write(text)
+    if options.write and picture is not None and picture[0] in options.only:
+        _, name, draw = picture
+        drawn = Path("out") / name
+        drawn.parent.mkdir(exist_ok=True)
+        draw(drawn)
+        copy_small(drawn, name)

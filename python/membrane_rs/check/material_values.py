@@ -23,7 +23,7 @@ LIGHTEST, DENSEST = 50.0, 23000.0
 
 
 def material_values(scene: Scene) -> Iterator[Doubt]:
-    """Size, thickness, Young's modulus and density of the film, against those of all films."""
+    """Size, thickness, moduli and density of the film, against those of all films."""
     film, mesh = scene.material, scene.mesh
     if film is None or mesh is None:
         return
@@ -39,9 +39,10 @@ def material_values(scene: Scene) -> Iterator[Doubt]:
     )
     reason = f"solid films have {SOFTEST:g} to {STIFFEST:g} Pa"
     units = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3}
-    yield from implausible(
-        "material.youngs_modulus", film.youngs_modulus, "Pa", reason, least=SOFTEST, most=STIFFEST, units=units
-    )
+    for name in ("youngs_modulus", "youngs_modulus_across", "shear_modulus"):
+        place, value = f"material.{name}", getattr(film, name)
+        if value is not None:
+            yield from implausible(place, value, "Pa", reason, least=SOFTEST, most=STIFFEST, units=units)
     reason = f"films have {LIGHTEST:g} to {DENSEST:g} kg/m3"
     yield from implausible(
         "material.density",

@@ -10,10 +10,11 @@ import numpy as np
 
 from membrane_rs.check.self_contact import crossings_of_layers
 from membrane_rs.mesh import Mesh
-from membrane_rs.mesh.audit import crossing, growing
+from membrane_rs.mesh.audit import crossing, growing, strained
 from membrane_rs.mesh.findings import Finding, first_few
 from membrane_rs.mesh.fold_angles import measured_fold_angles, taken_as_sides
 from membrane_rs.scene import Scene
+from membrane_rs.scene.scales import film_masses, natural_lengths
 
 FEW_NODES = 1000
 """Up to which growing modes cost about as much as the other checks of the mesh."""
@@ -33,16 +34,24 @@ def mesh_faults(scene: Scene) -> Iterator[Finding]:
 
 
 def start_strain(scene: Scene) -> Iterator[Finding]:
-    """The strain at the start, where `Mesh.audit` finds it large."""
-    yield from (finding for finding in _audit_of_mesh(scene) if finding.kind == STRAIN)
+    """The strain at the start, where `Mesh.audit` finds it large; with regions of a natural strain, that beyond it."""
+    mesh = scene.mesh
+    if mesh is None or not any(any(region.natural_strain) for region in scene.assemble().regions):
+        yield from (finding for finding in _audit_of_mesh(scene) if finding.kind == STRAIN)
+        return
+    strain = mesh.lengths_in(mesh.positions) / natural_lengths(scene, mesh) - 1.0
+    yield from strained(mesh, strain, "strain at the start, beyond the natural strain,")
 
 
 def _audit_of_mesh(scene: Scene) -> tuple[Finding, ...]:
     mesh, material, springs = scene.mesh, scene.material, _has_springs(scene)
     if mesh is None:
         return ()
-    key = "faults", material, springs
-    return _once(mesh, key, lambda: mesh.audit(material, springs=springs, growth=False, crossings=False).findings)
+    has_own = material is not None and (material.softening is not None or scene.assemble().regions)
+    stiffness = scene.membrane_stiffness() if springs and has_own else None
+    key = "faults", material, springs, None if stiffness is None else stiffness.tobytes()
+    options = {"springs": springs, "growth": False, "crossings": False}
+    return _once(mesh, key, lambda: mesh.audit(material, stiffness=stiffness, **options).findings)
 
 
 def crossings(scene: Scene) -> Iterator[Finding]:
@@ -104,7 +113,8 @@ def _growing(scene: Scene, fewer: float, most: float) -> Iterator[Finding]:
     if scene.mesh is None or scene.material is None or scene.negative_springs == "clip" or not _has_springs(scene):
         return
     if fewer < scene.mesh.node_count <= most:
-        yield from growing(scene.mesh, scene.material)
+        masses = film_masses(scene, scene.mesh, scene.material)
+        yield from growing(scene.mesh, scene.material, scene.membrane_stiffness(), masses)
 
 
 def _once(mesh: Mesh, key: Hashable, find: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:

@@ -43,7 +43,8 @@ def net_lines(scene: Scene) -> list[tuple[str, str]]:
     if any(abs(own - other) > _SAME for own, other in zip(_values(affine, axis), _values(relaxed, axis), strict=True)):
         lines.append(("relaxed", _moduli(relaxed, axis)))
     lines.append(("film", f"E 1, G 1, nu {material.poisson_ratio:.3f}"))
-    clipped = int((mesh.spring_constants(material) < 0.0).sum()) if clip else 0
+    constants = mesh.spring_constants(material, stiffness=scene.membrane_stiffness())
+    clipped = int((constants < 0.0).sum()) if clip else 0
     if clipped:
         lines.append(("clipped", f"{clipped} of {len(mesh.edges)} springs, whose constants were negative, to zero"))
     least, greatest = affine.local_extremes

@@ -15,7 +15,7 @@ def rectangles_of_film(scene: Scene) -> Iterator[Finding]:
     if mesh is None or material is None or not any(law.has_rectangles for law in scene.laws):
         return
     try:
-        mesh.rectangle_constants(material)
+        mesh.rectangle_constants(material, stiffness=scene.membrane_stiffness())
     except MeshError as error:
         message, _, remedy = str(error).partition("; ")
         yield Finding("error", "rectangles", 1, message, remedy)

@@ -12,7 +12,7 @@ from membrane_rs._warning import warn
 from membrane_rs.check.bending import form_of_bending, wrinkles_twice
 from membrane_rs.check.bodies import fast_bodies, inside_bodies
 from membrane_rs.check.contact import chord_sag, start_inside
-from membrane_rs.check.film_law import film_law
+from membrane_rs.check.film_law import film_law, two_moduli
 from membrane_rs.check.material_values import material_values
 from membrane_rs.check.mesh_faults import (
     crossings,
@@ -55,6 +55,7 @@ CHECKS: list[Check] = [
     touching_layers,
     laws_beside_free_hub,
     film_law,
+    two_moduli,
     rectangles_of_film,
     form_of_bending,
     wrinkles_twice,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from membrane_rs._validation import check_kind
+from membrane_rs.check.film_law import moduli_in_words
 from membrane_rs.folding.pattern import facts_of
 from membrane_rs.scene import Scene
 from membrane_rs.scene.hub import hub_of
@@ -54,6 +55,13 @@ def facts(scene: Scene) -> dict[str, str]:
         film = scene.material
         waves = (film.youngs_modulus / film.density) ** 0.5
         found["material"] = f"{film.youngs_modulus:.4g} Pa, {film.density:.4g} kg/m3 (waves at {waves:.4g} m/s)"
+        moduli = moduli_in_words(film)
+        if moduli is not None:
+            found["moduli"] = moduli
+        owned = dict.fromkeys(region.name for region in assembly.regions)
+        if owned:
+            inside = sum(len(region.triangles) for region in assembly.regions)
+            found["regions"] = f"{inside} of {len(assembly.triangles)} triangles ({', '.join(owned)})"
         if film.softening is not None:
             found["softening"] = f"{film.softening:g}-fold in stretch"
         masses = {"film": film_mass(own)} | masses

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
+import numpy as np
 from typing_extensions import Self
 
 from membrane_rs._arrays import Floats
-from membrane_rs._validation import MOST, number_of
+from membrane_rs._given_arrays import numeric
+from membrane_rs._validation import MOST, number_of, show
 from membrane_rs.errors import InputError
 from membrane_rs.mesh import Mesh
 
@@ -116,6 +118,23 @@ def pattern_of(mesh: Mesh | None) -> Pattern | None:
     """The pattern that made a mesh; None without one."""
     source = None if mesh is None else mesh.source
     return source if isinstance(source, Pattern) else None
+
+
+def plan_of(pattern: Pattern, node: Floats) -> tuple[float, float]:
+    """x and y of a place `node` (3,) in a flat mesh [m].
+
+    Raises
+    ------
+    InputError, InputTypeError
+        No three finite numbers.
+    """
+    where = f"{type(pattern).__name__}.cord_path: node"
+    place = numeric(node, where, "fiu", "three numbers: x, y, z in the flat sail (m)")
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise InputError(
+            f"{where} = {show(place.tolist())}: must be three finite numbers: x, y, z in the flat sail (m)"
+        )
+    return float(place[0]), float(place[1])
 
 
 def multiplied(pattern: Pattern, density: float, name: str, count: int) -> int:

@@ -22,7 +22,6 @@ edge is at z = 0 and fold lines are at z = 0 and z = the strip's height in turn.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -36,8 +35,9 @@ from membrane_rs._validation import Count, Positive, Unit, validated
 from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, flat_petal
 from membrane_rs.folding._petals import Petals, fold_lines, zigzag
+from membrane_rs.folding._strips import StripSail
 from membrane_rs.folding._wound_petal import NEAREST, WoundPath, default_gap, wound_petal
-from membrane_rs.folding.pattern import StowedPattern, multiplied
+from membrane_rs.folding.pattern import plan_of
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.fold_angles import measured_fold_angles
 from membrane_rs.mesh.queries import distinct
@@ -51,7 +51,7 @@ LEAST_ROWS = 16
 
 
 @validated
-class SpiralHexagon(StowedPattern):
+class SpiralHexagon(StripSail):
     """A regular polygon of film, of six sides by default, wound spirally round a hub of as many.
 
     Parameters
@@ -153,11 +153,6 @@ class SpiralHexagon(StowedPattern):
         return math.ceil(LEAST_ROWS / self.strips) if self.rows is None else self.rows // self.strips
 
     @property
-    def row_height(self) -> float:
-        """Height of a row of cells in the flat sail [m]."""
-        return self.strip_height / self.rows_per_strip
-
-    @property
     def wound_radius(self) -> float:
         """Radius of the circle through the corners of the innermost layer of the wound sail [m]."""
         return self._path().hub_radius
@@ -216,6 +211,11 @@ class SpiralHexagon(StowedPattern):
         (k, 2) float64, or None
             Points in plan [m].
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No three finite numbers.
+
         Examples
         --------
         >>> from membrane_rs.folding import SpiralHexagon
@@ -225,7 +225,7 @@ class SpiralHexagon(StowedPattern):
         >>> bool(abs(sail.cord_path(mesh.reference[corner])[-1] - mesh.positions[corner][:2]).max() < 1e-12)
         True
         """
-        x, y = float(node[0]), float(node[1])
+        x, y = plan_of(self, node)
         turn = 2.0 * math.pi / self.sides
         diagonal = math.floor(math.atan2(y, x) / turn)
         azimuth = turn * (diagonal + 0.5)
@@ -274,32 +274,6 @@ class SpiralHexagon(StowedPattern):
             node_sets=sets,
             source=self,
         )
-
-    def refined(self, density: float) -> SpiralHexagon:
-        """The sail with `density` times as many rows and columns. Raises InputError as `Pattern.refined` does."""
-        rows = self.strips * multiplied(self, density, "rows_per_strip", self.rows_per_strip)
-        columns = None if self.columns is None else multiplied(self, density, "columns", self.columns)
-        return replace(self, rows=rows, columns=columns)
-
-    def with_rows(self, rows: int) -> SpiralHexagon:
-        """The sail with so many rows of cells in each petal.
-
-        Parameters
-        ----------
-        rows : int
-            From the hub to the outer edge.
-
-        Returns
-        -------
-        SpiralHexagon
-            With the same dimensions.
-
-        Raises
-        ------
-        MeshError
-            No multiple of the number of strips.
-        """
-        return replace(self, rows=rows)
 
     @property
     def _slope(self) -> float:

@@ -10,7 +10,6 @@ origin, its petals at 0, 90, 180 and 270 degrees, its diagonals between them. St
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -22,8 +21,9 @@ from membrane_rs.errors import MeshError
 from membrane_rs.folding._flat_petal import FlatPetal, default_columns, flat_petal, mean_columns
 from membrane_rs.folding._petals import Petals, fold_lines, zigzag
 from membrane_rs.folding._stowed_petal import StowedPath, stowed_petal
+from membrane_rs.folding._strips import StripSail
 from membrane_rs.folding._wound_petal import NEAREST, THICKEST, WoundPath, default_gap, wound_petal
-from membrane_rs.folding.pattern import StowedPattern, multiplied
+from membrane_rs.folding.pattern import plan_of
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.queries import distinct
 
@@ -32,7 +32,7 @@ _NARROW = ("fan", "even")
 
 
 @validated
-class SquareSail(StowedPattern):
+class SquareSail(StripSail):
     """A square sail and its folds, stowed as a cross or wound.
 
     Parameters
@@ -156,11 +156,6 @@ class SquareSail(StowedPattern):
         return math.ceil((8 if self.layout in _NARROW else 16) / self.strips)
 
     @property
-    def row_height(self) -> float:
-        """Height of a row of cells in the flat sail [m]."""
-        return self.strip_height / self.rows_per_strip
-
-    @property
     def wound_radius(self) -> float | None:
         """Radius of the circle through the corners of the innermost layer of the wound sail [m]; None in the cross.
 
@@ -222,6 +217,11 @@ class SquareSail(StowedPattern):
         (k, 2) float64, or None
             Points in plan [m].
 
+        Raises
+        ------
+        InputError, InputTypeError
+            No three finite numbers.
+
         Examples
         --------
         >>> from membrane_rs.folding import SquareSail
@@ -229,7 +229,7 @@ class SquareSail(StowedPattern):
         >>> sail.cord_path(sail.mesh().reference[0]) is None
         True
         """
-        x, y = float(node[0]), float(node[1])
+        x, y = plan_of(self, node)
         row = round((abs(x) - 0.5 * self.inner_width) / self.row_height)
         if self.stowage != "wound" or abs(abs(x) - abs(y)) > 1e-9 * self.outer_width:
             return None
@@ -278,32 +278,6 @@ class SquareSail(StowedPattern):
             bridges=None if self.join == "merge" else np.stack([here.ravel(), there.ravel()], axis=1),
             source=self,
         )
-
-    def refined(self, density: float) -> SquareSail:
-        """The sail with `density` times as many rows and columns. Raises InputError as `Pattern.refined` does."""
-        rows = self.strips * multiplied(self, density, "rows_per_strip", self.rows_per_strip)
-        columns = None if self.columns is None else multiplied(self, density, "columns", self.columns)
-        return replace(self, rows=rows, columns=columns)
-
-    def with_rows(self, rows: int) -> SquareSail:
-        """The sail with so many rows of cells in each petal.
-
-        Parameters
-        ----------
-        rows : int
-            From the inner to the outer edge.
-
-        Returns
-        -------
-        SquareSail
-            With the same dimensions.
-
-        Raises
-        ------
-        MeshError
-            No multiple of the number of strips.
-        """
-        return replace(self, rows=rows)
 
     def _petal(self) -> FlatPetal:
         rows = self.strips * self.rows_per_strip

@@ -39,6 +39,7 @@ def audit(
     springs: bool,
     growth: bool,
     crossings: bool,
+    stiffness: Floats | None = None,
 ) -> Audit:
     """Audit a mesh at `positions` (n, 3) [m], with the `strain` of its edges there, (e,). See `Mesh.audit`."""
     if material is not None and not isinstance(material, Material):
@@ -53,9 +54,9 @@ def audit(
         *gaps(mesh),
         *overlaps(mesh, is_wound_alike=not len(wound)),
         *(_thick(mesh, material) if material is not None else ()),
-        *(_springs(mesh, film, growth=growth) if springs else ()),
+        *(_springs(mesh, film, stiffness, growth=growth) if springs else ()),
         *(crossing(mesh, positions) if crossings else ()),
-        *_strain(mesh, strain),
+        *strained(mesh, strain),
     ]
     return Audit.of(findings)
 
@@ -205,18 +206,18 @@ def _thick(mesh: Triangulation, material: Material) -> Iterator[Finding]:
         )
 
 
-def _negative(mesh: Triangulation, material: Material) -> tuple[Ints, Floats]:
+def _negative(mesh: Triangulation, material: Material, stiffness: Floats | None) -> tuple[Ints, Floats]:
     """Edges of negative spring constant, none in a mesh with triangles without area, and all constants [N/m]."""
     if mesh.flatness().min() < NO_AREA:
         return np.zeros(0, np.int64), np.zeros(0)
-    constants = mesh.spring_constants(material)
+    constants = mesh.spring_constants(material, stiffness=stiffness)
     return np.flatnonzero(~(constants >= -1e-12 * np.nanmax(np.abs(constants)))), constants
 
 
-def _springs(mesh: Triangulation, material: Material, *, growth: bool) -> Iterator[Finding]:
+def _springs(mesh: Triangulation, material: Material, stiffness: Floats | None, *, growth: bool) -> Iterator[Finding]:
     """Negative spring constants, and with `growth` the modes that grow by them."""
     try:
-        negative, constants = _negative(mesh, material)
+        negative, constants = _negative(mesh, material, stiffness)
     except MeshError as error:
         yield Finding("error", "singular_springs", 1, str(error), "move the nodes of that triangle")
         return
@@ -236,21 +237,25 @@ def _springs(mesh: Triangulation, material: Material, *, growth: bool) -> Iterat
         first_few(negative),
     )
     if growth:
-        yield from _growing(mesh, material, constants)
+        yield from _growing(mesh, constants, mesh.masses(material))
 
 
-def growing(mesh: Triangulation, material: Material) -> Iterator[Finding]:
-    """The modes that grow by negative spring constants; it takes some seconds for 50,000 nodes."""
+def growing(
+    mesh: Triangulation, material: Material, stiffness: Floats | None = None, masses: Floats | None = None
+) -> Iterator[Finding]:
+    """The modes that grow by negative spring constants; it takes some seconds for 50,000 nodes. E h of each triangle
+    (m,) [N/m] and masses of the nodes (n,) [kg] stand in place of those of the material.
+    """
     try:
-        negative, constants = _negative(mesh, material)
+        negative, constants = _negative(mesh, material, stiffness)
     except MeshError:
         return
     if len(negative):
-        yield from _growing(mesh, material, constants)
+        yield from _growing(mesh, constants, mesh.masses(material) if masses is None else masses)
 
 
-def _growing(mesh: Triangulation, material: Material, constants: Floats) -> Iterator[Finding]:
-    """The modes that grow by spring constants (e,), some of them negative [N/m]."""
+def _growing(mesh: Triangulation, constants: Floats, of_nodes: Floats) -> Iterator[Finding]:
+    """The modes that grow by spring constants (e,), some of them negative [N/m], with masses (n,) [kg]."""
     if mesh.node_count > GROWTH_LIMIT:
         yield Finding(
             "info",
@@ -262,7 +267,7 @@ def _growing(mesh: Triangulation, material: Material, constants: Floats) -> Iter
         return
     # Bridged nodes count as one: the stiff links hardly give.
     node = groups(mesh.bridges, mesh.node_count)
-    masses = np.bincount(node, weights=mesh.masses(material)).astype(np.float64)
+    masses = np.bincount(node, weights=of_nodes).astype(np.float64)
     points = np.empty((len(masses), 3))
     points[node] = mesh.reference
     rate, count = growing_modes(points, node[mesh.edges], constants, masses)
@@ -296,7 +301,8 @@ def crossing(mesh: Triangulation, positions: Floats) -> Iterator[Finding]:
         )
 
 
-def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
+def strained(mesh: Triangulation, strain: Floats, words: str = "strain at the start") -> Iterator[Finding]:
+    """The strain of the edges at the start, (e,), which `words` call."""
     low, high = float(strain.min()), float(strain.max())
     most = int(np.argmax(np.abs(strain)))
     large = np.flatnonzero(np.abs(strain) > STRAIN_NOTED)
@@ -305,7 +311,7 @@ def _strain(mesh: Triangulation, strain: Floats) -> Iterator[Finding]:
         severity,
         "strain",
         len(large),
-        f"strain at the start from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
+        f"{words} from {100 * low:.4g} % to {100 * high:.4g} %; {len(large)} of {len(strain)} "
         f"edges beyond {100 * STRAIN_NOTED:g} % (most at edge {most}, nodes {mesh.edges[most].tolist()})",
         "" if severity == "info" else "check the folded positions, or relax the membrane before its release",
         first_few(large),

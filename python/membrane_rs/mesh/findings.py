@@ -29,10 +29,10 @@ class Finding:
         Of a mesh: "degenerate", "obtuse", "unused_nodes", "duplicate_nodes", "hanging_nodes", "pinched_nodes",
         "long_bridges", "duplicate_triangles", "shared_edges", "winding", "upside_down", "overlaps", "crossings",
         "pieces", "thick_film", "singular_springs", "negative_springs", "growing_mode" or "strain".
-        Of a scene: "fold_angles", "film_law", "rectangles", "bending", "supports", "spool", "chord_sag",
-        "start_inside",
-        "crossings", "touching_layers", "method", "free_hub", "fast_body", "implausible_value", "idle_law",
-        "net_of_springs", "stowed_energy", "softening", "step", "setting_without_effect", "step_accuracy" or "left_out".
+        Of a scene: "fold_angles", "film_law", "two_moduli", "rectangles", "bending", "supports", "spool", "chord_sag",
+        "start_inside", "crossings", "touching_layers", "method", "free_hub", "fast_body", "implausible_value",
+        "idle_law", "net_of_springs", "stowed_energy", "softening", "step", "setting_without_effect", "step_accuracy" or
+        "left_out".
         Of a run: "body_without_contact" or "friction_step".
     count : int
         How many there are.

@@ -245,4 +245,7 @@ def _steps(flat: Frame, stowed: Frame, polygons: list[list[int]], made: dict[str
     assumed = int(creases.has_side_alone.sum())
     if assumed and stowed is flat and "foldedForm" not in flat.words("frame_classes"):
         steps.append(f"{assumed} creases without fold angle taken as shut, 180 degrees to the side of M or V")
+    orders = len(stowed.rows("faceOrders") or [])
+    if orders:
+        steps.append(f"{orders} orders of faces skipped: those that the shape tells are written again")
     return steps

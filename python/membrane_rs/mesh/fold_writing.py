@@ -12,6 +12,7 @@ import numpy as np
 from membrane_rs._arrays import Floats, Ints
 from membrane_rs._files import replacing
 from membrane_rs.errors import MeshError
+from membrane_rs.mesh.face_orders import face_orders
 from membrane_rs.mesh.fold_angles import FLAT, measured_fold_angles
 from membrane_rs.mesh.fold_creases import RADIANS
 from membrane_rs.mesh.fold_reading import BRIDGES, NODE_SETS, REFERENCE, TRIANGLE_SETS
@@ -111,6 +112,9 @@ def _table(mesh: Triangulation, film: FoldedFilm, title: str) -> dict[str, Any]:
         if bends.any():
             bent = np.where(bends > 0.0, "V", np.where(bends < 0.0, "M", of_others))
             stowed["edges_assignment"] = of_creases + bent.tolist()
+        orders = face_orders(mesh, positions, fold_angles)
+        if orders:
+            stowed["faceOrders"] = orders
         table["file_frames"] = [stowed]
     return table
 

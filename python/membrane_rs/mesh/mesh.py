@@ -164,14 +164,15 @@ class Mesh(HasCard, Stored, Triangulation):
         springs: bool = True,
         growth: bool = True,
         crossings: bool = True,
+        stiffness: Floats | None = None,
     ) -> Audit:
         """Faults and risks of the mesh, in words and numbers.
 
         Parameters
         ----------
         material : Material, optional
-            Default: the polyimide film of the deployment experiments. The signs depend on Poisson's ratio
-            only.
+            Default: the polyimide film of the deployment experiments. Signs of spring constants depend on Poisson's
+            ratio, and on `stiffness`.
         positions : (n, 3) float64, optional
             Of the nodes where the strain is measured and crossings are counted [m]. Default: the stowed positions.
         springs : bool
@@ -180,15 +181,23 @@ class Mesh(HasCard, Stored, Triangulation):
             Whether modes that grow by negative springs are computed, which takes some seconds for 50,000 nodes.
         crossings : bool
             Whether triangles that pass through each other are counted, as `Mesh.crossings` does.
+        stiffness : (m,) float64, optional
+            E h of each triangle [N/m], as of `spring_constants`. Default: that of the material.
 
         Returns
         -------
         Audit
             What was found, errors first.
+
+        Raises
+        ------
+        MeshError, InputError, InputTypeError
+            What does not fit the mesh, or is of a wrong kind.
         """
         points = self.positions if positions is None else self.checked_positions(positions)
         strain = self.strain(positions)
-        return audit(self, material, points, strain, springs=springs, growth=growth, crossings=crossings)
+        flags = {"springs": springs, "growth": growth, "crossings": crossings}
+        return audit(self, material, points, strain, stiffness=stiffness, **flags)
 
     def crossings(self, positions: ArrayLike | None = None, *, limit: int = LISTED) -> Crossings:
         """Pairs of triangles that pass through each other, counted exactly.

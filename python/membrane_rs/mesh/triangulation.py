@@ -99,7 +99,7 @@ class Triangulation(KnownAttributes):
             areas: Floats = 0.5 * np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
         return frozen(areas)
 
-    def spring_constants(self, material: Material, *, clip: bool = False) -> Floats:
+    def spring_constants(self, material: Material, *, clip: bool = False, stiffness: Floats | None = None) -> Floats:
         """(e,) spring constant of each edge [N/m], the sum over its triangles.
 
         It may be negative, unless `clip` sets negative ones to zero, as `Springs(negative="clip")` does.
@@ -110,6 +110,9 @@ class Triangulation(KnownAttributes):
             The film.
         clip : bool
             Whether negative ones are set to zero.
+        stiffness : (m,) float64, optional
+            E h of each triangle [N/m], as `Scene.membrane_stiffness` gives it for a film with regions. Default: that of
+            the material.
 
         Returns
         -------
@@ -120,8 +123,8 @@ class Triangulation(KnownAttributes):
         ------
         MeshError
             A triangle without area, or too large for a number to hold it.
-        InputTypeError
-            No material.
+        InputError, InputTypeError
+            No material; a stiffness that is not one number, 0 or above, for each triangle.
 
         Examples
         --------
@@ -139,11 +142,8 @@ class Triangulation(KnownAttributes):
                 f"(nodes {self.triangles[flat[0]].tolist()}); remove them, or move their nodes apart"
             )
         self._check_sizes()
-        m = material
-        constants = np.asarray(
-            _core.spring_constants(self.reference, self.triangles, m.youngs_modulus, m.poisson_ratio, m.thickness),
-            dtype=np.float64,
-        )
+        film = self._membrane_stiffness(material, stiffness), material.poisson_ratio
+        constants = np.asarray(_core.spring_constants(self.reference, self.triangles, *film), dtype=np.float64)
         return np.maximum(constants, 0.0) if flag_of("clip", clip) else constants
 
     def find_rectangles(self) -> Ints:
@@ -167,13 +167,15 @@ class Triangulation(KnownAttributes):
         """
         return np.asarray(_core.rectangles(self.reference, self.triangles, self.creases), dtype=np.int64)
 
-    def rectangle_constants(self, material: Material) -> Floats:
+    def rectangle_constants(self, material: Material, *, stiffness: Floats | None = None) -> Floats:
         """Spring constants of the film as `Rectangles` [N/m], each the sum over the rectangles at it.
 
         Parameters
         ----------
         material : Material
             The film.
+        stiffness : (m,) float64, optional
+            E h of each triangle [N/m], as of `spring_constants`; a rectangle of two films has their mean.
 
         Returns
         -------
@@ -184,8 +186,8 @@ class Triangulation(KnownAttributes):
         ------
         MeshError
             As `find_rectangles`, or sides so different that a constant is negative.
-        InputTypeError
-            No material.
+        InputError, InputTypeError
+            No material; a stiffness that is not one number, 0 or above, for each triangle.
 
         Examples
         --------
@@ -196,8 +198,21 @@ class Triangulation(KnownAttributes):
         [0.375, 0.375, 0.375, 0.375, 0.375, 0.375]
         """
         check_kind(material, Material, "material", "a Material")
-        values = material.youngs_modulus, material.poisson_ratio, material.thickness
-        return np.asarray(_core.rectangle_constants(self.reference, self.triangles, self.creases, *values))
+        film = self._membrane_stiffness(material, stiffness), material.poisson_ratio
+        return np.asarray(_core.rectangle_constants(self.reference, self.triangles, self.creases, *film))
+
+    def _membrane_stiffness(self, material: Material, stiffness: Floats | None) -> Floats:
+        """(m,) E h of each triangle [N/m]. Raises InputError, InputTypeError."""
+        count = len(self.triangles)
+        if stiffness is None:
+            return np.full(count, material.youngs_modulus * material.thickness)
+        given = np.asarray(numeric(stiffness, "stiffness", "fiu", "numbers: E h of each triangle (N/m)"), np.float64)
+        if given.shape != (count,):
+            raise InputError(f"stiffness has shape {given.shape}; it must be ({count},): a number a triangle (N/m)")
+        wrong = np.flatnonzero(~(given >= 0.0))
+        if len(wrong):
+            raise InputError(f"stiffness[{wrong[0]}] = {given[wrong[0]]:g}: must be 0 or greater (N/m)")
+        return given
 
     def _check_sizes(self) -> None:
         """A MeshError where a triangle is too large for a number to hold its area."""

@@ -49,6 +49,7 @@ class Builder:
         self.mesh_count = self.node_count = len(self.reference)
         self._reference, self._positions = [self.reference], [self.positions]
         self._cords: list[tuple[Cord, Ints]] = []
+        self._cord_places: list[str] = []
         self._fixed: list[int] = []
         self._motions: list[tuple[Motion, str]] = []
         self._masses: list[tuple[Ints, float]] = []
@@ -56,7 +57,7 @@ class Builder:
         self._layers: Ints = np.zeros(0, np.int64)
         self._loaded: Ints = np.zeros(0, np.int64)
         self._bridge_stiffness = 0.0
-        self._regions: list[tuple[FilmRegion, str]] = []
+        self._regions: list[FilmRegion] = []
         self._owners: Ints = np.zeros(0 if mesh is None else len(mesh.triangles), np.int64)
         self._creases: dict[str, Floats] = {}
         self._crease_places: dict[str, list[tuple[str, Ints]]] = {}
@@ -228,6 +229,7 @@ class Builder:
         self._positions.append(positions)
         self.node_count += len(positions)
         self._cords.append((cord, nodes))
+        self._cord_places.append(where)
         return nodes
 
     def add_mass(self, nodes: Ints, mass: float) -> None:
@@ -259,15 +261,15 @@ class Builder:
         """Let point forces act on these nodes."""
         self._loaded = np.unique(nodes)
 
-    def add_region(self, region: FilmRegion, where: str) -> None:
+    def add_region(self, region: FilmRegion) -> None:
         """Give triangles a film of their own. Raises SceneError where another part has given one of them its own."""
         owners = self._owners[region.triangles]
         if owners.any():
             first = int(np.flatnonzero(owners)[0])
-            place, count = self._regions[owners[first] - 1][1], np.count_nonzero(owners == owners[first])
+            place, count = self._regions[owners[first] - 1].name, np.count_nonzero(owners == owners[first])
             what = f"triangle {region.triangles[first]} ({count} such) belongs to {place} too"
-            raise SceneError(f"{where}: {what}; leave it out of one of them, or make a region of what they share")
-        self._regions.append((region, where))
+            raise SceneError(f"{region.name}: {what}; leave it out of one of them, or make a region of what they share")
+        self._regions.append(region)
         self._owners[region.triangles] = len(self._regions)
 
     def set_creases(self, creases: Ints, field: str, value: float, where: str) -> None:
@@ -334,10 +336,24 @@ class Builder:
             layers=Layers(self._layers),
             node_sets=self.node_sets,
             motions=tuple(motion for motion, _ in self._motions),
-            regions=tuple(region for region, _ in self._regions),
+            regions=tuple(self._regions),
         )
-        _check_masses(assembly, self.mesh_count)
+        self._check_masses(assembly)
         return assembly
+
+    def _check_masses(self, assembly: Assembly) -> None:
+        """Every node that can move needs a mass."""
+        bare = assembly.extra_masses <= 0
+        bare[assembly.triangles.ravel()] = False
+        bare[assembly.fixed] = False
+        if bare.any():
+            node = int(np.flatnonzero(bare)[0])
+            what = f"node {node} has no mass ({int(bare.sum())} such nodes)"
+            for (cord, nodes), where in zip(self._cords, self._cord_places, strict=True):
+                if node in nodes:
+                    remedy = "give the cord a linear_density, add a tip mass, or hold the node fixed"
+                    raise SceneError(f"{where}.linear_density = {cord.linear_density:g}: {what}: {remedy}")
+            raise SceneError(f"mesh: {what}: it belongs to no triangle; remove it: Mesh.audit says how")
 
     def _extra_masses(self) -> Floats:
         masses = np.zeros(self.node_count)
@@ -367,16 +383,3 @@ class Builder:
             winch=np.array(winch, np.int64).reshape(-1, 2),
             winches=tuple(cord.winch for cord in cords if cord.winch is not None),
         )
-
-
-def _check_masses(assembly: Assembly, mesh_count: int) -> None:
-    """Every node that can move needs a mass."""
-    bare = assembly.extra_masses <= 0
-    bare[assembly.triangles.ravel()] = False
-    bare[assembly.fixed] = False
-    if bare.any():
-        node = int(np.flatnonzero(bare)[0])
-        remedy = "give its tether a linear_density, add a tip mass, or hold it fixed"
-        if node < mesh_count:
-            remedy = "it belongs to no triangle; remove it from the mesh: Mesh.audit says how"
-        raise SceneError(f"node {node} has no mass ({int(bare.sum())} such nodes): {remedy}")

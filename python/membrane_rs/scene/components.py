@@ -142,6 +142,8 @@ class FilmRegion(Component):
         Strain along x and y, and the mixed one, of the flat shape at which the film is free of stress [-].
     optics : Optics or None
         In sunlight; None: those of the law.
+    name : str
+        The part that it is of, in messages.
 
     Examples
     --------
@@ -165,6 +167,7 @@ class FilmRegion(Component):
     curvature: tuple[float, float, float]
     natural_strain: tuple[float, float, float]
     optics: Optics | None
+    name: str
 
     @property
     def areal_density(self) -> float:

@@ -6,7 +6,7 @@ Bridles are cords that meet at a place: one ends where others start. Units are S
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import field, replace
 from typing import Annotated, ClassVar
 
@@ -105,6 +105,7 @@ class Cord(Corded):
     length_factor: Schedule | None = field(default=None, kw_only=True)
     critical_strain: Fraction = field(default=0.0, kw_only=True)
     working_law: ClassVar[str | None] = "winches"
+    start_fields: ClassVar[tuple[str, ...]] = ("start", "end")
 
     def __post_init__(self) -> None:
         """Check the ends against each other, and the length against its bound."""
@@ -155,6 +156,15 @@ class Cord(Corded):
         builder.append(cord, where, nodes, reference[own], positions[own], kind=self.kind, name=self.name)
         if self.fixed and start is None:
             builder.fix(nodes[:1])
+
+    def check_set(self, given: Part, names: Collection[str]) -> None:
+        """As `Part.check_set`; and `fixed` of a cord that starts at no point, where it has no effect."""
+        super().check_set(given, names)
+        if "fixed" in names and not isinstance(self.start, tuple):
+            what = (
+                f"is without effect where a cord starts at {show(self.start)}, no point; hold nodes by a part of kind"
+            )
+            raise InputError(f"Cord.fixed = {show(self.fixed)}: {what} 'fixed', or leave it out of the stage")
 
     def _end(self, builder: Builder, where: str, field: str) -> tuple[int | None, Floats, Floats]:
         """The node at an end, None for a point; where it is in the flat shape and at the start, (3,) [m]."""
@@ -251,6 +261,7 @@ class Boltrope(Part):
     closed: Flag = False
     critical_strain: Fraction = 0.0
     strain_limit: Positive = 0.1
+    start_fields: ClassVar[tuple[str, ...]] = ("closed",)
 
     def add_nodes(self, builder: Builder, where: str) -> None:
         """Add the cord.

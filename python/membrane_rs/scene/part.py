@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import ClassVar
 
-from membrane_rs._validation import validated
+from membrane_rs._validation import show, validated
+from membrane_rs.errors import InputError
 from membrane_rs.scene.builder import Builder
 from membrane_rs.scene.law import Surroundings
 from membrane_rs.scene.plausible import Doubt
@@ -38,6 +39,8 @@ class Part:
     """Its name in scene files."""
     working_law: ClassVar[str | None] = None
     """The law of the core that comes with it and does work, so that history.csv has a column for it."""
+    start_fields: ClassVar[tuple[str, ...]] = ()
+    """Fields that say where its nodes lie at the start of the run, which no stage changes."""
     name: str | None = field(default=None, kw_only=True)
 
     def add_nodes(self, builder: Builder, where: str) -> None:
@@ -61,6 +64,27 @@ class Part:
         where : str
             Place in the scene, for errors.
         """
+
+    def check_set(self, given: Part, names: Collection[str]) -> None:
+        """Refuse values of these fields that a stage sets in place of those of a part, and that have no effect there.
+
+        Parameters
+        ----------
+        given : Part
+            The part of the scene, in whose place this one stands.
+        names : collection of str
+            Of the fields.
+
+        Raises
+        ------
+        InputError
+            Such a value, with the remedy.
+        """
+        for name in self.start_fields:
+            value, own = getattr(self, name), getattr(given, name)
+            if name in names and value != own:
+                what = f"says where nodes lie at the start of the run, and no stage moves them; leave it at {show(own)}"
+                raise InputError(f"{type(self).__name__}.{name} = {show(value)}: {what}, or change the part")
 
     @property
     def spool(self) -> Spool | None:

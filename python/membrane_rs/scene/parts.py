@@ -96,6 +96,7 @@ class Tethers(Corded):
     axial_stiffness: Annotated[Positive, Unit("N")] = 17.0
     linear_density: Annotated[Positive, Unit("kg/m")] = 1.004e-4
     strain_limit: Positive = 0.1
+    start_fields: ClassVar[tuple[str, ...]] = ("anchor_radius",)
 
     def add_nodes(self, builder: Builder, where: str) -> None:
         """Add the cords, and hold their nodes on the rim.
@@ -228,6 +229,7 @@ class Tether(Corded):
     fixed: Flag = True
     strain_limit: Positive = 0.1
     wound: Literal["clockwise", "counterclockwise"] | None = field(default=None, kw_only=True)
+    start_fields: ClassVar[tuple[str, ...]] = ("start", "end", "wound")
 
     @model_validator(mode="before")
     @classmethod

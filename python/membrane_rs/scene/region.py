@@ -38,6 +38,8 @@ MOST_STRAIN = 0.5
 """Magnitude of a natural strain, at most [-]."""
 MOST_CURVATURE, FARTHEST = 1e9, 1e12
 """Magnitudes of a natural curvature [1/m], that of a roll of 1 nm, and of a corner's place [m], at most."""
+ROUNDING = 1e-9
+"""Distance over the size of a polygon below which a point lies on its side."""
 MOST_SIDES, EACH_SIDE = 5 * 10**8, 1000
 """Sides of the polygons of a region times triangles of the mesh, at most, which take some seconds; and how many
 triangles a side takes as long as beside its own."""
@@ -64,7 +66,8 @@ class Region(Part):
     polygon : sequence of (float, float), optional
         Corners (x, y) in the flat shape [m], from 3 to 10^5, within 10^12 m.
     copies : int
-        How often the polygon is repeated round the hub's axis, at equal angles; too many for the mesh are refused.
+        How often the polygon is repeated round the hub's axis, at equal angles; too many for the mesh are refused, and
+        copies that overlap where curvature or natural strain of one direction differ between them.
     youngs_modulus : float or None
         E [Pa], above 0.
     density : float or None
@@ -170,7 +173,7 @@ class Region(Part):
             raise SceneError(f"{where}.{name} = {show(getattr(self, name))}: there is no triangle of the mesh in it")
         for angle, triangles in turned:
             if len(triangles):
-                builder.add_region(self._film(material, triangles, angle), where)
+                builder.add_region(self._film(material, triangles, angle, where))
 
     def _turned_triangles(self, builder: Builder, where: str) -> tuple[str, list[tuple[float, Ints]]]:
         """The field that names the triangles; and the triangles, those of each turned copy [rad] that differs."""
@@ -186,18 +189,32 @@ class Region(Part):
             raise SceneError(f"{where}.copies = {self.copies}: {what}; take fewer copies or corners")
         angles = 2.0 * math.pi / self.copies * np.arange(self.copies)
         found: list[tuple[float, Ints]] = []
-        taken: Bools = np.zeros(len(centres), bool)
-        for angle in angles.tolist():
+        copy_of: Ints = np.full(len(centres), -1)
+        is_round = self.curvature[0] == self.curvature[1] and self.natural_strain[0] == self.natural_strain[1]
+        for k, angle in enumerate(angles.tolist()):
             sine, cosine = math.sin(angle), math.cos(angle)
             back = centres @ np.array([[cosine, -sine], [sine, cosine]])
-            inside = _inside(back, corners) & ~taken
-            taken |= inside
-            found.append((angle, np.flatnonzero(inside)))
-        if self.curvature[0] == self.curvature[1] and self.natural_strain[0] == self.natural_strain[1]:
-            return "polygon", [(0.0, np.flatnonzero(taken))]
-        return "polygon", found
+            inside = _inside(back, corners)
+            twice = np.flatnonzero(inside & (copy_of >= 0))
+            if len(twice) and not is_round:
+                self._check_copies(where, copy_of, k, twice[_within(back[twice], corners)])
+            own = np.flatnonzero(inside & (copy_of < 0))
+            copy_of[own] = k
+            found.append((angle, own))
+        return "polygon", [(0.0, np.flatnonzero(copy_of >= 0))] if is_round else found
 
-    def _film(self, material: Material, triangles: Ints, angle: float) -> FilmRegion:
+    def _check_copies(self, where: str, copy_of: Ints, copy: int, shared: Ints) -> None:
+        """Refuse a copy of the polygon with triangles of an earlier one, whose film is turned otherwise."""
+        others = copy_of[shared]
+        # Copies half a turn apart have the same film: curvature and strain look alike from both ends.
+        shared = shared[2 * (copy - others) != self.copies]
+        if len(shared):
+            first = copy_of[shared[0]]
+            what = f"copies {first} and {copy} share triangle {shared[0]} ({len(shared)} such), where their directions"
+            remedy = "differ; take fewer copies or a narrower polygon"
+            raise SceneError(f"{where}.copies = {self.copies}: {what} {remedy}")
+
+    def _film(self, material: Material, triangles: Ints, angle: float, where: str) -> FilmRegion:
         """The film of triangles of a copy that is turned by an angle [rad]."""
         return FilmRegion(
             triangles=triangles,
@@ -211,6 +228,7 @@ class Region(Part):
             curvature=_turned(self.curvature, self.direction + angle),
             natural_strain=_turned(self.natural_strain, self.direction + angle),
             optics=self._optics(),
+            name=where,
         )
 
     def _optics(self) -> Optics | None:
@@ -276,6 +294,16 @@ def _turned(values: tuple[float, float], angle: float) -> tuple[float, float, fl
     mean, half = 0.5 * (values[0] + values[1]), 0.5 * (values[0] - values[1])
     along, mixed = half * math.cos(2.0 * angle), half * math.sin(2.0 * angle)
     return (mean + along, mean - along, mixed)
+
+
+def _within(points: Floats, corners: Floats) -> Bools:
+    """Whether points (n, 2) lie off the sides of a polygon (k, 2) by more than rounding: its copies may touch."""
+    near: Bools = np.zeros(len(points), bool)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        side = end - start
+        share = np.clip((points - start) @ side / max(float(side @ side), np.finfo(float).tiny), 0.0, 1.0)
+        near |= np.hypot(*(points - start - share[:, None] * side).T) <= ROUNDING * np.abs(corners).max()
+    return ~near
 
 
 def _inside(points: Floats, corners: Floats) -> Bools:

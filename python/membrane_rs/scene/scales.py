@@ -34,6 +34,19 @@ def areal_densities(scene: Surroundings, of_film: float) -> Floats:
     return found
 
 
+def natural_lengths(scene: Surroundings, mesh: Mesh) -> Floats:
+    """(e,) lengths of the edges in the film free of stress [m]; between two films the mean of both."""
+    strain = np.zeros((len(mesh.triangles), 3))
+    for region in scene.assemble().regions:
+        strain[region.triangles] = region.natural_strain
+    spans = mesh.reference[mesh.edges[:, 1]] - mesh.reference[mesh.edges[:, 0]]
+    xx, yy, xy = strain.T[:, :, None]
+    x, y, z = np.moveaxis(spans[mesh.triangle_edges], 2, 0)
+    lengths = np.sqrt((x + (xx * x + xy * y)) ** 2 + (y + (xy * x + yy * y)) ** 2 + z**2)
+    sums: Floats = np.bincount(mesh.triangle_edges.ravel(), lengths.ravel(), len(mesh.edges)).astype(np.float64)
+    return sums / mesh.triangles_per_edge
+
+
 def outermost(scene: Surroundings, *, with_cords: bool = True) -> float:
     """Distance of the outermost node of the flat shape, or of the flat membrane alone, from the z axis [m]."""
     points = scene.assemble().reference if with_cords or scene.mesh is None else scene.mesh.reference
@@ -91,12 +104,12 @@ def node_masses(scene: Surroundings) -> Floats:
     if scene not in _MASSES:
         masses: Floats = scene.assemble().extra_masses.copy()
         if scene.mesh is not None and scene.material is not None:
-            masses[: scene.mesh.node_count] += _film_masses(scene, scene.mesh, scene.material)
+            masses[: scene.mesh.node_count] += film_masses(scene, scene.mesh, scene.material)
         _MASSES[scene] = frozen(masses)
     return _MASSES[scene]
 
 
-def _film_masses(scene: Surroundings, mesh: Mesh, material: Material) -> Floats:
+def film_masses(scene: Surroundings, mesh: Mesh, material: Material) -> Floats:
     """(n,) [kg]; of a mesh that is refused for a triangle without area, which has no mass, as well."""
     if not scene.assemble().regions:
         try:

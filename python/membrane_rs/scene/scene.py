@@ -8,6 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
+import numpy as np
+
+from membrane_rs._arrays import Floats
 from membrane_rs._files import made_folder, path_of, write_text
 from membrane_rs._html import Card, HasCard
 from membrane_rs._validation import computable, show
@@ -312,6 +315,31 @@ class Scene(Valued, HasCard):
             Nodes, triangles, creases, cords, masses and supports.
         """
         return self._assembly
+
+    def membrane_stiffness(self) -> Floats:
+        """E h of each triangle, as simulated: those of regions are their own, and softening is carried out.
+
+        Returns
+        -------
+        (m,) float64
+            [N/m]; none without a membrane.
+
+        Examples
+        --------
+        >>> from membrane_rs import scenes
+        >>> scene = scenes.load("okuizumi-model-1")
+        >>> stiffness = scene.membrane_stiffness()
+        >>> bool((scene.mesh.spring_constants(scene.material, stiffness=stiffness) > 0.0).all())
+        True
+        """
+        if self.stages:
+            return self.staged(0).membrane_stiffness()
+        material, assembly = self.as_simulated.material, self.assemble()
+        whole = 0.0 if material is None else material.youngs_modulus * material.thickness
+        found = np.full(len(assembly.triangles), whole)
+        for region in assembly.regions:
+            found[region.triangles] = region.youngs_modulus * region.thickness
+        return found
 
     def counts(self) -> dict[str, int]:
         """How large the scene is.

@@ -148,14 +148,17 @@ class Run:
             item = place.rebuilt(_delayed(item, delay), where)
         if own is not None:
             item = replace(place, item=item).rebuilt(own, where)
-        if place.section != "laws":
-            return item
         is_set, changed = (
             [name for found, name in (_find(self.places, key, where) for key in keys) if found is place]
             for keys in (stage.set, (*stage.set, *stage.scale))
         )
         with labelled(place, where):
-            item.check_set(place.item, changed, is_first=index == 0)
+            if place.section == "laws":
+                item.check_set(place.item, changed, is_first=index == 0)
+            elif place.section == "parts":
+                item.check_set(place.item, changed)
+        if place.section != "laws":
+            return item
         if is_set:
             item = item.within(self.starts[index], self.starts[index] + stage.duration)
         return item.carried(lambda: self._before(place, index), self.starts[index]) if index else item

@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from membrane_rs.analysis.extent import span
 from membrane_rs.errors import InputError
 from membrane_rs.material import Material
 from membrane_rs.scene import Scene
 from membrane_rs.scene.assembly import Assembly
 from membrane_rs.scene.components import Film, Model, Nodes, Orthotropy, Surface
+from membrane_rs.scene.places import places_of
 
 MARGIN = 0.4
 """Share of the stability limit that is taken as the step where none is given."""
@@ -51,11 +53,13 @@ FREE_HUB = "does not go with a free hub"
 """Words of the core by which its refusal of what a free hub excludes is known."""
 IMPULSES = "which acts by impulses"
 """Those of its refusal of what a law does not go with that acts by impulses."""
+OF_A_LAW = "the law "
+"""Those with which its refusals of what a law does not represent begin."""
 _KEYS = {
     r"^the method (\w+)": r"run.integrator = '\1':",
     r"^substeps = (\d+)": r"run.substeps = \1:",
     r"^the law moved": "parts of kind 'moved':",
-    r"^the law (\w+)": r"laws.\1:",
+    r"^the law (\w+):?": r"laws.\1:",
     r"leave its inertia out": "leave laws.spin.inertia out",
 }
 """Words of these refusals, and the keys of a scene in their place."""
@@ -63,32 +67,34 @@ _KEYS = {
 
 @contextmanager
 def refusals_named(scene: Scene) -> Iterator[None]:
-    """Name by keys of the scene what the core refuses: what does not go with a free hub or with impulses, and the cause
-    of a stiffness that is no number: coordinates were checked, so it overflowed.
+    """Name by keys of the scene what the core refuses: what does not go with a law, a free hub or impulses, and the
+    cause of a stiffness that is no number: coordinates were checked, so it overflowed.
     """
     try:
         yield
     except InputError as error:
         text = str(error)
-        if FREE_HUB in text or IMPULSES in text:
+        if FREE_HUB in text or IMPULSES in text or text.startswith(OF_A_LAW):
             for words, key in _KEYS.items():
                 text = re.sub(words, key, text)
-            raise InputError(text) from None
+            raise type(error)(text) from None
         if not text.startswith("the stiffness of node"):
             raise
-        where, value = max(_numbers_of(scene), key=lambda item: abs(item[1]), default=("the scene", math.inf))
+        where, value = max(_numbers_of(scene), key=lambda item: abs(math.log(abs(item[1]))))
         raise InputError(
-            f"the stiffness, damping and masses of this scene overflow: their eigenvalues are no numbers; the largest "
-            f"value is {where} = {value:g}: check it, in SI units"
+            f"the stiffness, damping and masses of this scene overflow: their eigenvalues are no numbers; the value "
+            f"farthest from 1 is {where} = {value:g}: check it, in SI units"
         ) from None
 
 
 def _numbers_of(scene: Scene) -> Iterator[tuple[str, float]]:
-    """Numbers of material, laws and parts, by their names."""
-    for thing in (scene.material, *scene.laws, *scene.parts, *scene.bodies):
-        for name, value in vars(thing).items() if thing is not None else ():
-            if isinstance(value, float) and math.isfinite(value):
-                yield f"{type(thing).__name__}.{name}", value
+    """Numbers of material, laws, parts and bodies that are not 0, by their keys, and the extent of the scene [m]."""
+    yield "the extent of the scene", max(span(scene.assemble().reference), math.ulp(0.0))
+    for place in places_of(scene):
+        for name, value in vars(place.item).items():
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and math.isfinite(number) and number != 0.0:
+                    yield f"{place.label}.{name}", number
 
 
 def settings_of(scene: Scene) -> Settings:

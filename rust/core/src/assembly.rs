@@ -38,7 +38,7 @@ impl Assembly {
     ///
     /// # Errors
     /// Any of `IndexOutOfRange`, `LengthMismatch`, `NotFinite`, `OutOfRange`, `DegenerateTriangle`,
-    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `MasslessNode`, `RegionsOverlap`, `TiltedFilm`.
+    /// `SingularTriangle`, `NegativeSprings`, `NotAHinge`, `NoFilm`, `MasslessNode`, `RegionsOverlap`, `TiltedFilm`.
     pub fn new(model: Model, instructions: InstructionSet) -> Result<Self> {
         model.check()?;
         let n = model.positions.len();
@@ -46,6 +46,9 @@ impl Assembly {
         let mut masses = model.extra_masses.clone();
         let (mut edge_stiffness, mut side_stiffness) = (Vec::new(), Vec::new());
         let film = model.film.filter(|_| !mesh.triangles.is_empty());
+        if film.is_none() && !mesh.triangles.is_empty() {
+            return Err(Error::NoFilm { triangles: mesh.triangles.len() });
+        }
         let film = film.map(|film| FilmOfTriangles::new(film, model.orthotropy, &model.regions, mesh.triangles.len()));
         let film = film.transpose()?;
         if let Some(film) = &film {
@@ -68,7 +71,8 @@ impl Assembly {
         model.held().for_each(|node| held[node] = true);
         for (node, (&mass, &held)) in masses.iter().zip(&held).enumerate() {
             if !(mass.is_finite() && (mass > 0.0 || (held && mass == 0.0))) {
-                return Err(Error::MasslessNode { node, mass });
+                let part = if node < mesh.reference.len() { "of the mesh" } else { "of the cords" };
+                return Err(Error::MasslessNode { node, part, place: model.positions[node], mass });
             }
         }
         let inverse: Vec<f64> =

@@ -25,22 +25,22 @@ pub enum Error {
     TriangleOutOfRange { what: &'static str, row: usize, triangle: usize, triangle_count: usize },
 
     /// A triangle of two regions.
-    #[error("triangle {triangle} belongs to two regions; leave it out of one of them")]
-    RegionsOverlap { triangle: usize },
+    #[error("triangle {triangle} belongs to {first} and to {second}; leave it out of one of them")]
+    RegionsOverlap { triangle: usize, first: String, second: String },
 
     /// A film with directions in x and y on a triangle that does not lie in a plane of constant z.
     #[error(
-        "triangle {triangle} of the flat shape is tilted to the xy plane, in which natural curvature, natural strain \
-         and the direction of two moduli are given; turn the flat shape into that plane"
+        "triangle {triangle} of the flat shape is tilted to the xy plane, in which {what} is given; turn the flat \
+         shape into that plane"
     )]
-    TiltedFilm { triangle: usize },
+    TiltedFilm { triangle: usize, what: String },
 
     /// A natural curvature beyond what an edge of the mesh can follow.
     #[error(
-        "the natural curvature of the film folds edge {edge:?} by {degrees:.0} degrees: a mesh follows at most 90 from \
-         triangle to triangle; make it finer there, or the curvature smaller"
+        "the law bending: the natural curvature of {region} folds edge {edge:?} by {degrees:.0} degrees, and a mesh \
+         follows at most 90 from triangle to triangle; make it finer there, or the curvature smaller"
     )]
-    CurvatureBeyondMesh { edge: [usize; 2], degrees: f64 },
+    CurvatureBeyondMesh { region: String, edge: [usize; 2], degrees: f64 },
 
     /// An array with a wrong number of rows.
     #[error("{what} has {found} rows but {expected} are needed; give one row per {per}")]
@@ -103,8 +103,11 @@ pub enum Error {
     LimitWithoutSprings,
 
     /// A film of two moduli with a law for one.
-    #[error("{what} represent a film of one Young's modulus, and this one has two; {remedy}")]
-    TwoModuli { what: &'static str, remedy: &'static str },
+    #[error(
+        "the law {law}: {what} represent a film of one Young's modulus, and across its direction this one has {across} \
+         times that along it; {remedy}, or give the film one modulus"
+    )]
+    TwoModuli { law: &'static str, what: &'static str, across: f64, remedy: &'static str },
 
     /// A crease that is no edge between two triangles.
     #[error(
@@ -113,11 +116,16 @@ pub enum Error {
     )]
     NotAHinge { crease: usize, nodes: [usize; 2], reason: &'static str },
 
+    /// Triangles without a film.
+    #[error("the model has {triangles} triangles and no film; give it one, or leave the triangles out")]
+    NoFilm { triangles: usize },
+
     /// A node without mass.
     #[error(
-        "node {node} has a mass of {mass:e} kg; give it mass by a triangle, a tether or a tip mass, or hold it fixed"
+        "node {node}, {part} at {place:?} m, has a mass of {mass:e} kg; give it mass by a triangle, a tether or a tip \
+         mass, or hold it fixed"
     )]
-    MasslessNode { node: usize, mass: f64 },
+    MasslessNode { node: usize, part: &'static str, place: [f64; 3], mass: f64 },
 
     /// A node that follows two motions.
     #[error("node {node} is to follow two motions; leave it out of one of them")]

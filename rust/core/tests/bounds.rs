@@ -55,6 +55,13 @@ fn a_film_is_at_fault_just_beyond_its_strain_bound_in_any_direction_of_its_edges
 }
 
 #[test]
+fn triangles_without_a_film_are_refused_with_their_number() {
+    let bare = membrane_core::model::input::Model { film: None, ..sheet(2, 2, 0.01) };
+    let error = Assembly::new(bare, InstructionSet::Baseline).map(|_| ()).unwrap_err().to_string();
+    assert_eq!(error, "the model has 8 triangles and no film; give it one, or leave the triangles out");
+}
+
+#[test]
 fn a_square_of_film_has_the_mass_of_its_area() {
     let assembly = Assembly::new(sheet(2, 2, 0.01), InstructionSet::Baseline).unwrap();
     let mass = assembly.square_of_film(Some(0.011)).unwrap();

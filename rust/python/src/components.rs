@@ -161,7 +161,7 @@ fn regions_of(model: &Component<'_>) -> PyResult<Vec<Region>> {
             natural_strain: region.value("natural_strain")?,
             optics: optics_of(&region)?,
         };
-        Ok(Region { triangles: region.array("triangles", indices)?, film })
+        Ok(Region { name: region.value("name")?, triangles: region.array("triangles", indices)?, film })
     };
     regions.iter().enumerate().map(region_of).collect()
 }

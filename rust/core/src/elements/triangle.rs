@@ -83,7 +83,7 @@ impl FlatTriangles {
         let internal: Vec<[u32; 3]> =
             corners.iter().map(|corners| assembly.numbering.to_internal(corners.nodes)).collect();
         let elements = ElementSet::new(&internal, assembly.masses.len());
-        let nu = assembly.film.as_ref().map_or(0.0, |film| film.whole().poisson_ratio);
+        let nu = assembly.film.as_ref().map_or(0.0, |film| film.of_no_region().film.poisson_ratio);
         let mut rows = Vec::with_capacity(corners.len());
         for (triangle, corners) in corners.iter().enumerate() {
             let area = assembly.mesh.area(triangle)?;

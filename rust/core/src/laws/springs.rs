@@ -169,9 +169,9 @@ impl Springs {
     ///
     /// # Errors
     /// `TwoModuli`.
-    pub(super) fn require_one_modulus(what: &'static str, assembly: &Assembly) -> Result<()> {
+    pub(super) fn require_one_modulus(law: &'static str, assembly: &Assembly) -> Result<()> {
         let remedy = "take the law \"triangles\" with compression = 1";
-        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus(what, remedy))
+        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus(law, "its springs", remedy))
     }
 
     /// The tethers.

@@ -125,7 +125,7 @@ impl Triangles {
             let what = "triangles that wrinkle";
             let remedy =
                 "set compression of the triangles to 1, and let the mesh resolve wrinkles by the law \"bending\"";
-            assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus(what, remedy))?;
+            assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("triangles", what, remedy))?;
         }
         let mut sides = Vec::with_capacity(assembly.mesh.triangles.len());
         let mut critical_strains = Vec::with_capacity(sides.capacity());

@@ -31,6 +31,8 @@ pub struct RegionFilm {
 /// Triangles with a film of their own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
+    /// What messages call it.
+    pub name: String,
     /// No triangle belongs to two regions.
     pub triangles: Vec<u32>,
     /// Their film.
@@ -42,6 +44,8 @@ pub struct Region {
 pub struct FilmOfTriangles {
     /// That of the triangles of no region, then those of the regions.
     films: Vec<RegionFilm>,
+    /// What messages call each.
+    names: Vec<String>,
     /// Index of the film of each triangle; empty without regions.
     of: Vec<u32>,
     /// Of all films, whose moduli then are those along its direction.
@@ -97,9 +101,15 @@ impl RegionFilm {
         (1.0 + xx) * (1.0 + yy) - xy * xy
     }
 
-    /// Whether it depends on directions in the reference.
-    fn has_directions(&self) -> bool {
-        self.curvature != [0.0; 3] || self.natural_strain != [0.0; 3]
+    /// What of it depends on directions in the reference.
+    fn directed(&self) -> Option<&'static str> {
+        let strain = (self.natural_strain != [0.0; 3]).then_some("natural strain");
+        if self.is_curved() { Some("natural curvature") } else { strain }
+    }
+
+    /// Whether it has a natural curvature.
+    pub fn is_curved(&self) -> bool {
+        self.curvature != [0.0; 3]
     }
 
     fn check(&self, poisson_ratio: f64) -> Result<()> {
@@ -129,22 +139,25 @@ impl FilmOfTriangles {
     pub fn new(film: Film, orthotropy: Option<Orthotropy>, regions: &[Region], triangle_count: usize) -> Result<Self> {
         film.check()?;
         orthotropy.map_or(Ok(()), |moduli| moduli.check(film.poisson_ratio))?;
-        let mut films = vec![RegionFilm::from(film)];
+        let (mut films, mut names) = (vec![RegionFilm::from(film)], vec!["the film".to_owned()]);
         let mut of = vec![0; if regions.is_empty() { 0 } else { triangle_count }];
         for (region, index) in regions.iter().zip(1_u32..) {
             region.film.check(film.poisson_ratio)?;
             films.push(region.film);
+            names.push(region.name.clone());
             for (row, &triangle) in region.triangles.iter().enumerate() {
                 let triangle = triangle as usize;
                 let Some(place) = of.get_mut(triangle) else {
                     return Err(Error::TriangleOutOfRange { what: "region", row, triangle, triangle_count });
                 };
-                if std::mem::replace(place, index) != 0 {
-                    return Err(Error::RegionsOverlap { triangle });
+                let other = std::mem::replace(place, index) as usize;
+                if other != 0 {
+                    let (first, second) = (names[other].clone(), region.name.clone());
+                    return Err(Error::RegionsOverlap { triangle, first, second });
                 }
             }
         }
-        Ok(Self { films, of, orthotropy })
+        Ok(Self { films, names, of, orthotropy })
     }
 
     /// Refuses properties that depend on directions in x and y on triangles that are tilted to that plane.
@@ -152,24 +165,31 @@ impl FilmOfTriangles {
     /// # Errors
     /// `TiltedFilm`.
     pub fn check_directions(&self, mesh: &Mesh) -> Result<()> {
-        let has_directions = |&row: &usize| self.orthotropy.is_some() || self.of(row).has_directions();
-        match (0..mesh.triangles.len()).filter(has_directions).find(|&row| !mesh.is_level(row)) {
-            Some(triangle) => Err(Error::TiltedFilm { triangle }),
-            None => Ok(()),
-        }
+        let has_directions = |&row: &usize| self.orthotropy.is_some() || self.of(row).directed().is_some();
+        let Some(triangle) = (0..mesh.triangles.len()).filter(has_directions).find(|&row| !mesh.is_level(row)) else {
+            return Ok(());
+        };
+        let directed = self.of(triangle).directed();
+        let of_region = directed.map(|property| format!("the {property} of {}", self.name_of(triangle)));
+        let what = of_region.unwrap_or_else(|| "the direction of the two moduli of the film".to_owned());
+        Err(Error::TiltedFilm { triangle, what })
+    }
+
+    /// What messages call the film of a triangle.
+    pub fn name_of(&self, triangle: usize) -> &str {
+        &self.names[self.index_of(triangle)]
+    }
+
+    fn index_of(&self, triangle: usize) -> usize {
+        self.of.get(triangle).map_or(0, |&index| index as usize)
     }
 
     /// The film of a triangle.
     pub fn of(&self, triangle: usize) -> &RegionFilm {
-        &self.films[self.of.get(triangle).map_or(0, |&index| index as usize)]
+        &self.films[self.index_of(triangle)]
     }
 
     /// That of the triangles of no region.
-    pub fn whole(&self) -> &Film {
-        &self.films[0].film
-    }
-
-    /// The same, with what it has beside its material.
     pub fn of_no_region(&self) -> &RegionFilm {
         &self.films[0]
     }
@@ -179,12 +199,13 @@ impl FilmOfTriangles {
         self.orthotropy.as_ref()
     }
 
-    /// Refuses two moduli for a law that has one.
+    /// Refuses two moduli for a law whose elements have one.
     ///
     /// # Errors
     /// `TwoModuli`.
-    pub fn require_one_modulus(&self, what: &'static str, remedy: &'static str) -> Result<()> {
-        if self.orthotropy.is_some() { Err(Error::TwoModuli { what, remedy }) } else { Ok(()) }
+    pub fn require_one_modulus(&self, law: &'static str, what: &'static str, remedy: &'static str) -> Result<()> {
+        let refused = |moduli: &Orthotropy| Err(Error::TwoModuli { law, what, across: moduli.across, remedy });
+        self.orthotropy.as_ref().map_or(Ok(()), refused)
     }
 
     /// Whether there are regions.

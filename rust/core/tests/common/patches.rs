@@ -21,7 +21,8 @@ pub fn patched(mut model: Model) -> Model {
     let stiff = RegionFilm { bending_stiffness: Some(3e-7), curvature: [-9.0, 0.0, 2.0], ..RegionFilm::from(FILM) };
     let count = model.triangles.len() as u32;
     let of = |remainder: u32| (0..count).filter(|triangle| (triangle / 3) % 3 == remainder).collect();
-    model.regions = vec![Region { triangles: of(0), film: thick }, Region { triangles: of(1), film: stiff }];
+    let region = |name: &str, row, film| Region { name: name.to_owned(), triangles: of(row), film };
+    model.regions = vec![region("thick", 0, thick), region("stiff", 1, stiff)];
     let own = |row: usize| match row % 3 {
         0 => OwnCrease::default(),
         1 => OwnCrease { stiffness: Some(4.0), contact_penalty: Some(7.0), natural_angle: None },

@@ -44,29 +44,37 @@ pub(super) fn inner_edges(assembly: &Assembly, fold_limit: f64) -> Vec<InnerEdge
     hinges.map(edge).collect()
 }
 
-/// The natural fold angle of a hinge between a film on the side of C and one on that of D.
+/// The natural fold angle of a hinge between the film of one triangle on the side of C and that of another on D's.
 ///
 /// # Errors
 /// `CurvatureBeyondMesh` above 90 degrees.
-pub(super) fn natural_fold(assembly: &Assembly, edge: &InnerEdge, films: [&RegionFilm; 2]) -> Result<f64> {
+pub(super) fn natural_fold(
+    assembly: &Assembly,
+    films: &FilmOfTriangles,
+    edge: &InnerEdge,
+    triangles: [u32; 2],
+) -> Result<f64> {
     let [a, b, c, d] = edge.hinge.nodes.map(|node| assembly.mesh.reference[node as usize]);
     let along = sub(b, a);
     let mut fold = 0.0;
-    for ((apex, film), area) in [c, d].into_iter().zip(films).zip(edge.size.areas) {
+    let films_here = films_of(films, triangles);
+    for ((apex, film), area) in [c, d].into_iter().zip(films_here).zip(edge.size.areas) {
         let (to_apex, height) = (sub(apex, a), 2.0 * area / edge.size.length);
         let foot = dot(to_apex, along) / dot(along, along);
         fold += (film.natural_rise(to_apex) - foot * film.natural_rise(along)) / (2.0 * height);
     }
     if fold.abs() > FRAC_PI_2 {
         let [a, b, ..] = edge.hinge.nodes.map(|node| node as usize);
-        return Err(Error::CurvatureBeyondMesh { edge: [a, b], degrees: fold.abs().to_degrees() });
+        let triangle = triangles[usize::from(!films_here[0].is_curved())] as usize;
+        let (region, degrees) = (films.name_of(triangle).to_owned(), fold.abs().to_degrees());
+        return Err(Error::CurvatureBeyondMesh { region, edge: [a, b], degrees });
     }
     Ok(fold)
 }
 
-/// The films of facet C and facet D.
-pub(super) fn films_of<'a>(films: &'a FilmOfTriangles, hinge: &Hinge) -> [&'a RegionFilm; 2] {
-    hinge.triangles.map(|triangle| films.of(triangle as usize))
+/// The films of two triangles.
+pub(super) fn films_of(films: &FilmOfTriangles, triangles: [u32; 2]) -> [&RegionFilm; 2] {
+    triangles.map(|triangle| films.of(triangle as usize))
 }
 
 /// The fold angle at these positions \[rad\].

@@ -54,7 +54,7 @@ impl HingeBending {
     pub(super) fn new(parameters: BendingParameters, assembly: &Assembly) -> Result<Self> {
         let BendingParameters { stiffness, fold_limit, collapse, .. } = parameters;
         let remedy = "take the form \"curvature\"";
-        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("hinges", remedy))?;
+        assembly.film.as_ref().map_or(Ok(()), |film| film.require_one_modulus("bending", "its hinges", remedy))?;
         let mut edges = inner_edges(assembly, fold_limit);
         edges.retain(|edge| edge.bends != [false; 2]);
         let hinges: Vec<_> = edges.iter().map(|edge| edge.hinge).collect();
@@ -63,9 +63,9 @@ impl HingeBending {
             rigidity * relative_constant(&edges[row], &assembly.mesh.reference)
         };
         let hinges = HingeSet::new(assembly, &hinges, collapse, |_| 1.0, constant);
-        let curled = assembly.film.as_ref().filter(|films| films.any(|film| film.curvature != [0.0; 3]));
+        let curled = assembly.film.as_ref().filter(|films| films.any(RegionFilm::is_curved));
         let natural = curled.map(|films| {
-            let of_edge = |edge: &InnerEdge| natural_fold(assembly, edge, films_of(films, &edge.hinge));
+            let of_edge = |edge: &InnerEdge| natural_fold(assembly, films, edge, edge.hinge.triangles);
             let angles = edges.iter().map(of_edge).collect::<Result<Vec<f64>>>()?;
             let sines = hinges.elements.pack(0.0, |row| angles[row].sin()).into_iter();
             let cosines = hinges.elements.pack(1.0, |row| angles[row].cos());
@@ -91,7 +91,7 @@ impl HingeBending {
 
 /// D of an edge: of the facets that bend, the harmonic mean by their areas [N m].
 fn mean_rigidity(films: &FilmOfTriangles, edge: &InnerEdge) -> f64 {
-    let [c, d] = films_of(films, &edge.hinge).map(RegionFilm::bending_stiffness);
+    let [c, d] = films_of(films, edge.hinge.triangles).map(RegionFilm::bending_stiffness);
     match edge.bends {
         [true, false] => c,
         [false, true] => d,

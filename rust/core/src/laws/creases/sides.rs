@@ -11,9 +11,9 @@
 //! that is folded against its side beyond 3 pi/2 would be one with facets that interpenetrate by 90 degrees: a run
 //! gains the energy of that contact.
 //!
-//! A collapsed facet makes no difference. Where it turns over, through a line, the angle changes by half a turn, but
-//! the weights are zero there, and the energy does not jump. To put such a crease on its own side is to change the
-//! energy of one that still has a weight: a run gains energy so.
+//! A collapsed facet makes no difference. Where it inverts, through a line, the angle changes by half a turn, but the
+//! weights are zero there, and the energy does not jump. To put such a crease on its own side would change the energy
+//! of one that still has a weight, and a run would gain energy.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -48,7 +48,7 @@ impl Element {
             areas[k] = edge.size.areas[1 - own];
             if edge.bends[own] {
                 factors[k] = if edge.bends[1 - own] { 0.5 } else { 1.0 } * lengths[k] / area;
-                folds[k] = natural_fold(assembly, &edge, [film; 2])?;
+                folds[k] = natural_fold(assembly, films, &edge, [triangle as u32; 2])?;
             }
         }
         if factors == [0.0; 3] {
