@@ -13,6 +13,7 @@ from membrane_rs import (
     Material,
     Mesh,
     MeshError,
+    PointForces,
     Rectangles,
     Scene,
     Simulation,
@@ -171,3 +172,15 @@ def test_check_says_so(tmp_path: Any) -> None:
     assert result.exit_code == 0
     assert "limited by tethers" in result.output
     assert "savings      tethers: without it" in result.output
+
+
+@pytest.mark.parametrize("method", integrators())
+def test_a_motion_that_is_not_finite_is_not_shown(method: str) -> None:
+    """Between two regular checks too."""
+    pull = PointForces((0,), (0.0, 0.0, 1e306))
+    scene = Scene(Strip(0.1, 0.05, columns=4, rows=2).mesh(), RUBBER, [Springs(), pull], [Fixed((4,))])
+    sim = Simulation(scene, method, dt=1e-4)
+    start = sim.positions.copy()
+    with pytest.raises(UnstableError, match=r"no longer finite|finds no step"):
+        sim.reach(5e-4)
+    assert np.array_equal(sim.positions, start)

@@ -36,11 +36,17 @@ impl Simulation {
         self.not_finite(now).or_else(|| self.beyond_bound(now))
     }
 
-    fn not_finite(&self, now: &EnergyTerms) -> Option<Fault> {
+    /// Whether all positions and velocities are finite.
+    pub(super) fn is_finite(&self) -> bool {
         let State { positions, velocities } = &self.state;
-        if (total(positions.as_slice()) + total(velocities.as_slice())).is_finite() {
+        (total(positions.as_slice()) + total(velocities.as_slice())).is_finite()
+    }
+
+    fn not_finite(&self, now: &EnergyTerms) -> Option<Fault> {
+        if self.is_finite() {
             return None;
         }
+        let State { positions, velocities } = &self.state;
         let row = (0..positions.nrows()).find(|&i| !(positions.row(i).sum() + velocities.row(i).sum()).is_finite())?;
         let what = "a position or velocity is no longer finite".to_owned();
         Some(self.described(what, self.node(row), self.most_changed(now), now))

@@ -63,6 +63,9 @@ impl Simulation {
         let is_passed =
             if self.adaptive.is_some() { self.step_past(time, most)? } else { self.step_up_to(time, most)? };
         if is_passed {
+            if !self.is_finite() {
+                self.check(false)?;
+            }
             self.show(time)?;
         }
         Ok(is_passed)
