@@ -353,7 +353,7 @@ class Builder:
                 if node in nodes:
                     remedy = "give the cord a linear_density, add a tip mass, or hold the node fixed"
                     raise SceneError(f"{where}.linear_density = {cord.linear_density:g}: {what}: {remedy}")
-            raise SceneError(f"mesh: {what}: it belongs to no triangle; remove it: Mesh.audit says how")
+            raise SceneError(f"mesh: {what}: it belongs to no triangle; remove it from the mesh: Mesh.audit says how")
 
     def _extra_masses(self) -> Floats:
         masses = np.zeros(self.node_count)
