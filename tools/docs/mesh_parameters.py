@@ -1,7 +1,7 @@
 """Dependence of the parameters on the mesh: both sails of the paper on up to four meshes, in four forms, and bending.
 
-Finished runs are kept in the folder `out` and read again; remove it to repeat all runs, which takes some twenty minutes
-on two cores. With `--write` the tables and pictures of docs/mesh_parameters.md are replaced.
+Finished runs are kept in the folder `out` and read again; remove it to repeat all runs, which takes some three hours on
+two cores. With `--write` the tables and pictures of docs/mesh_parameters.md are replaced.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from membrane_rs.study import MeshRun, SceneMatch, agreeing, jobs_of, match_scen
 from membrane_rs.study.convergence import CURVES, densities, steps
 from membrane_rs.study.length_scales import PHYSICAL
 from membrane_rs.study.mesh import INTEGRATOR, SHARE, Job, kept
-from mesh_bending import bent, by_alpha
+from mesh_bending import bent, by_alpha, by_substeps
 
 MODELS = ("okuizumi-model-1", "okuizumi-model-2")
-NAMES = ("lengths", "forms", "bending", "compression", "moduli", "triangles")
+NAMES = ("lengths", "forms", "bending", "substeps", "compression", "moduli", "triangles")
 BENT = {"bending-1": MODELS[0], "bending-2": MODELS[1]}
 PARTS = {
     name: MarkedPart(DOCS / "mesh_parameters.md", name)
-    for name in ("lengths", *MODELS, "compression", "moduli", "triangles", *BENT, "alpha")
+    for name in ("lengths", *MODELS, "compression", "moduli", "triangles", *BENT, "alpha", "substeps")
 }
 PAPERS_ROWS, FINEST = 16, 64
 STARTS = {8: 4, 16: 4, 32: 2}
@@ -56,6 +56,9 @@ def main() -> None:
         "lengths": lambda _: {"lengths": lengths()},
         "forms": forms,
         "bending": bending,
+        "substeps": lambda options: {
+            "substeps": by_substeps(MODELS[1], options.out / "runs", until=options.until, jobs=options.jobs, tell=tell)
+        },
         "compression": lambda options: {"compression": compression(options.until)},
         "moduli": lambda _: {"moduli": moduli()},
         "triangles": lambda options: {"triangles": calibrated(options.until, options.out / "runs", options.jobs)},
