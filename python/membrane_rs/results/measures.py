@@ -6,6 +6,7 @@ import numpy as np
 
 from membrane_rs.analysis import strain
 from membrane_rs.analysis.deployment import Corners
+from membrane_rs.scene.scales import free_of_stress
 from membrane_rs.simulation.motion import Motion, check_simulation
 
 
@@ -79,8 +80,6 @@ def peak_stress(sim: Motion) -> float:
     for region in sim.stage_scene.assemble().regions:
         moduli[region.triangles] = region.youngs_modulus
         if any(region.natural_strain):
-            xx, yy, xy = region.natural_strain
-            free = mesh.reference @ np.array([[1.0 + xx, xy, 0.0], [xy, 1.0 + yy, 0.0], [0.0, 0.0, 1.0]])
-            own = mesh.triangles[region.triangles]
+            free, own = free_of_stress(region, mesh.reference), mesh.triangles[region.triangles]
             strains[region.triangles] = strain.triangle_strains(free, sim.positions[: mesh.node_count], own)
     return strain.peak_stress(strains, moduli, film.poisson_ratio)

@@ -13,6 +13,7 @@ from membrane_rs.errors import MeshError
 from membrane_rs.material import Material
 from membrane_rs.mesh import Mesh
 from membrane_rs.mesh.triangulation import frozen
+from membrane_rs.scene.components import FilmRegion
 from membrane_rs.scene.law import Surroundings
 
 
@@ -34,15 +35,19 @@ def areal_densities(scene: Surroundings, of_film: float) -> Floats:
     return found
 
 
+def free_of_stress(region: FilmRegion, vectors: Floats) -> Floats:
+    """Places or edges (..., 3) of the flat shape, as they are in the film of a region free of stress [m]."""
+    xx, yy, xy = region.natural_strain
+    freed: Floats = vectors @ np.array([[1.0 + xx, xy, 0.0], [xy, 1.0 + yy, 0.0], [0.0, 0.0, 1.0]])
+    return freed
+
+
 def natural_lengths(scene: Surroundings, mesh: Mesh) -> Floats:
     """(e,) lengths of the edges in the film free of stress [m]; between two films the mean of both."""
-    strain = np.zeros((len(mesh.triangles), 3))
+    spans = (mesh.reference[mesh.edges[:, 1]] - mesh.reference[mesh.edges[:, 0]])[mesh.triangle_edges]
     for region in scene.assemble().regions:
-        strain[region.triangles] = region.natural_strain
-    spans = mesh.reference[mesh.edges[:, 1]] - mesh.reference[mesh.edges[:, 0]]
-    xx, yy, xy = strain.T[:, :, None]
-    x, y, z = np.moveaxis(spans[mesh.triangle_edges], 2, 0)
-    lengths = np.sqrt((x + (xx * x + xy * y)) ** 2 + (y + (xy * x + yy * y)) ** 2 + z**2)
+        spans[region.triangles] = free_of_stress(region, spans[region.triangles])
+    lengths = np.linalg.norm(spans, axis=2)
     sums: Floats = np.bincount(mesh.triangle_edges.ravel(), lengths.ravel(), len(mesh.edges)).astype(np.float64)
     return sums / mesh.triangles_per_edge
 

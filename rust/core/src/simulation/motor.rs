@@ -11,8 +11,8 @@
 //! integrate both as works in the ledger, and behind them Omega times the torque (`Law::outside_load`) of the other
 //! loads from outside, among them gravity with a factor, which has no potential. So the work is of the order of the
 //! method and needs no torque of contact, which is large and quick; and K in inertial space, U, and the works of all
-//! laws in inertial space have the residual of the balance in the turning frame. The motor of a free hub has the work of
-//! its torque, which is that of the law of the frame.
+//! laws in inertial space have the residual of the balance in the turning frame. The motor of a free hub has the work
+//! of its torque, which is that of the law of the frame.
 
 use super::Simulation;
 use crate::laws::{Law, WorkClass};
